@@ -18,8 +18,14 @@ from viscache.emitted_light import light_on_surfaces
 from viscache.frame import Frame
 from viscache.frame_html import frame_html
 from viscache.oracles.code_digest import code_digest
-from viscache.oracles.correct import Correct
-from viscache.oracles.learned import PassMemory, octaves_of
+from viscache.oracles.correct import CERTAIN, Correct
+from viscache.oracles.learned import (
+    LEARNING_PASSES,
+    PassMemory,
+    Shares,
+    best_scale,
+    octaves_of,
+)
 from viscache.oracles.sources import parameters_of
 from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
@@ -345,18 +351,20 @@ class Progressive:
         epoch = n // self.renew if self.renew else 0
         alone = isinstance(self.integrator, Bdpt)
         view = {name: self._options[name] for name in ("camera", "size", "threads")}
-        refined = self.maps.for_pass(n, **view) if self.maps else nullcontext(self.visibility)
+        drawn, use, memory = self._drawn()
+        refined = self.maps.for_pass(n, **view) if self.maps else nullcontext(drawn)
         with refined as visibility:
+            kept = self.rows if self.rows is not None else self.counts
             frame = render_part(
                 self.scene,
                 self.integrator,
                 (0, 1),
                 visibility=visibility,
-                use=self.use,
+                use=use,
                 seed=self._seed + (n if alone else epoch),
                 first_sample=0 if alone else n * self._spp,
-                keep=self.rows if self.rows is not None else self.counts,
-                memory=None if alone else self._memory(epoch),
+                keep=kept if drawn is self.visibility else None,
+                memory=None if alone else memory,
                 **self._options,
             )
         if self.maps is not None:
@@ -365,18 +373,51 @@ class Progressive:
         self._sums.add(frame, n)
         self._next = n + 1
 
-    def _memory(self, epoch: int) -> PassMemory:
-        """What the next pass takes over: lights, and what corrections of the first pass found.
+    def _learn(self) -> None:
+        """Decides how later passes draw, once the first ones are there."""
+        sums = self._sums
+        ready = sums.n >= LEARNING_PASSES and "share_by_class" in sums.counters
+        if sums.shares is not None or not ready or "variance" not in sums.layers:
+            return
+        given = self.use if isinstance(self.use, Correct) else Correct()
+        scale = 1.0
+        if given.certain == "auto":
+            scale = best_scale(
+                sums.squares / (sums.n - 1),
+                sums.layers["variance"] / sums.n,
+                sums.layers["color"] / sums.n,
+                sums.counters,
+            )
+        learned = given.classes == "learned"
+        octaves = octaves_of(sums.counters["share_by_class"]) if learned else None
+        sums.shares = Shares(octaves, scale)
+        if math.isinf(scale):
+            sums.warnings.append(
+                "exact visibility from pass 3 on: the noise of corrections would cost more than "
+                'they save; vc.Correct(certain=...) or use="replace" keeps the cache'
+            )
 
-        Draws of the first pass decide the shares of all others, which therefore draw independently
-        of it.
+    def _drawn(self) -> tuple[Any, Any, PassMemory]:
+        """Visibility, use and memory of the next pass.
+
+        Draws of the first passes decide the shares of all others, which therefore draw
+        independently of them.
         """
+        epoch = self._next // self.renew if self.renew else 0
         if self._lights is None or self._lights[0] != epoch:
             self._lights = (epoch, _core.KeptLights())
-        learnt = self._sums.first_classes
-        if not learnt or (isinstance(self.use, Correct) and self.use.classes == "same"):
-            return PassMemory(self._lights[1])
-        return PassMemory(self._lights[1], octaves_of(learnt), 1)
+        lights = self._lights[1]
+        self._learn()
+        shares = self._sums.shares
+        if shares is None:
+            return self.visibility, self.use, PassMemory(lights)
+        if math.isinf(shares.scale):
+            return Exact(), None, PassMemory(lights)
+        use = self.use
+        if shares.scale != 1:
+            given = use if isinstance(use, Correct) else Correct()
+            use = dataclasses.replace(given, certain=CERTAIN / shares.scale)
+        return self.visibility, use, PassMemory(lights, shares.octaves, 1)
 
     def _kept_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """What counts and maps keep, for a file."""

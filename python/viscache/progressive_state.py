@@ -6,7 +6,7 @@ import json
 import os
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy.typing as npt
 from viscache.aqvc_rows import AqvcRows
 from viscache.files import whole_file
 from viscache.frame import Frame
+from viscache.oracles.learned import Shares
 from viscache.provenance import VERSION
 
 __all__ = ["Sums", "load", "save"]
@@ -55,8 +56,8 @@ class Sums:
         Of the last pass.
     warnings : list of str
         Of all passes, each once.
-    first_classes : dict
-        Counters "share_by_class" of the first pass, from which later ones learn.
+    shares : Shares, optional
+        What the first passes decided for the draws of later ones.
     """
 
     n: int = 0
@@ -67,13 +68,11 @@ class Sums:
     timings: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
-    first_classes: dict[str, Any] = field(default_factory=dict)
+    shares: Shares | None = None
 
     def add(self, frame: Frame, number: int) -> None:
         """Add one pass."""
         self.numbers = _joined([*self.numbers, [number, number + 1]])
-        if self.n == 0:
-            self.first_classes = frame.counters.get("share_by_class", {})
         color = frame.layers["color"].astype(np.float64)
         if self.n == 0:
             self.layers = {n: np.zeros(p.shape) for n, p in frame.layers.items()}
@@ -102,12 +101,16 @@ class Sums:
             deviation = self.layers["color"] / self.n - other.layers["color"] / other.n
             between = deviation**2 * (self.n * other.n / (self.n + other.n))
             self.squares = self.squares + other.squares + between
-            self.layers = {name: p + other.layers[name] for name, p in self.layers.items()}
+            self.layers = {
+                name: p + other.layers[name]
+                for name, p in self.layers.items()
+                if name in other.layers
+            }
         elif other.n:
             self.squares = other.squares.copy()
             self.layers = {name: p.copy() for name, p in other.layers.items()}
             self.parameters = other.parameters
-            self.first_classes = other.first_classes
+            self.shares = other.shares
         self.n, self.numbers = self.n + other.n, numbers
         self.counters = _added(self.counters, other.counters)
         if self.n > 1:
@@ -163,7 +166,7 @@ def save(
         "timings": sums.timings,
         "parameters": sums.parameters,
         "warnings": sums.warnings,
-        "first_classes": sums.first_classes,
+        "shares": asdict(sums.shares) if sums.shares else None,
         "layers": list(sums.layers),
         "rows": [],
     }
@@ -230,7 +233,7 @@ def load(
             timings=records["timings"],
             parameters=records["parameters"],
             warnings=records["warnings"],
-            first_classes=records["first_classes"],
+            shares=Shares(**records["shares"]) if records["shares"] else None,
         )
         next_pass = int(records["next_pass"])
         if rows is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from viscache.oracles.learned import (
     LEAST_CHECKED,
     N_CLASSES,
     PassMemory,
+    best_scale,
     octaves_of,
     unlearnt,
 )
@@ -205,16 +207,86 @@ def test_exact_and_replaced_frames_have_no_variance(hall: vc.Scene) -> None:
     assert not whole.layers["variance"].any()
 
 
-def test_later_passes_use_what_the_first_one_found() -> None:
-    """Same bytes for any threads; with "same", passes differ from the second on."""
+def test_later_passes_use_what_the_first_ones_found() -> None:
+    """Same bytes for any threads; with "same", passes differ from the third on."""
     options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
     scene, light = vc.scenes.build("room?triangles=3000"), vc.Whitted(n_vpls=128)
     one = vc.Progressive(scene, light, threads=1, **options)
     two = vc.Progressive(scene, light, threads=3, **options)
     same = vc.Progressive(scene, light, use=vc.Correct(classes="same"), **options)
-    assert one.passes(1).sha256 == two.passes(1).sha256 == same.passes(1).sha256
-    assert one.passes(3).sha256 == two.passes(3).sha256
-    assert one.frame.sha256 != same.passes(3).sha256
-    octaves = one._memory(0).octaves
-    assert octaves is not None
-    assert len(set(octaves[GROUPS.index("vpl")])) > 1
+    assert one.passes(2).sha256 == two.passes(2).sha256 == same.passes(2).sha256
+    assert one.passes(2).sha256 == two.passes(2).sha256
+    assert one.frame.sha256 != same.passes(2).sha256
+    shares = one._sums.shares
+    assert shares is not None
+    assert shares.octaves is not None
+    assert len(set(shares.octaves[GROUPS.index("vpl")])) > 1
+    assert same._sums.shares is not None
+    assert same._sums.shares.octaves is None
+
+
+def scale_of(others: float, of_corrections: float, **counters: Any) -> float:
+    """The scale for pictures of ones with such noise."""
+    ones = np.ones((10, 10, 3))
+    given = {"queries": 1000, "rays": 30, "corrections": 20, "groups": {}} | counters
+    return best_scale(ones * (others + of_corrections), ones * of_corrections, ones, given)
+
+
+def test_the_scale_of_shares_balances_noise_and_rays() -> None:
+    # (1/4 + A/s)(40 + 40 s) is least at s = 2 sqrt(A)
+    assert scale_of(1.0, 0.25) == 1.0
+    assert scale_of(1.0, 1.05) == 2.0
+    assert scale_of(1.0, 0.017) == 0.25
+    assert scale_of(1.0, 0.0) == 1.0
+    # Exact rays of 1000 queries cost less: (1/4 + 10/s)(40 + 40 s) is above 250
+    assert scale_of(1.0, 10.0) == np.inf
+    # Few queries for as many rays: exact ones cost less
+    exact = {"point": {"queries": 50, "rays": 50}}
+    assert scale_of(1.0, 1.0, queries=100, rays=80, corrections=20, groups=exact) == np.inf
+    # Edges of lamps do not hide what corrections add elsewhere
+    variance, of_corrections = np.ones((10, 10, 3)), np.full((10, 10, 3), 0.5)
+    variance[0, :4] = 1e6
+    counters = {"queries": 10000, "rays": 300, "corrections": 200, "groups": {}}
+    assert best_scale(variance, of_corrections, np.ones((10, 10, 3)), counters) == 2.0
+
+
+@pytest.fixture(scope="module")
+def gap() -> vc.Scene:
+    """A floor that light reaches through gaps finer than cells: a cache is hardly right there."""
+    corners, triangles = [[-2.0, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]]
+    for x in np.linspace(-2, 2, 200):
+        n = len(corners)
+        corners += [[x, -2, 0.5], [x + 0.0199, -2, 0.5], [x + 0.0199, 2, 0.5], [x, 2, 0.5]]
+        triangles += [[n, n + 1, n + 2], [n, n + 2, n + 3]]
+    description = _core.SceneDescription()
+    description.name = "gaps"
+    grey = description.add_material(base_color=(0.5, 0.5, 0.5))
+    description.add_mesh(
+        np.array(corners, np.float32), np.array(triangles, np.uint32), material=grey
+    )
+    rng = np.random.default_rng(4)
+    for place in np.column_stack([rng.uniform(-1, 1, (64, 2)), rng.uniform(1, 2, 64)]):
+        description.add_point_light(tuple(place), (1, 1, 1))
+    description.add_camera((0.1, -0.2, 0.45), (0.1, 0.1, 0), up=(0, 1, 0), fov_deg=60)
+    return vc.Scene.from_description(description)
+
+
+def test_passes_that_cannot_win_become_exact_and_say_so(gap: vc.Scene, tmp_path: Path) -> None:
+    options: dict[str, Any] = {"size": (48, 48), "visibility": CACHE}
+    picture = vc.Progressive(gap, vc.Direct(), **options)
+    first = picture.passes(2)
+    assert first.counters["corrections"] > 0
+    more = picture.passes(2)
+    assert any("exact visibility from pass 3 on" in w for w in more.warnings)
+    assert more.counters["corrections"] == first.counters["corrections"]
+    per_pass = more.counters["queries"] - first.counters["queries"]
+    assert more.counters["rays"] - first.counters["rays"] == per_pass
+    # As much from a state, and never with a number
+    picture = vc.Progressive(gap, vc.Direct(), **options)
+    picture.passes(2)
+    picture.save(tmp_path / "state.npz")
+    again = vc.Progressive(gap, vc.Direct(), **options)
+    again.load(tmp_path / "state.npz")
+    assert again.passes(2).sha256 == more.sha256
+    kept = vc.Progressive(gap, vc.Direct(), use=vc.Correct(certain=1 / 64), **options)
+    assert kept.passes(4).counters["corrections"] > first.counters["corrections"]

@@ -104,7 +104,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
         for n in (1, 3)
     ]
     assert frames[0].sha256 == frames[1].sha256
-    use = {"name": "correct", "share": 0.2, "certain": 1 / 64, "classes": "learned"}
+    use = {"name": "correct", "share": 0.2, "certain": "auto", "classes": "learned"}
     assert frames[0].parameters["use"] == use
     counters = frames[0].counters
     conn = vc.connections(scene, light, size=SIZE, rays=vc.Bsp())

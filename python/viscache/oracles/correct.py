@@ -11,6 +11,10 @@ from viscache.settings.spelling import setting
 __all__ = ["Correct", "in_words"]
 
 
+#: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
+CERTAIN = 1 / 64
+
+
 @setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Correct:
@@ -43,13 +47,16 @@ class Correct:
 
         The draw depends on the frame's seed and first sample, and on the positions of both ends.
 
-    certain : float > 0
+    certain : float > 0 or "auto"
         Without a share: where q reaches 1. Half as much draws up to twice as many rays, and halves
-        the noise of corrections.
+        the noise of corrections. "auto": 1/64. In `vc.Progressive` the first two passes then tell
+        by which power of two shares have the least error · cost in later ones, by their noise and
+        by counted rays; or that exact visibility has less, which later passes then have, with a
+        warning.
     classes : {"learned", "same"}
-        Without a share, in `vc.Progressive`: "learned": the first pass tells how often answers of a
-        class are wrong (p), and in later passes q follows c·√p, in steps of two. Their draws are
-        independent of those of the first pass. "same": all classes have the same shares. Single
+        Without a share, in `vc.Progressive`: "learned": the first two passes tell how often answers
+        of a class are wrong (p), and in later ones q follows c·√p, in steps of two. Their draws are
+        independent of those of the first two. "same": all classes have the same shares. Single
         frames have learnt nothing.
 
     Examples
@@ -65,14 +72,14 @@ class Correct:
     """
 
     share: float | None = None
-    certain: float = 1 / 64
+    certain: float | Literal["auto"] = "auto"
     classes: Literal["learned", "same"] = "learned"
 
     def __post_init__(self) -> None:
         check_types(self)
         fits = self.share is None or 0 < self.share <= 1
         require(fits, "share must be in (0, 1]", self.share)
-        fits = 0 < self.certain < float("inf")
+        fits = self.certain == "auto" or 0 < self.certain < float("inf")
         require(fits, "certain must be > 0 and finite", self.certain)
 
 

@@ -1,4 +1,4 @@
-"""What corrections learn of a cache in one pass, for later passes."""
+"""What corrections learn from the first passes of a picture, for later ones."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from viscache import _core
 
-__all__ = ["GROUPS", "PassMemory", "octaves_of"]
+__all__ = ["GROUPS", "PassMemory", "Shares", "best_scale", "octaves_of"]
 
 #: Light groups in the order of the core, and classes of answers of each.
 GROUPS = (
@@ -29,6 +32,33 @@ PLAIN_OCTAVE, MOST_OCTAVES = 1, 4
 PLAIN_WRONG = 0.16
 #: Checked answers of a class below which its share stays that of the worst.
 LEAST_CHECKED = 64
+#: Passes that tell how shares should be; their draws are independent of all later ones.
+LEARNING_PASSES = 2
+#: Shares are multiplied by one of these powers of two.
+LEAST_SCALE, MOST_SCALE = 0.25, 8.0
+#: Cost of a look-up and of a ray for a single query, in exact rays of whole rows.
+LOOK_UP, SINGLE_RAY = 0.02, 2.0
+#: Pixels of the greatest other noise are left out: edges of lamps, which would hide all else.
+LEFT_OUT = 0.05
+#: Other noise of sixteen passes over that of as many independent ones: their samples are well
+#: spread over each pixel, so that the noise of edges falls with n^-1.5.
+WELL_SPREAD = 0.25
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How later passes draw.
+
+    Attributes
+    ----------
+    octaves : list of 8 lists of 8 int, optional
+        By light group and class: where the share of corrections reaches 1.
+    scale : float
+        Of the shares of all classes; `math.inf`: exact visibility costs less for the same error.
+    """
+
+    octaves: list[list[int]] | None = None
+    scale: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -40,8 +70,7 @@ class PassMemory:
     lights : _core.KeptLights
         Shared lights, filled by the first pass.
     octaves : list of 8 lists of 8 int, optional
-        By light group and class: where the share of corrections reaches 1. They come from passes of
-        other epochs, whose draws are independent of this one's.
+        As in `Shares`, from passes of other epochs, whose draws are independent of this one's.
     epoch : int
         Passes of one epoch take turns at the samples of a pixel; epochs draw independently.
     """
@@ -71,3 +100,46 @@ def octaves_of(share_by_class: Mapping[str, Any]) -> list[list[int]]:
             octave = PLAIN_OCTAVE + round(0.5 * math.log2(PLAIN_WRONG / p))
             octaves[GROUPS.index(name)][k] = min(max(octave, 0), MOST_OCTAVES)
     return octaves
+
+
+def best_scale(
+    variance: npt.NDArray[np.float64],
+    of_corrections: npt.NDArray[np.float64],
+    light: npt.NDArray[np.float64],
+    counters: Mapping[str, Any],
+) -> float:
+    """The factor of all shares with the least error · cost, or inf for exact visibility.
+
+    Shares times s leave the variance of corrections A/s, and cost s times their rays. With σ² the
+    other noise of a pass, (σ² + A/s)·(cost of the cache + s · cost of corrections) is least, and
+    must be below σ² · cost of exact rays. Costs are counted, never timed.
+
+    Parameters
+    ----------
+    variance : (H, W, 3) float64
+        Of one pass, by differences between passes.
+    of_corrections : (H, W, 3) float64
+        The part of corrections in it.
+    light : (H, W, 3) float64
+        The mean picture. Errors count relative to it, with 5 % of its mean added.
+    counters : dict
+        Sums over passes: "queries", "rays", "corrections", "groups".
+    """
+    weight = 1 / (light**2 + (0.05 * light.mean()) ** 2 + np.finfo(np.float64).tiny)
+    noise = ((variance - of_corrections) * weight).mean(axis=-1)
+    kept = noise <= np.quantile(noise, 1 - LEFT_OUT)
+    corrections = float((of_corrections * weight).mean())
+    if corrections == 0:
+        return 1.0
+    # Differences of few passes can be below the part of corrections
+    others = WELL_SPREAD * max(float(noise[kept].mean()), 0.02 * corrections)
+
+    groups = counters["groups"].values()
+    exact = sum(g["rays"] for g in groups if g["rays"] == g["queries"])
+    checks = counters["corrections"]
+    cache = LOOK_UP * counters["queries"] + exact
+    cache += SINGLE_RAY * max(counters["rays"] - exact - checks, 0)
+    scales = 2.0 ** np.arange(math.log2(LEAST_SCALE), math.log2(MOST_SCALE) + 1)
+    cost = (others + corrections / scales) * (cache + SINGLE_RAY * checks * scales)
+    best = int(np.argmin(cost))
+    return math.inf if cost[best] > others * counters["queries"] else float(scales[best])

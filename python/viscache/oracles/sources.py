@@ -6,7 +6,7 @@ from typing import Any
 
 from viscache import _core
 from viscache.oracles import written
-from viscache.oracles.correct import Correct
+from viscache.oracles.correct import CERTAIN, Correct
 from viscache.oracles.learned import unlearnt
 from viscache.settings.rays import Rays, is_robust
 from viscache.settings.source_context import SourceContext
@@ -18,10 +18,9 @@ __all__ = ["oracle_source", "parameters_of", "shafts_for"]
 def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.OracleSource:
     """What makes the oracles of one frame: built in or written in Python, corrected if asked."""
     if isinstance(visibility, NeePlusPlus) and use not in (None, "replace"):
-        given = isinstance(use, Correct)
-        return visibility.corrected(
-            context, use.share if given else None, use.certain if given else None
-        )
+        given = use if isinstance(use, Correct) else Correct()
+        certain = None if given.certain == "auto" else given.certain
+        return visibility.corrected(context, given.share, certain)
     if written.is_written(visibility):
         source = written.source(visibility, context)
     else:
@@ -34,7 +33,7 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
         context.caster,
         source,
         share=correct.share,
-        certain=correct.certain,
+        certain=CERTAIN if correct.certain == "auto" else correct.certain,
         seed=context.seed,
         lasting_seed=context.lasting_seed,
         octaves=context.octaves or unlearnt(),

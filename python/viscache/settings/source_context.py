@@ -36,7 +36,7 @@ class SourceContext:
     rows : AqvcRows, optional
         The rows that are kept from frame to frame.
     octaves : list of list of int
-        What corrections learnt of the classes of answers (`Learned`).
+        What corrections learnt of the classes of answers (`PassMemory`).
     voxels : KeptVoxels, optional
         The voxel counts that are kept from frame to frame.
     """
