@@ -14,6 +14,7 @@ from viscache import _core
 from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.nee_plus_plus import NeePlusPlus
+from viscache.settings.spelling import spelled
 
 __all__ = ["VoxelCounts"]
 
@@ -21,6 +22,7 @@ __all__ = ["VoxelCounts"]
 CELLS = ("n_voxels", "n_directions", "symmetric")
 
 
+@spelled
 class VoxelCounts:
     """What frames of `vc.render(..., keep=counts)` with `NeePlusPlus` learn for later frames.
 
