@@ -17,6 +17,7 @@ from viscache.aqvc_rows import AqvcRows
 from viscache.emitted_light import light_on_surfaces
 from viscache.frame import Frame
 from viscache.frame_html import frame_html
+from viscache.live_view import LiveView
 from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import CERTAIN, Correct
 from viscache.oracles.learned import (
@@ -46,8 +47,6 @@ __all__ = ["Progressive"]
 MEAN_DEVIATION = math.sqrt(2 / math.pi)
 #: An estimate of noise needs some passes.
 LEAST_PASSES = 4
-#: Seconds between two pictures of a live view.
-SHOW_EVERY_S = 1.0
 
 
 @spelled
@@ -199,7 +198,7 @@ class Progressive:
         """
         require(is_whole(n) and n >= 0, "n must be a whole number >= 0", n)
         with progress_bar(progress, unit="pass") as report:
-            view = _View() if show else None
+            view = LiveView() if show else None
             for i in range(n):
                 self._pass()
                 if report:
@@ -255,7 +254,7 @@ class Progressive:
             'use must be "correct" for rel_l1, as passes do not tell the error of a cache',
             self.use,
         )
-        start, view = time.perf_counter(), _View() if show else None
+        start, view = time.perf_counter(), LiveView() if show else None
         for _ in range(passes):
             reached = (
                 rel_l1 is not None and self.n_passes >= LEAST_PASSES and self.error() <= rel_l1
@@ -481,22 +480,3 @@ def described(visibility: Any) -> str:
         cache = f"cache {records_digest(visibility.cache)}"
         return f"{dataclasses.replace(visibility, cache=None)!r} {cache}"
     return repr(visibility)
-
-
-class _View:
-    """A picture in a notebook that is replaced from time to time."""
-
-    def __init__(self) -> None:
-        from IPython import display
-
-        api: Any = display
-        self._html = api.HTML
-        self._handle = api.display(api.HTML(""), display_id=True)
-        self._shown = -math.inf
-
-    def update(self, picture: Progressive, *, last: bool) -> None:
-        now = time.perf_counter()
-        if self._handle is None or not (last or now - self._shown >= SHOW_EVERY_S):
-            return
-        self._shown = now
-        self._handle.update(self._html(picture._repr_html_()))

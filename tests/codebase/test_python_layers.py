@@ -16,7 +16,7 @@ from codebase.repository import sources
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("_core",),
     ("array_output", "audit_result", "files", "progress", "provenance", "tonemap", "workers"),
-    ("frame_html", "settings"),
+    ("frame_html", "live_view", "settings"),
     ("oracles",),
     ("emitted_light", "exact_cost", "frame", "scene", "variance"),
     ("metrics", "notebook", "scenes", "temporal"),
