@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import typing
 
 import pytest
 
@@ -59,9 +60,49 @@ def test_defaults_are_listed() -> None:
         ("room?lights", "lights must have a value"),
         ("room?lights=1&lights=2", "lights must be given once"),
         ("thin_wall?thickness=nan", "thickness must be > 0 and < 1, got nan"),
-        ("cube_on_plane?size=inf", "size must be >= 1e-06, got inf"),
+        ("cube_on_plane?size=inf", "size must be <= 1,000,000,000, got inf"),
+        ("slits?count=1e30", "count must be <= 10,000, got 1000000000000000019884624838656"),
     ],
 )
 def test_bad_text_is_refused_and_the_message_helps(spec: str, message: str) -> None:
     with pytest.raises(ValueError, match="^" + re.escape(message)):
         scenes.build(spec)
+
+
+def numbers(info: scenes.SceneInfo) -> dict[str, type]:
+    """Name and type of the parameters that are numbers."""
+    found = {}
+    for name, hint in typing.get_type_hints(info.builder).items():
+        kinds = set(typing.get_args(hint) or (hint,)) & {int, float}
+        if name != "return" and kinds:
+            found[name] = kinds.pop()
+    return found
+
+
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_every_number_has_a_range_and_what_lies_beyond_is_refused(name: str) -> None:
+    info = scenes.SCENES[name]
+    assert set(info.ranges) == set(numbers(info))
+    for parameter, kind in numbers(info).items():
+        limits = info.ranges[parameter]
+        default = info.parameters[parameter]
+        assert default is None or limits.low <= default <= limits.high
+        beyond = kind(limits.low) - 1, kind(limits.high) + 1, kind(limits.high) * 10**30
+        for value in beyond:
+            with pytest.raises(ValueError, match=f"^{parameter} must be "):
+                info.function(**{parameter: value})
+        for value in ("3", True, 1.5 if kind is int else 1j):
+            with pytest.raises(ValueError, match=f"^{parameter} must be a"):
+                info.function(**{parameter: value})
+
+
+COUNTED_IN_PYTHON = {"bumpy_spheres": "spheres", "room": "lights", "slats": "count"}
+COUNTED_IN_PYTHON |= {"slits": "count", "stairs": "steps"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "parameter"), COUNTED_IN_PYTHON.items())
+def test_the_largest_counts_end(name: str, parameter: str) -> None:
+    info = scenes.SCENES[name]
+    scene = info.function(**{parameter: int(info.ranges[parameter].high)})
+    assert scene.triangles > 0

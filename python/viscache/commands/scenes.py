@@ -15,14 +15,19 @@ def run(arguments: argparse.Namespace) -> int:
     from viscache.scenes import SCENES
 
     described = {
-        name: {"description": entry.description, "parameters": dict(entry.parameters)}
+        name: {
+            "description": entry.description,
+            "parameters": dict(entry.parameters),
+            "ranges": {k: [r.low, r.high] for k, r in entry.ranges.items()},
+        }
         for name, entry in SCENES.items()
     }
     if arguments.json:
         print_json(described)
         return 0
-    for name, entry in described.items():
-        print(f"{name}: {entry['description']}")
-        for parameter, default in dict(SCENES[name].parameters).items():
-            print(f"    {parameter} = {default}")
+    for name, entry in SCENES.items():
+        print(f"{name}: {entry.description}")
+        for parameter, default in entry.parameters.items():
+            limits = entry.ranges.get(parameter)
+            print(f"    {parameter} = {default}{f' ({limits})' if limits else ''}")
     return 0

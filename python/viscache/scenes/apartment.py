@@ -9,12 +9,14 @@ Seen from above (x to the right, z down)::
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     bumpy_sphere,
@@ -38,7 +40,7 @@ WARM = np.array([1.0, 0.88, 0.7])
 
 
 @scene()
-def apartment(triangles: int = 750_000) -> Builder:
+def apartment(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 750_000) -> Builder:
     """Furnished flat of seven rooms, 14 x 2.7 x 9 m, with 24 lamps and windows to the sky.
 
     Parameters
@@ -46,7 +48,6 @@ def apartment(triangles: int = 750_000) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 2000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("apartment"), np.random.Generator(np.random.PCG64(SEED))
     _shell(b)
     _living(b, rng)

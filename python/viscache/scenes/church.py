@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import place, quad, revolve, soft_box, surface, tube
 
 LEAST = 1000
@@ -15,7 +17,7 @@ WALL, AISLE, SPRING, CROWN = 5.0, 2.6, 4.6, 7.4
 
 
 @scene()
-def church(triangles: int = 16_000) -> Builder:
+def church(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 16_000) -> Builder:
     """Nave of a church, 10 x 7.4 x 21 m, with two rows of columns, vaults and pews.
 
     Parameters
@@ -23,7 +25,6 @@ def church(triangles: int = 16_000) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 1000.
     """
-    at_least("triangles", triangles, LEAST)
     b = Builder("church")
     length = BAYS * BAY / 2
     stone = paint(b, "limestone")

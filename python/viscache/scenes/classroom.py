@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache import _core
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array, box, cylinder, place, quad, smooth_path, tube
+from viscache.settings.checks import is_whole, require
 
 SEED = 2007
 LEAST = 1000
@@ -25,7 +28,7 @@ TARGETS = ((0.0, 1.1, -4.0), (0.4, 1.0, -4.0), (1.6, 0.9, -3.0), (3.0, 0.9, -0.5
 
 
 @scene()
-def classroom_like(triangles: int = 51_208) -> Builder:
+def classroom_like(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 51_208) -> Builder:
     """Classroom of 9.2 x 3.2 x 10 m with twenty desks under four point lights.
 
     Parameters
@@ -33,7 +36,6 @@ def classroom_like(triangles: int = 51_208) -> Builder:
     triangles : int
         Exact number; what shapes leave over becomes paper on the floor. At least 1000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("classroom_like"), np.random.Generator(np.random.PCG64(SEED))
     _shell(b)
     _pupils(b, rng)
@@ -66,9 +68,8 @@ def classroom_camera(frame: int, frames: int = FRAMES) -> _core.Camera:
     >>> vc.scenes.classroom_camera(0).origin[2] > vc.scenes.classroom_camera(200).origin[2]
     True
     """
-    at_least("frames", frames, 2)
-    if not 0 <= frame < frames:
-        raise ValueError(f"frame must be in [0, {frames}), got {frame}")
+    Range(2, 1_000_000).check("frames", frames, whole=True)
+    require(is_whole(frame) and 0 <= frame < frames, f"frame must be in [0, {frames})", frame)
     origin, target = (smooth_path(points, frames)[frame].tolist() for points in (PATH, TARGETS))
     return _core.look_at(tuple(origin), tuple(target), (0.0, 1.0, 0.0), 60.0)
 

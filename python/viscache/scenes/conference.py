@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     curtain,
@@ -26,7 +28,7 @@ TABLES = ((-2.1, 0.0), (2.1, 0.0))
 
 
 @scene()
-def conference(triangles: int = 280_000) -> Builder:
+def conference(triangles: Annotated[int, Range(200, MOST_TRIANGLES)] = 280_000) -> Builder:
     """Conference room, 13 x 3.2 x 9 m, lit by ten light panels in the ceiling.
 
     Parameters
@@ -34,7 +36,6 @@ def conference(triangles: int = 280_000) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 200.
     """
-    at_least("triangles", triangles, 200)
     b, rng = Builder("conference"), np.random.Generator(np.random.PCG64(SEED))
     _shell(b)
     for k, (x, z) in enumerate(TABLES):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder, join
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     Indices,
@@ -30,7 +32,7 @@ TREES = ((-4.6, -4.4), (4.7, -4.6), (-4.8, 4.2), (4.6, 4.7), (-0.4, -6.4), (6.6,
 
 
 @scene()
-def courtyard(triangles: int = FULL) -> Builder:
+def courtyard(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = FULL) -> Builder:
     """Courtyard, 24 m wide, with arcades, fountain, café tables and instanced trees in the sun.
 
     Parameters
@@ -39,7 +41,6 @@ def courtyard(triangles: int = FULL) -> Builder:
         Placed triangles (those of instances count each time); the scene has this many to 1.25
         times as many. At least 5000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("courtyard"), np.random.Generator(np.random.PCG64(SEED))
     _arcades(b)
     _fountain(b)

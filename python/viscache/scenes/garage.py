@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import numpy.typing as npt
 
 from viscache.scenes import furniture, workshop
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import box, cylinder, place, quad, soft_box, tube
 from viscache.scenes.sky import Disc, sky_with
 from viscache.scenes.vehicles import bicycle, car, tyre_stack
@@ -34,7 +36,7 @@ LAMPS = (
 
 
 @scene()
-def garage(triangles: int = FULL) -> Builder:
+def garage(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = FULL) -> Builder:
     """Garage, 12 x 3 x 8 m, with cars, pipes and shelves; a sun and three lamps outside.
 
     A stand-in for the garage of the visibility-map paper: most of the light comes from a few bright
@@ -45,7 +47,6 @@ def garage(triangles: int = FULL) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 1000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("garage"), np.random.Generator(np.random.PCG64(SEED))
     _shell(b)
     _structure(b)

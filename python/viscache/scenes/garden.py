@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array, Indices, leaf, place, surface, tube
 from viscache.scenes.sky import sky
 
@@ -22,7 +24,7 @@ GLADE, GLADE_SLOPE = 5.0, 0.35  # length of the free cone in front of a camera, 
 
 
 @scene()
-def garden(triangles: int = FULL) -> Builder:
+def garden(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = FULL) -> Builder:
     """Grass blades 3.8 units high with tulips of 0.8, seen from above and from inside, under a sky.
 
     A stand-in for the garden of the visibility-map paper, with its two cameras and sizes.
@@ -32,7 +34,6 @@ def garden(triangles: int = FULL) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 5000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("garden"), np.random.Generator(np.random.PCG64(SEED))
     ground = surface(_ground, 50, 50, least=(10, 10))
     b.add(ground, b.diffuse("soil", (0.11, 0.08, 0.06)))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import numpy.typing as npt
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array
 
 SEED = 77
@@ -17,7 +19,7 @@ THICKNESS = 0.0012
 
 
 @scene()
-def hairball(triangles: int = FULL) -> Builder:
+def hairball(triangles: Annotated[int, Range(100, MOST_TRIANGLES)] = FULL) -> Builder:
     """Ball of curled three-sided strands, 1 m wide, under a lamp and a sky.
 
     Parameters
@@ -25,7 +27,6 @@ def hairball(triangles: int = FULL) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 100.
     """
-    at_least("triangles", triangles, 100)
     segments = int(np.clip(round(100 * (triangles / FULL) ** (1 / 3)), 4, 100))
     strands = -(-triangles // (2 * SIDES * segments))
     # Fewer strands are thicker, so that the ball stays about as dense.

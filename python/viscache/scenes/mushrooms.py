@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array, bumpy_sphere, leaf, place, revolve, surface, tube
 from viscache.scenes.sky import sky
 
@@ -19,7 +21,7 @@ MUSHROOMS, PLANTS, STONES = 44, 21, 60
 
 
 @scene()
-def mushrooms(triangles: int = FULL) -> Builder:
+def mushrooms(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = FULL) -> Builder:
     """Mushrooms 1.3 units high and wide on uneven ground, with ferns around, under a sky.
 
     A stand-in for the scene of the same name in the visibility-map paper, with its sizes.
@@ -29,7 +31,6 @@ def mushrooms(triangles: int = FULL) -> Builder:
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 5000.
     """
-    at_least("triangles", triangles, LEAST)
     b, rng = Builder("mushrooms"), np.random.Generator(np.random.PCG64(SEED))
     floor = surface(_floor, 100, 100, least=(12, 12))
     b.add(floor, b.diffuse("forest floor", (0.2, 0.16, 0.09)))

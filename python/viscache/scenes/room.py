@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     bumpy_sphere,
@@ -29,8 +31,8 @@ HIGH_PARTS = ((-4.2, 2.6), (4.3, -4.3))  # tall plants
 
 @scene(shown={"lights": 24})
 def room(
-    triangles: int = 200_000,
-    lights: int | None = None,
+    triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 200_000,
+    lights: Annotated[int | None, Range(0, 100_000)] = None,
     panels: bool = False,
     specular: bool = False,
 ) -> Builder:
@@ -47,9 +49,7 @@ def room(
     specular : bool
         Make some objects glossy, one vase of glass and one picture a mirror.
     """
-    at_least("triangles", triangles, LEAST)
     count = (0 if panels else 24) if lights is None else lights
-    at_least("lights", count, 0)
     b, rng = Builder("room"), np.random.Generator(np.random.PCG64(SEED))
     if specular:
         b.glossy("walnut", (0.27, 0.16, 0.09), 0.05, 0.15)

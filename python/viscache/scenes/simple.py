@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.registry import at_least, scene
+from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array, box, bumpy_sphere, place, quad, rod
 
 GREY = (0.5, 0.5, 0.5)
@@ -13,10 +15,10 @@ GREY = (0.5, 0.5, 0.5)
 
 @scene(shown={"edge": 0.01})
 def random_triangles(
-    triangles: int = 100_000,
-    edge: float | None = None,
-    seed: int = 1,
-    edge_factor: float | None = None,
+    triangles: Annotated[int, Range(1, MOST_TRIANGLES)] = 100_000,
+    edge: Annotated[float | None, Range(0, 1, open=True)] = None,
+    seed: Annotated[int, Range(0, 2**64 - 1)] = 1,
+    edge_factor: Annotated[float | None, Range(1e-6, 1e6)] = None,
 ) -> Builder:
     """Equilateral triangles at random places and orientations in the unit cube.
 
@@ -32,16 +34,11 @@ def random_triangles(
         Replaces `edge`: edges have the length edge_factor * triangles^(-1/3), for a density that
         does not depend on the number.
     """
-    at_least("triangles", triangles, 1)
-    at_least("seed", seed, 0)
     if edge_factor is not None:
         if edge is not None:
             raise ValueError(f"edge must be left out with edge_factor, got {edge}")
-        at_least("edge_factor", edge_factor, 1e-6)
         edge = min(edge_factor * triangles ** (-1 / 3), 0.9)
     edge = 0.01 if edge is None else edge
-    if not 0 < edge < 1:
-        raise ValueError(f"edge must be > 0 and < 1, got {edge}")
     rng = np.random.Generator(np.random.Philox(seed))
     r = edge / np.sqrt(3)
     centers = rng.uniform(r, 1 - r, (triangles, 3))
@@ -67,7 +64,10 @@ def _directions(rng: np.random.Generator, n: int) -> Array:
 
 
 @scene()
-def bumpy_spheres(triangles: int = 15_000, spheres: int = 36) -> Builder:
+def bumpy_spheres(
+    triangles: Annotated[int, Range(200, MOST_TRIANGLES)] = 15_000,
+    spheres: Annotated[int, Range(1, 10_000)] = 36,
+) -> Builder:
     """Grid of bumpy spheres over a ground plane, 2 m wide, under a bright sky.
 
     Parameters
@@ -78,8 +78,6 @@ def bumpy_spheres(triangles: int = 15_000, spheres: int = 36) -> Builder:
     spheres : int
         Number of spheres, on the smallest square grid that holds them.
     """
-    at_least("triangles", triangles, 200)
-    at_least("spheres", spheres, 1)
     b = Builder("bumpy_spheres")
     g = int(np.ceil(np.sqrt(spheres)))
     colors = [(0.62, 0.29, 0.17), (0.30, 0.45, 0.55), (0.72, 0.60, 0.35), (0.45, 0.52, 0.38)]
@@ -152,9 +150,8 @@ def window_room() -> Builder:
 
 
 @scene()
-def cube_on_plane(size: float = 1.0) -> Builder:
+def cube_on_plane(size: Annotated[float, Range(1e-6, 1e9)] = 1.0) -> Builder:
     """One cube on a large plane under a point light; `size` is the cube's edge."""
-    at_least("size", size, 1e-6)
     b = Builder("cube_on_plane")
     _ground(b, 8 * size)
     h = size / 2
@@ -167,9 +164,8 @@ def cube_on_plane(size: float = 1.0) -> Builder:
 
 
 @scene()
-def stairs(steps: int = 9) -> Builder:
+def stairs(steps: Annotated[int, Range(1, 2_000)] = 9) -> Builder:
     """A flight of stairs with a railing in hard sunlight."""
-    at_least("steps", steps, 1)
     b = Builder("stairs")
     _ground(b, 12.0)
     stone, metal = b.diffuse("stone", (0.62, 0.58, 0.5)), b.diffuse("metal", (0.12, 0.13, 0.15))
@@ -190,7 +186,7 @@ def stairs(steps: int = 9) -> Builder:
 
 
 @scene()
-def slats(count: int = 16) -> Builder:
+def slats(count: Annotated[int, Range(1, 10_000)] = 16) -> Builder:
     """Thin slats over a floor with a few objects, under four point lights.
 
     Parameters
@@ -198,7 +194,6 @@ def slats(count: int = 16) -> Builder:
     count : int
         Number of slats, each 2 cm thick and 3 m long, one every 15 cm.
     """
-    at_least("count", count, 1)
     b = Builder("slats")
     _ground(b, 6.0)
     wood = b.diffuse("wood", (0.5, 0.35, 0.2))
@@ -222,7 +217,7 @@ def slats(count: int = 16) -> Builder:
 
 
 @scene()
-def slits(count: int = 12) -> Builder:
+def slits(count: Annotated[int, Range(1, 10_000)] = 12) -> Builder:
     """A wall with thin slits between a point light and a floor.
 
     Parameters
@@ -230,7 +225,6 @@ def slits(count: int = 12) -> Builder:
     count : int
         Number of slits, each 2 cm wide, one every 20 cm.
     """
-    at_least("count", count, 1)
     b = Builder("slits")
     _ground(b, 8.0)
     wall = b.diffuse("wall", (0.6, 0.55, 0.5))
@@ -250,10 +244,8 @@ def slits(count: int = 12) -> Builder:
 
 
 @scene()
-def thin_wall(thickness: float = 1e-3) -> Builder:
+def thin_wall(thickness: Annotated[float, Range(0, 1, open=True)] = 1e-3) -> Builder:
     """A wall `thickness` times its width thick, with the light behind it."""
-    if not 0 < thickness < 1:
-        raise ValueError(f"thickness must be > 0 and < 1, got {thickness}")
     b = Builder("thin_wall")
     _ground(b, 8.0)
     width = 3.0
