@@ -202,7 +202,7 @@ void bind_correlation_pairs(py::module_& m) {
     c.def("total_intersections", &total_intersections_of, py::arg("bits_a"), py::arg("bits_b"),
           py::arg("threads") = 0, no_isa, py::arg("skip_dead") = true,
           "Sum of the intersections over all pairs of rows.");
-    c.def("and_popcount_add", &and_popcount_add, py::arg("steps"), py::call_guard<py::gil_scoped_release>(),
+    c.def("and_popcount_add", &and_popcount_add, py::arg("steps"), py::call_guard<WithoutGil>(),
           "Baseline of the bench: and, popcount and add of 512 bits, repeated `steps` times.");
 }
 

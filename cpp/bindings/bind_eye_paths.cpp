@@ -1,5 +1,6 @@
 // Eye points and audited pixels of a frame as arrays.
 #include "arrays.h"
+#include "gil.h"
 #include "viscache/render/audit_pixels.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/scene/check.h"
@@ -15,7 +16,7 @@ void bind_eye_paths(py::module_& m) {
             check_camera(camera);
             EyeTile eyes;
             {
-                py::gil_scoped_release release;
+                const WithoutGil release;
                 const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height),
                                            integrator, frame};
                 Counters counters;

@@ -70,7 +70,7 @@ void bind_kept_table(py::module_& m) {
                 py::array_t<KeptEntry> entries{py::ssize_t(t.bits().occupied())};
                 const std::span to(entries.mutable_data(), size_t(entries.size()));
                 {
-                    const py::gil_scoped_release release;
+                    const WithoutGil release;
                     t.read(to);
                 }
                 return entries;

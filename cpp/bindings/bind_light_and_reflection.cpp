@@ -2,6 +2,7 @@
 #include <map>
 
 #include "described.h"
+#include "gil.h"
 #include "rows.h"
 #include "viscache/scene/bsdf.h"
 #include "viscache/scene/envmap.h"
@@ -21,7 +22,7 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) rotation.m[i][j] = to_world->at(i, j);
     }
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     return EnvironmentMap::from_latlong(image, vec3(scale), rotation, resolution, threads);
 }
 

@@ -1,5 +1,6 @@
 // Scene files, and read-only views of a SceneDescription for tests and `info`.
 #include "described.h"
+#include "gil.h"
 #include "viscache/scene/load.h"
 
 namespace viscache::bindings {
@@ -57,7 +58,7 @@ void bind_loaders(py::module_& m) {
             return load_scene_file(path, {strict, skip_missing, allow_outside});
         },
         py::arg("path"), py::arg("strict") = false, py::arg("skip_missing") = false,
-        py::arg("allow_outside") = false, py::call_guard<py::gil_scoped_release>(),
+        py::arg("allow_outside") = false, py::call_guard<WithoutGil>(),
         "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
         "used.");
 

@@ -38,7 +38,7 @@ py::array_t<double> image(const Relighting& r, const DoubleArray& light, int thr
         given.channel[c].assign(light.data(py::ssize_t(c), 0), light.data(py::ssize_t(c), 0) + cells);
     py::array_t<double> out({py::ssize_t(r.height()), py::ssize_t(r.width()), py::ssize_t(3)});
     auto* pixels = reinterpret_cast<std::array<double, 3>*>(out.mutable_data());
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     r.image(given, {pixels, size_t(r.width()) * size_t(r.height())}, threads);
     return out;
 }

@@ -35,7 +35,7 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const AnyFloatArray& o, c
         usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
     };
     if (n < kQuick) {
-        py::gil_scoped_release release;
+        const WithoutGil release;
         Control control;
         trace(control);
     } else {
@@ -62,7 +62,7 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
     const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    py::gil_scoped_release release;
+    const WithoutGil release;
     parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
         const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
         caster.occluded_in_a_loop(rays, first, last - first, out, plan);
@@ -98,7 +98,7 @@ void bind_scene(py::module_& m) {
             "freeze",
             [](SceneDescription& d, int threads, bool take) {
                 SceneDescription given = take ? std::exchange(d, {}) : d;
-                const py::gil_scoped_release release;
+                const WithoutGil release;
                 return std::const_pointer_cast<Scene>(Scene::freeze(std::move(given), threads));
             },
             py::arg("description"), py::arg("threads") = 0, py::arg("take") = false,
@@ -120,8 +120,7 @@ void bind_scene(py::module_& m) {
         .def(py::init([](std::shared_ptr<Scene> scene, bool robust) {
                  return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
              }),
-             py::arg("scene"), py::kw_only(), py::arg("robust") = true,
-             py::call_guard<py::gil_scoped_release>())
+             py::arg("scene"), py::kw_only(), py::arg("robust") = true, py::call_guard<WithoutGil>())
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("threads") = 0, py::kw_only(), py::arg("way") = py::none(),
              "Any hits. `way` (coherent, as_given or sorted) fixes what otherwise follows from the rays.")

@@ -1,5 +1,6 @@
 // The contents of a frozen scene as plain Python objects.
 #include "described.h"
+#include "gil.h"
 #include "viscache/scene/content_hash.h"
 #include "viscache/scene/decode_image.h"
 #include "viscache/scene/scene.h"
@@ -71,7 +72,7 @@ void bind_scene_info(py::module_& m) {
         [](const std::string& path) {
             Image image;
             {
-                const py::gil_scoped_release release;
+                const WithoutGil release;
                 image = loading::decode_image(loading::read_file(path), path, true);
             }
             return pixels_of(image);

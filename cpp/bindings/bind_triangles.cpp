@@ -1,6 +1,7 @@
 // The triangles of a scene as one list, and intersections of single rays with single triangles; for tests.
 #include "arrays.h"
 #include "bind_rows.h"
+#include "gil.h"
 #include "viscache/visibility/flat_triangles.h"
 #include "viscache/visibility/triangle_kernels.h"
 
@@ -21,7 +22,7 @@ py::array_t<int64_t> ids_of(const FlatTriangles& flat, Value value) {
 py::dict flat_dict(const Scene& scene) {
     FlatTriangles flat;
     {
-        const py::gil_scoped_release release;
+        const WithoutGil release;
         flat = flat_triangles(scene);
     }
     static_assert(sizeof(FlatTriangle) == 9 * sizeof(float));

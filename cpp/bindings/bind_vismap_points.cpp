@@ -93,7 +93,7 @@ void bind_vismap_points(py::module_& m) {
             if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
             std::vector<uint32_t> order;
             {
-                py::gil_scoped_release release;
+                const WithoutGil release;
                 order = morton_order({rows, n});
             }
             return py::array_t<uint32_t>(py::ssize_t(n), order.data());

@@ -164,8 +164,7 @@ py::dict predict_field_rows(const std::shared_ptr<Scene>& scene, const FieldSett
 void bind_vlf_aligned(py::module_& m) {
     py::module_ v = m.attr("vlf");
     py::class_<AlignedBatch>(v, "AlignedBatch")
-        .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"),
-             py::call_guard<py::gil_scoped_release>())
+        .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"), py::call_guard<WithoutGil>())
         .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
              py::kw_only(), py::arg("t_max") = kInfinity, py::arg("order") = py::none(),
              py::arg("threads") = 0, py::arg("isa") = py::none(), py::arg("progress") = py::none(),

@@ -40,7 +40,7 @@ uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const Ui
         }
         list.push_back({corner[0], corner[1], corner[2]});
     }
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     return field.insert(std::move(list), threads);
 }
 
@@ -118,12 +118,12 @@ void bind_vlf_dynamic(py::module_& m) {
              py::arg("threads") = 0, py::arg("progress") = py::none())
         .def("insert", &insert_object, py::arg("vertices"), py::arg("triangles"), py::arg("threads") = 0)
         .def("remove", &DynamicField::remove, py::arg("object"), py::arg("threads") = 0,
-             py::call_guard<py::gil_scoped_release>())
+             py::call_guard<WithoutGil>())
         .def(
             "transform",
             [](DynamicField& field, uint32_t object, const std::array<std::array<double, 4>, 3>& place,
                int threads) {
-                const py::gil_scoped_release release;
+                const WithoutGil release;
                 field.transform(object, {place}, threads);
             },
             py::arg("object"), py::arg("place"), py::arg("threads") = 0)

@@ -65,7 +65,7 @@ void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
     const auto chunk = [&](size_t c, int worker) { work(c * size, std::min(n, (c + 1) * size), worker); };
     const size_t chunks = (n + size - 1) / size;
     if (n < kQuick) {
-        py::gil_scoped_release release;
+        const WithoutGil release;
         parallel_for(chunks, threads, chunk);
     } else {
         run_interruptible([&](Control& control) {

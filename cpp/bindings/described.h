@@ -7,6 +7,7 @@
 #include <span>
 
 #include "arrays.h"
+#include "gil.h"
 #include "viscache/scene/description.h"
 
 namespace viscache::bindings {
@@ -42,7 +43,7 @@ inline py::array_t<float> pixels_of(const Image& i) {
     py::array_t<float> a({py::ssize_t(i.height), py::ssize_t(i.width), py::ssize_t(i.channels)});
     float* out = a.mutable_data();
     {
-        const py::gil_scoped_release release;  // a large image takes a second
+        const WithoutGil release;  // a large image takes a second
         std::copy(i.pixels.begin(), i.pixels.end(), out);
         const auto channels = size_t(i.channels);
         for (size_t c = 0; c < channels; ++c) {

@@ -7,13 +7,14 @@
 #include <mutex>
 #include <thread>
 
+#include "gil.h"
 #include "viscache/math/parallel.h"
 
 namespace viscache::bindings {
 
 /// Runs work(Control&) on another thread, while this thread handles signals and calls `progress(done, total)`
 /// unless it is None. If one of them throws, the work is cancelled, and the exception is rethrown after it
-/// has ended.
+/// has ended. If the interpreter ends, the work of its other threads is cancelled and they get SystemExit.
 template <class Work>
 void run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
     namespace py = pybind11;
@@ -24,7 +25,7 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
     std::exception_ptr error;
     std::exception_ptr python_error;
     {
-        py::gil_scoped_release release;
+        const WithoutGil release;
         std::thread worker([&] {
             try {
                 work(control);
@@ -38,15 +39,19 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
         std::unique_lock lock(mutex);
         while (!finished.wait_for(lock, std::chrono::milliseconds(50), [&] { return done; })) {
             lock.unlock();
+            if (must_stop()) control.cancel = true;
             if (!control.cancel) {
-                py::gil_scoped_acquire acquire;
-                try {
-                    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-                    if (!progress.is_none()) progress(control.done.load(), control.total.load());
-                } catch (...) {
-                    python_error = std::current_exception();
-                    control.cancel = true;
-                }
+                with_python([&] {
+                    try {
+                        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+                        if (!progress.is_none()) progress(control.done.load(), control.total.load());
+                    } catch (abi::__forced_unwind&) {
+                        throw;
+                    } catch (...) {
+                        python_error = std::current_exception();
+                        control.cancel = true;
+                    }
+                });
             }
             lock.lock();
         }
@@ -54,6 +59,7 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
         worker.join();
     }
     if (python_error) std::rethrow_exception(python_error);
+    if (error && must_stop()) leave_thread();
     if (error) std::rethrow_exception(error);
     if (!progress.is_none() && control.total > 0) progress(control.total.load(), control.total.load());
 }

@@ -1,6 +1,8 @@
 // The Python module viscache._core.
 #include <pybind11/pybind11.h>
 
+#include "gil.h"
+
 namespace py = pybind11;
 
 namespace viscache::bindings {
@@ -94,4 +96,5 @@ PYBIND11_MODULE(_core, m) {
     bind_ask(m);
     bind_taps(m);
     bind_python_oracle(m);
+    stop_calls_at_exit();
 }

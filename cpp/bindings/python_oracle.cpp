@@ -5,6 +5,7 @@
 #include <map>
 
 #include "arrays.h"
+#include "gil.h"
 #include "oracle_arrays.h"
 #include "rows.h"
 
@@ -69,7 +70,7 @@ py::array_t<uint64_t> PythonTracer::block(const py::dict& eyes, const py::dict& 
     BitMatrix asked(points.size(), lights.count), seen(points.size(), lights.count);
     pack_into(wanted, asked);
     {
-        const py::gil_scoped_release release;
+        const WithoutGil release;
         Counters counters;
         exact_.block(points, lights, asked, seen, counters);
         rays_ += counters.rays();
@@ -90,7 +91,7 @@ py::array_t<bool> PythonTracer::pairs(const py::dict& eyes, const Index& index, 
     const auto queries = queries_from(lights, {index.data(), lights.count});
     std::vector<Word> seen(words_for(queries.size()));
     {
-        const py::gil_scoped_release release;
+        const WithoutGil release;
         Counters counters;
         exact_.pairs(points, queries, seen, counters);
         rays_ += counters.rays();
@@ -101,7 +102,7 @@ py::array_t<bool> PythonTracer::pairs(const py::dict& eyes, const Index& index, 
 }
 
 PythonOracle::~PythonOracle() {
-    const py::gil_scoped_acquire acquire;
+    const WithGil lock;
     written_ = py::object();
     tracer_.reset();
 }
@@ -113,27 +114,28 @@ void PythonOracle::watch(const Control& control) {
 }
 
 template <class Ask>
-void PythonOracle::with_python(Ask ask) {
+void PythonOracle::call(Ask ask) {
     check_cancelled();
-    const py::gil_scoped_acquire acquire;
-    try {
-        ask();
-    } catch (const py::error_already_set&) {
-        // A cancelled frame stops the tracer; this is not an error of the oracle
-        if (control_ && control_->cancel) throw Cancelled();
-        throw;
-    }
+    with_python([&] {
+        try {
+            ask();
+        } catch (const py::error_already_set&) {
+            // A cancelled frame stops the tracer; this is not an error of the oracle
+            if (control_ && control_->cancel) throw Cancelled();
+            throw;
+        }
+    });
 }
 
 void PythonOracle::begin_tile(const EyeBlock& eyes) {
-    with_python([&] { written_.attr("begin_tile")(eye_block_dict(eyes)); });
+    call([&] { written_.attr("begin_tile")(eye_block_dict(eyes)); });
 }
 
 void PythonOracle::block(const EyeBlock&, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                          Counters& counters) {
     columns_ = lights.count;
     weights_.clear();
-    with_python([&] {
+    call([&] {
         const py::tuple answer = written_.attr("block")(far_ends_dict(lights), unpacked(wanted));
         const auto bits = answer[0].cast<Bits>();
         const size_t words = words_for(lights.count);
@@ -175,7 +177,7 @@ void PythonOracle::pairs(const EyeBlock&, std::span<const ShadowQuery> queries, 
     std::map<std::tuple<Semantic, uint8_t, float>, std::vector<uint32_t>> kinds;
     for (uint32_t i = 0; i < queries.size(); ++i)
         kinds[{queries[i].semantic, queries[i].group, queries[i].t_max}].push_back(i);
-    with_python([&] {
+    call([&] {
         for (const auto& [kind, numbers] : kinds) {
             py::array_t<uint32_t> index(py::ssize_t(numbers.size()));
             for (size_t k = 0; k < numbers.size(); ++k)
@@ -200,21 +202,23 @@ void PythonOracle::pairs(const EyeBlock&, std::span<const ShadowQuery> queries, 
 }
 
 PythonSource::~PythonSource() {
-    const py::gil_scoped_acquire acquire;
+    const WithGil lock;
     written_ = py::object();
 }
 
 void PythonSource::prepare(FrameStart& frame, Control&) {
-    const py::gil_scoped_acquire acquire;
-    py::list lights;
-    for (const FarEnds* ends : frame.lights()) lights.append(far_ends_dict(*ends));
-    written_.attr("begin_frame")(lights);
+    with_python([&] {
+        py::list lights;
+        for (const FarEnds* ends : frame.lights()) lights.append(far_ends_dict(*ends));
+        written_.attr("begin_frame")(lights);
+    });
 }
 
 std::unique_ptr<VisibilityOracle> PythonSource::make() {
-    const py::gil_scoped_acquire acquire;
-    auto tracer = std::make_shared<PythonTracer>(caster_, extent_);
-    return std::make_unique<PythonOracle>(written_.attr("oracle")(tracer), tracer);
+    return with_python([&] {
+        auto tracer = std::make_shared<PythonTracer>(caster_, extent_);
+        return std::make_unique<PythonOracle>(written_.attr("oracle")(tracer), tracer);
+    });
 }
 
 }  // namespace viscache::bindings

@@ -49,7 +49,7 @@ public:
 private:
     /// Calls `ask` with the interpreter's lock. An exception ends the frame and keeps its traceback.
     template <class Ask>
-    void with_python(Ask ask);
+    void call(Ask ask);
 
     pybind11::object written_;
     std::shared_ptr<PythonTracer> tracer_;

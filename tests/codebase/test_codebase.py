@@ -66,6 +66,13 @@ def test_a_forbidden_line_is_found(what: str, line: str) -> None:
     assert offences({"made_up": line}, FORBIDDEN[what])
 
 
+def test_the_lock_of_the_interpreter_has_one_home() -> None:
+    # A call that asks for it by other means aborts the process if the interpreter ends meanwhile.
+    others = {path: source for path, source in sources(".h", ".cpp").items() if "/gil." not in path}
+    assert any("WithoutGil" in source for source in others.values())
+    assert offences(others, r"gil_scoped_|PyGILState_|PyEval_(?:Save|Restore)Thread") == []
+
+
 def test_every_folder_of_the_core_has_tests() -> None:
     folders = {PurePosixPath(path).parts[2] for path in paths(".h", ".cpp", under="cpp/viscache/")}
     python = {path.split("/")[1] for path in paths(".py", under="tests/") if "/test_" in path}
