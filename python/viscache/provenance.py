@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import datetime
+import hashlib
 import os
 import platform
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 #: The version of viscache.
@@ -65,3 +67,14 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
         "threads": thread_count(threads),
         "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
     }
+
+
+@cache
+def code_hash() -> str:
+    """Hash of the code that determines a frame or a figure: the package's sources and its core."""
+    package = Path(__file__).parent
+    files = [Path(_core().__file__), *sorted(package.rglob("*.py"))]
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()

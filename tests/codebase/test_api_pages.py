@@ -29,6 +29,7 @@ MODULES = (
     "viscache.sweeps.designs",
     "viscache.sweeps.tune",
     "viscache.temporal",
+    "viscache.testing",
     "viscache.tiles",
     "viscache.variance",
     "viscache.vismap",

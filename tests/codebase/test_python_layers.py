@@ -31,6 +31,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("sweeps",),
     ("plots",),
     ("correlation", "report"),
+    ("testing",),
     ("viscache",),
     ("cases", "parity"),
     ("bench", "figures"),

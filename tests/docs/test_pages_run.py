@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 import io
+import os
 import re
 import shlex
+import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
@@ -15,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+import viscache
 from codebase.repository import paths, text
 from viscache import cli
 from viscache.sweeps.sweep import SweepFile
@@ -102,6 +105,25 @@ def test_the_code_of_a_page_runs_and_prints_what_it_says(
         warnings.simplefilter("default")  # dask's own are not ours; pytest restores the filters
     monkeypatch.chdir(tmp_path)
     run(text(page), page)
+
+
+def test_the_tests_on_a_page_pass(tmp_path: Path) -> None:
+    """Those that a reader copies into a file of his own."""
+    page = "docs/howto/pytest.md"
+    code = [block.text for block in blocks(text(page)) if block.kind == "python"]
+    (tmp_path / "test_page.py").write_text("\n".join(code), encoding="utf-8")
+    (tmp_path / "pytest.ini").touch()
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "pytest_viscache", str(tmp_path)]
+    path = os.pathsep.join([str(Path(viscache.__file__).parents[1]), *sys.path])
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout
+    assert "4 passed" in done.stdout
 
 
 def test_pages_for_users_have_code() -> None:

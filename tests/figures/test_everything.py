@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from viscache import cli, figures
-from viscache.figures import code, everything, references
+from viscache import cli, figures, provenance
+from viscache.figures import everything, references
 from viscache.figures.outcome import Band, Outcome, Row
 from viscache.figures.registry import FigureInfo
 
@@ -133,31 +133,11 @@ def test_an_interrupted_run_goes_on_figure_by_figure(
 
 
 def test_the_code_hash_is_of_the_sources() -> None:
-    assert len(code.code_hash()) == 64 and code.code_hash() == code.code_hash()
+    assert len(provenance.code_hash()) == 64 and provenance.code_hash() == provenance.code_hash()
 
 
-def test_a_reference_is_rendered_once_for_all_figures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import viscache as vc
-
-    rendered = []
-
-    def counted(*arguments: Any, **options: Any) -> vc.Frame:
-        rendered.append(options)
-        return vc.render(*arguments, **options)
-
-    monkeypatch.setattr(references, "render", counted)
-    scene, direct = vc.scenes.cube_on_plane(), vc.Direct()
-    with references.kept_in(tmp_path, "code"):
-        one = references.reference(scene, direct, size=(24, 16), spp=2)
-        two = references.reference(scene, direct, size=(24, 16), spp=2)
-        assert len(rendered) == 1 and one.sha256 == two.sha256
-        assert one.sha256 == vc.render(scene, direct, size=(24, 16), spp=2).sha256
-        references.reference(scene, direct, size=(24, 16), spp=2, seed=1)
-        references.reference(scene, vc.Direct(n_area=3), size=(24, 16), spp=2)
-        assert len(rendered) == 3
-    with references.kept_in(tmp_path, "other code"):
-        references.reference(scene, direct, size=(24, 16), spp=2)
-    references.reference(scene, direct, size=(24, 16), spp=2)
-    assert len(rendered) == 5
+def test_figures_of_one_folder_share_their_references(tmp_path: Path) -> None:
+    assert references.exact_frames().directory is None
+    with references.kept_in(tmp_path):
+        assert references.exact_frames().directory == tmp_path
+    assert references.exact_frames().directory is None

@@ -51,11 +51,13 @@ def test_weights_of_roulette_are_corrected_too() -> None:
     assert right.sha256 == exact.sha256
 
 
-def energies(scene: vc.Scene, share: float | None, seeds: int, weighted: bool = True) -> Any:
-    """Relative energy errors of frames against exact frames of the same seeds."""
+def frames(
+    scene: vc.Scene, share: float | None, seeds: int, weighted: bool = True
+) -> tuple[list[Any], list[Any]]:
+    """Pictures of a coarse cache, corrected where a share is given, and exact ones."""
     caster, view = scene.caster(vc.Embree()), scene.cameras[0]
     cache, light = vc.Aqvc(c_e=16, refinement="off").core(), core_settings(vc.Direct())
-    errors = []
+    made: tuple[list[Any], list[Any]] = ([], [])
     for seed in range(seeds):
         parts = (scene._core, caster, view, light, frame_settings(SIZE, 1, seed, None))
         exact = _core.ExactSource(scene._core, caster)
@@ -64,29 +66,26 @@ def energies(scene: vc.Scene, share: float | None, seeds: int, weighted: bool = 
             source = _core.ResidualSource(
                 scene._core, caster, source, share=share, seed=seed, weighted=weighted
             )
-        sums = [_core.render_frame(*parts, s)["layers"]["color"].sum() for s in (source, exact)]
-        errors.append(float(sums[0] / sums[1] - 1))
-    return np.array(errors)
-
-
-def z_of(errors: Any) -> float:
-    return float(errors.mean() / (errors.std(ddof=1) / np.sqrt(len(errors))))
+        for images, oracles in zip(made, (source, exact), strict=True):
+            images.append(_core.render_frame(*parts, oracles)["layers"]["color"])
+    return made
 
 
 @pytest.mark.stat
 def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
-    scene, seeds = vc.scenes.build(ROOM), 24
-    corrected = energies(scene, 0.25, seeds)
-    assert abs(z_of(corrected)) < 3.5
-    # Power: one percent less energy would be noticed, and so is the cache alone
-    assert abs(z_of(corrected - 0.01)) > 5
-    assert abs(z_of(energies(scene, None, seeds))) > 5
+    scene = vc.scenes.build(ROOM)
+    vc.testing.assert_unbiased(*frames(scene, 0.25, 24), energy=0.01, paired=True)
+    with pytest.raises(AssertionError, match="the frames are biased"):  # the cache alone
+        vc.testing.assert_unbiased(*frames(scene, None, 24), paired=True)
 
 
 @pytest.mark.stat
 def test_without_weights_the_bias_shows() -> None:
     """Negative control: corrections that count as if every query had been drawn."""
-    assert abs(z_of(energies(vc.scenes.build(ROOM), 0.25, 24, weighted=False))) > 5
+    with pytest.raises(AssertionError, match="the frames are biased"):
+        vc.testing.assert_unbiased(
+            *frames(vc.scenes.build(ROOM), 0.25, 24, weighted=False), paired=True
+        )
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:

@@ -138,16 +138,15 @@ def test_it_serves_as_control_variate(room: vc.Scene) -> None:
 
 
 def test_weights_count(room: vc.Scene) -> None:
-    exact = vc.render(room, WHITTED, size=SIZE).image.mean()
-    means = [
-        vc.render(room, WHITTED, size=SIZE, visibility=Half(seed=seed)).image.mean()
-        for seed in range(12)
-    ]
-    error = np.std(means, ddof=1) / np.sqrt(len(means))
-    assert error < 0.01 * exact
-    assert abs(np.mean(means) - exact) < 4 * error
-    wrong = vc.render(room, WHITTED, size=SIZE, visibility=Half(weight=1.0)).image.mean()
-    assert wrong < 0.6 * exact
+    exact = vc.render(room, WHITTED, size=SIZE)
+
+    def halves(**options: Any) -> list[vc.Frame]:
+        oracles = [Half(seed=seed, **options) for seed in range(24)]
+        return [vc.render(room, WHITTED, size=SIZE, visibility=o) for o in oracles]
+
+    vc.testing.assert_unbiased(halves(), exact, energy=0.05)
+    with pytest.raises(AssertionError, match="the frames are biased in their energy"):
+        vc.testing.assert_unbiased(halves(weight=1.0), exact)
 
 
 def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:

@@ -52,6 +52,20 @@ def test_diff_prints_every_metric_as_one_json_object(
     assert got["energy"] == pytest.approx(0.1, rel=1e-5)
 
 
+def test_diff_with_limits_is_a_check(
+    capsys: pytest.CaptureFixture[str], pair: tuple[str, str]
+) -> None:
+    met = ["--limit", "rel_l1<=0.11", "--limit", "ssim>=0.5"]
+    status, out, err = run(capsys, "diff", *pair, "--json", *met)
+    assert status == 0 and err == "" and json.loads(out)
+    status, out, err = run(capsys, "diff", *pair, "--json", *met, "--limit", "energy<=0.05")
+    assert status == 1 and json.loads(out)["energy"] == pytest.approx(0.1, rel=1e-5)
+    assert err == "energy 0.1 must be within ±0.05, 2 times\n"
+    for wrong, says in (("energy>=0.1", "energy<=NUMBER"), ("flop<=1", "did you mean 'flip'")):
+        status, out, err = run(capsys, "diff", *pair, "--limit", wrong)
+        assert status == 2 and out == "" and says in err and len(err.splitlines()) == 1
+
+
 def test_diff_against_black_prints_null(
     capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
 ) -> None:

@@ -19,6 +19,7 @@ from viscache._core import _testing
 from viscache.oracles.points import unpack
 from viscache.render import render_part
 from viscache.sweeps.store import Store
+from viscache.testing import assert_unbiased
 
 Array = npt.NDArray[Any]
 
@@ -138,26 +139,12 @@ def stack(scene: vc.Scene, integrator: Any, seeds: int = 20, **options: Any) -> 
     return np.stack([f.image for f in frames]).astype(np.float64)
 
 
-def largest_t(a: Array, b: Array) -> float:
-    """Of the picture's energy and of blocks of 32² pixels, paired by seeds."""
-    n, h, w, c = a.shape
-    blocks = (a - b).reshape(n, h // 32, 32, w // 32, 32, c).mean(axis=(2, 4)).reshape(n, -1)
-    cells = np.column_stack([blocks, blocks.mean(axis=1)])
-    noise = cells.std(axis=0, ddof=1) / np.sqrt(n)
-    return float((np.abs(cells.mean(axis=0)) / np.maximum(noise, 1e-9)).max())
-
-
-#: Of 13 cells and 15 degrees of freedom, above this once in 500 sound comparisons.
-LIMIT = 5.0
-
-
 @pytest.mark.parametrize("make", [direct, whitted])
 def test_a_frame_of_picks_has_the_mean_of_the_exact_frame(make: Any, scene: vc.Scene) -> None:
     exact = stack(scene, make(0))
     picks = stack(scene, make(3))
     assert (picks != exact).any()
-    assert largest_t(picks, exact) < LIMIT
-    assert largest_t(0.98 * picks, exact) > LIMIT
+    assert_unbiased(picks, exact, energy=0.02, paired=True)
 
 
 def test_weights_of_a_uniform_choice_are_found_wrong(scene: vc.Scene) -> None:
@@ -180,7 +167,9 @@ def test_weights_of_a_uniform_choice_are_found_wrong(scene: vc.Scene) -> None:
             answers[group] = (unpack(answers[group].bits, lights), other)
         wrong.append(picks.frame(answers).image)
     a, b, c = (np.stack(x).astype(np.float64) for x in (exact, good, wrong))
-    assert largest_t(b, a) < LIMIT < largest_t(c, a)
+    assert_unbiased(b, a, energy=0.02, paired=True)
+    with pytest.raises(AssertionError, match="the frames are biased"):
+        assert_unbiased(c, a, paired=True)
 
 
 @pytest.mark.parametrize("make", [direct, whitted])
@@ -236,8 +225,9 @@ def test_weights_of_an_oracle_multiply_those_of_the_picks(scene: vc.Scene) -> No
     options: dict[str, Any] = {"visibility": vc.Unoccluded(), "use": vc.Correct(share=0.5)}
     exact = stack(scene, direct(0))
     corrected = stack(scene, direct(4), **options)
-    assert largest_t(corrected, exact) < LIMIT
-    assert largest_t(stack(scene, direct(4), visibility=vc.Unoccluded()), exact) > LIMIT
+    assert_unbiased(corrected, exact, energy=0.025, paired=True)
+    with pytest.raises(AssertionError, match="the frames are biased"):
+        assert_unbiased(stack(scene, direct(4), visibility=vc.Unoccluded()), exact, paired=True)
     whole = vc.render(scene, direct(4), size=(64, 64), **{**options, "use": vc.Correct(share=1.0)})
     assert whole.sha256 == vc.render(scene, direct(4), size=(64, 64)).sha256
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache.testing import assert_unbiased
 
 SIZE = (48, 32)
 LIGHTS, SKY = vc.Whitted(n_vpls=64), vc.Direct(n_environment=8)
@@ -217,11 +218,10 @@ def test_a_state_without_what_caches_keep_is_refused(
         assert other.n_passes == 0
 
 
-def energies(scene: vc.Scene, visibility: Any, use: Any, n: int, **options: Any) -> Any:
-    """Light of each pass."""
-    p = picture(scene, visibility, use, **options)
-    sums = np.array([p.passes(1).image.sum(dtype=np.float64) * (i + 1) for i in range(n)])
-    return np.diff(sums, prepend=0.0)
+def passes(p: vc.Progressive, n: int = 36) -> Any:
+    """The picture of each pass, (n, H, W, 3)."""
+    sums = [p.passes(1).image.astype(np.float64) * (i + 1) for i in range(n)]
+    return np.diff(sums, axis=0, prepend=np.zeros((1, *sums[0].shape)))
 
 
 @pytest.mark.stat
@@ -238,16 +238,13 @@ def energies(scene: vc.Scene, visibility: Any, use: Any, n: int, **options: Any)
 def test_passes_converge_to_exact_visibility(
     room: vc.Scene, visibility: Any, use: Any, biased: Any
 ) -> None:
-    """Energy by Student t over passes; a percent of it would show, and so does the bias."""
-    n = 32
-    exact = energies(room, vc.Exact(), None, n)
-    d = energies(room, visibility, use, n) / exact - 1
-    se = d.std(ddof=1) / np.sqrt(n)
-    assert abs(d.mean()) < 3.5 * se
-    assert 5 * se < 0.02
+    """2.5 percent of the light would show, and so does the bias."""
+    exact = passes(picture(room, vc.Exact()))
+    ours = passes(picture(room, visibility, use))
+    assert_unbiased(ours, exact, energy=0.025, paired=True)
     if biased:
-        d = energies(room, visibility, biased, n) / exact - 1
-        assert abs(d.mean()) > 10 * d.std(ddof=1) / np.sqrt(n)
+        with pytest.raises(AssertionError, match="the frames are biased"):
+            assert_unbiased(passes(picture(room, visibility, biased)), exact, paired=True)
 
 
 @pytest.mark.stat
@@ -256,15 +253,10 @@ def test_passes_of_refined_maps_converge_to_exact_visibility(
     window: vc.Scene, options: dict[str, Any]
 ) -> None:
     """Against passes of product sampling; maps in place of visibility fail."""
-    n = 32
     product = vc.Direct(n_environment=256, environment="product")
-    p = vc.Progressive(window, product, visibility="exact", size=SIZE)
-    exact = np.diff([0.0, *(p.passes(1).image.sum() * (i + 1) for i in range(n))])
+    exact = passes(vc.Progressive(window, product, visibility="exact", size=SIZE))
     coarse = vc.VisMaps(m=4, n_startup=1, d_max=1000.0, **options)
-    ours = energies(window, coarse, None, n)
-    d = ours - exact  # of the same eye samples
-    se = d.std(ddof=1) / np.sqrt(n)
-    assert abs(d.mean()) < 3.5 * se
-    assert 4 * se < 0.02 * exact.mean()
-    spoilt = energies(window, coarse, "replace", n) - exact
-    assert abs(spoilt.mean()) > 5 * spoilt.std(ddof=1) / np.sqrt(n)
+    # Of the same eye samples
+    assert_unbiased(passes(picture(window, coarse)), exact, energy=0.03, paired=True)
+    with pytest.raises(AssertionError, match="the frames are biased"):
+        assert_unbiased(passes(picture(window, coarse, "replace")), exact, paired=True)

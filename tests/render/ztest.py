@@ -11,14 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
 
-Images = npt.NDArray[np.float64]
+from viscache.testing.student import ROUNDING, blocks, welch
 
 #: A sound comparison falls below this once in a thousand seeds; tests fix theirs.
 ALPHA = 1e-3
-#: Differences that are rounding, relative to the cell and to the image.
-ROUNDING = 2e-5
 
 
 @dataclass(frozen=True)
@@ -40,26 +37,6 @@ class ZTest:
         return f"p = {self.p:.2g} over {self.cells} cells, {worst}, energy {self.energy:+.4%}"
 
 
-def _blocks(images: Images, edge: int) -> Images:
-    """Means over edge × edge blocks; what does not fill a block is left out."""
-    n, h, w, c = images.shape
-    rows, columns = h // edge, w // edge
-    cut = images[:, : rows * edge, : columns * edge]
-    return cut.reshape(n, rows, edge, columns, edge, c).mean(axis=(2, 4))
-
-
-def _t(a: Images, b: Images, tolerance: float) -> tuple[Images, Images]:
-    """Welch's t and its degrees of freedom per cell; `tolerance` counts as noise of that size."""
-    va, vb = a.var(axis=0, ddof=1) / len(a), b.var(axis=0, ddof=1) / len(b)
-    difference = a.mean(axis=0) - b.mean(axis=0)
-    rounding = tolerance * (np.abs(b.mean(axis=0)) + np.abs(b.mean()))
-    # Noise far below rounding says nothing about a difference of that size
-    variance = va + vb + rounding**2
-    freedom = (va + vb) ** 2 / np.maximum(va**2 / (len(a) - 1) + vb**2 / (len(b) - 1), 1e-300)
-    freedom = np.where((va + vb) > rounding**2, freedom, 1e9)
-    return difference / np.sqrt(variance), np.maximum(freedom, 1.0)
-
-
 def compare(
     ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8, tolerance: float = ROUNDING
 ) -> ZTest:
@@ -74,14 +51,14 @@ def compare(
     whole = (a.mean(axis=(1, 2), keepdims=True), b.mean(axis=(1, 2), keepdims=True))
     scales = {
         "pixel": (a, b),
-        "block": (_blocks(a, edge), _blocks(b, edge)),
+        "block": (blocks(a, edge), blocks(b, edge)),
         "image": whole,
     }
     best = (np.inf, "", 0.0)
     cells = 0
     for name, (x, y) in scales.items():
-        t, freedom = _t(x, y, tolerance)
-        p = 2 * stats.t.sf(np.abs(t), freedom)
+        found = welch(x, y, tolerance)
+        p, t = found.p, found.t
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)
         best = min(

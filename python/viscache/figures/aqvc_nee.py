@@ -149,7 +149,7 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
     """Mean squared error and CPU seconds of each method, over independent frames."""
     spp = REFERENCE_SPP // 4 if quick else REFERENCE_SPP
     reference = _double(
-        references.reference(
+        references.exact_frames()(
             shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
         )
     )

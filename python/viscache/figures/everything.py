@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import page, registry
-from viscache.figures.code import code_hash
 from viscache.files import finite, write_whole
-from viscache.provenance import provenance
+from viscache.provenance import code_hash, provenance
 
 __all__ = ["failing", "finished", "reproduce_all"]
 

@@ -1,4 +1,4 @@
-"""Converged reference pictures, rendered once and stored by content hash."""
+"""Converged reference pictures, which the figures of a folder share."""
 
 from __future__ import annotations
 
@@ -6,56 +6,24 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any
 
-from viscache.frame import Frame
-from viscache.render import render
-from viscache.scene import Scene
-from viscache.settings import by_name
-from viscache.sweeps.store import Store, content_key
+from viscache.sweeps.exact_frames import ExactFrames
 
-__all__ = ["kept_in", "reference"]
+__all__ = ["exact_frames", "kept_in"]
 
-_FOLDER: ContextVar[tuple[Path, str] | None] = ContextVar("references", default=None)
+_FRAMES: ContextVar[ExactFrames] = ContextVar("references")
 
 
 @contextmanager
-def kept_in(folder: Path, code: str) -> Iterator[None]:
-    """In this context `reference` stores its frames in a folder, separately for each `code`."""
-    token = _FOLDER.set((folder, code))
+def kept_in(folder: Path) -> Iterator[None]:
+    """In this context `exact_frames` stores its frames in a folder."""
+    token = _FRAMES.set(ExactFrames(folder))
     try:
         yield
     finally:
-        _FOLDER.reset(token)
+        _FRAMES.reset(token)
 
 
-def reference(
-    scene: Scene,
-    integrator: Any,
-    *,
-    size: tuple[int, int],
-    spp: int = 1,
-    seed: int = 0,
-    camera: Any = None,
-    progress: bool = False,
-) -> Frame:
-    """An exact frame, read from the folder if it exists there, with the timings of its rendering.
-
-    Do not use it for timed frames.
-    """
-    options: dict[str, Any] = {"size": size, "spp": spp, "seed": seed, "camera": camera}
-    where = _FOLDER.get()
-    if where is None or not isinstance(camera, str | int | None):
-        return render(scene, integrator, progress=progress, **options)
-    folder, code = where
-    spec = {
-        "code": code,
-        "scene": scene.content_hash,
-        "integrator": by_name.described("integrator", integrator),
-        **options,
-    }
-    key = content_key(spec)
-    with Store(folder) as store:
-        if store.get(key) is None:
-            store.put(key, spec, render(scene, integrator, progress=progress, **options))
-        return store.frame(key)
+def exact_frames() -> ExactFrames:
+    """The frames of the context; do not use them for timings."""
+    return _FRAMES.get(ExactFrames(None))

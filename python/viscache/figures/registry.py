@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscache.figures import references
-from viscache.figures.code import code_hash
 from viscache.figures.outcome import Outcome, text
 from viscache.files import finite
-from viscache.provenance import provenance
+from viscache.provenance import code_hash, provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
 
@@ -112,7 +111,7 @@ def reproduce(
     folder.mkdir(parents=True, exist_ok=True)
     given = {} if size is None else {"size": size}
     began, cpu = time.perf_counter(), time.process_time()
-    with references.kept_in(folder / "references", code_hash()):
+    with references.kept_in(folder / "references"):
         outcome = FIGURES[name].function(folder, quick, progress, **given)
     seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"

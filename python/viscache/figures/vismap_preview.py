@@ -38,7 +38,7 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     traced, sky = cache.rays, sky_image()
     previews = [design.under(sky, rotation_deg=turn) for turn in TURNS_DEG]
     rays = sum(frame.counters["rays"] for frame in previews) + cache.rays - traced
-    reference = references.reference(
+    reference = references.exact_frames()(
         scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
     )
     outcome.rows += [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ def write_difference(
     *,
     name: str = "picture",
     reference_name: str = "reference",
+    facts: Mapping[str, str] | None = None,
     flip_map: bool = True,
     width: int = MAX_WIDTH_PX,
 ) -> Path:
@@ -41,6 +43,8 @@ def write_difference(
         The HTML file.
     name, reference_name : str
         Their names on the page.
+    facts : mapping of str to str, optional
+        More rows at the head of the page.
     flip_map : bool
         Include a FLIP map, which takes seconds.
     width : int >= 1
@@ -94,7 +98,9 @@ def write_difference(
         "TITLE": title,
         "HEADING": title,
         "SUBTITLE": "A picture and its reference",
-        "FACTS": assemble.facts(_facts(image, reference, (full, height), name, reference_name)),
+        "FACTS": assemble.facts(
+            _facts(image, reference, (full, height), name, reference_name) | dict(facts or {})
+        ),
         "PLOTS": "",
         "TABLE_HEADING": "Errors",
         "NOTES": "",

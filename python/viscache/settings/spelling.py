@@ -43,6 +43,7 @@ def spelled(called: Called) -> Called:
 
     @functools.wraps(function)
     def checked(*args: Any, **kwargs: Any) -> Any:
+        __tracebackhide__ = True  # pytest shows the caller
         if not accepted.issuperset(kwargs):
             name = next(name for name in kwargs if name not in accepted)
             raise TypeError(f"{whose} has no parameter {name!r}{nearest(name, public)}")

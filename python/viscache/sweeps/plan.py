@@ -103,7 +103,7 @@ def make_plan(
         code=code_digest(type(visibility)) if is_written(visibility) else None,
     )
     second = _converged(converged)
-    common = {**common, "env_hash": _env_hash(common["env"])}
+    common = {**common, "env_hash": env_hash(common["env"])}
     exact = by_name.make("visibility", "exact")
     for index, values in combinations:
         changed: dict[str, Any] = dict(resolved)
@@ -214,26 +214,32 @@ def _add(
         "scene_hash": str(scene.content_hash),
     }
     task = Task(**merged)
+    key = content_key(spec := frame_spec(task, plan.code))
+    plan.tasks[key] = task
+    plan.specs[key] = spec
+    return key
+
+
+def frame_spec(task: Task, code: str | None = None) -> dict[str, Any]:
+    """All that determines the pixels of a frame, JSON-able; `code` of an oracle in Python."""
     spec: dict[str, Any] = {
-        "scene": str(scene.content_hash),
+        "scene": task.scene_hash,
         "version": VERSION,
         "size": list(task.size),
         "spp": task.spp,
-        "seed": seed,
+        "seed": task.seed,
         "use": in_words(task.use),
         "camera": camera_in_words(task.camera),
         "env": task.env_hash,
     }
     for role in by_name.ROLES:
-        spec[role] = by_name.described(role, chosen[role])
-        if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
-            spec[role] |= {"resolved": by_name.plain(chosen[role].resolved())}
-    if is_written(chosen["visibility"]):
-        spec["visibility"] |= {"code": plan.code}
-    key = content_key(spec)
-    plan.tasks[key] = task
-    plan.specs[key] = spec
-    return key
+        chosen = getattr(task, role)
+        spec[role] = by_name.described(role, chosen)
+        if hasattr(chosen, "resolved"):  # what the preset's defaults are in this version
+            spec[role] |= {"resolved": by_name.plain(chosen.resolved())}
+    if is_written(task.visibility):
+        spec["visibility"] |= {"code": code}
+    return spec
 
 
 def definition_of(
@@ -309,7 +315,7 @@ def _scene_text(scene: Any, source: Any) -> str:
     return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))
 
 
-def _env_hash(env: Any) -> str | None:
+def env_hash(env: Any) -> str | None:
     """Content hash of an environment: of the file's bytes, or of the numbers."""
     if env is None:
         return None
