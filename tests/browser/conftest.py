@@ -48,7 +48,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
         pictures = {
             f"s{2 * p['index'][0] + p['index'][1]}": store.frame(p["key"]).image for p in points
         }
-        return Report(alone, pictures, store.frame(points[0]["paired"]).image)
+        return Report(alone, directory, pictures, store.frame(points[0]["paired"]).image)
 
 
 @pytest.fixture(scope="session")

@@ -22,7 +22,7 @@ TIMEOUT_S = 60.0
 
 
 class Browser:
-    """One tab. What the page throws or logs as an error is in `errors`."""
+    """One tab. What the page throws, or writes into the console, is in `errors`."""
 
     def __init__(self, profile: Path, width: int = 1200, height: int = 1000) -> None:
         command = [
@@ -176,8 +176,10 @@ class Browser:
         method, given = event.get("method"), event.get("params", {})
         if method == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(given["exceptionDetails"]))
-        elif method == "Log.entryAdded" and given["entry"]["level"] == "error":
+        elif method == "Log.entryAdded":
             self.errors.append(given["entry"]["text"])
+        elif method == "Runtime.consoleAPICalled":
+            self.errors.append(json.dumps(given["args"]))
         elif method == "Network.requestWillBeSent":
             url = given["request"]["url"]
             if not url.startswith(("file:", "data:", "about:", "blob:")):

@@ -12,8 +12,9 @@ WIDTH, HEIGHT = 64, 48
 
 @dataclass(frozen=True)
 class Report:
-    """The file, and each setting's picture and reference in linear radiance."""
+    """The file, its sweep, and each setting's picture and reference in linear radiance."""
 
     path: Path
+    directory: Path
     pictures: dict[str, np.ndarray]
     reference: np.ndarray

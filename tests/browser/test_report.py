@@ -12,7 +12,7 @@ pytestmark = pytest.mark.browser
 
 
 def shown(tab: Browser, page: Report, fragment: str = "", setting: str = "s0") -> None:
-    tab.open(page.path, fragment)
+    tab.open(page.path, fragment if "select" in fragment else f"select={setting}&{fragment}")
     tab.wait_for(f"document.documentElement.dataset.shown?.startsWith('{setting} ')")
 
 
@@ -109,35 +109,174 @@ def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
     assert tab.eval(order)[:2] in ("s0", "s1")
 
 
+PHONE = (390, 844)
+
+
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 def test_a_phone_shows_all_without_scrolling_sideways(
     tab: Browser, page: Report, dark: bool
 ) -> None:
-    tab.size(390, 844, phone=True, dark=dark)
+    tab.size(*PHONE, phone=True, dark=dark)
     shown(tab, page)
-    assert tab.eval("document.documentElement.scrollWidth") <= 390
+    assert tab.eval("document.documentElement.scrollWidth") <= PHONE[0]
     paper = tab.eval("getComputedStyle(document.body).backgroundColor")
     assert paper == ("rgb(22, 24, 27)" if dark else "rgb(251, 251, 250)")
     tab.eval("document.getElementById('theme').click()")
     assert tab.eval("getComputedStyle(document.body).backgroundColor") != paper
 
 
-def test_everything_that_acts_has_a_name_and_is_reached_by_the_keyboard(
+def test_a_phone_shows_plots_in_letters_that_can_be_read(tab: Browser, page: Report) -> None:
+    tab.size(*PHONE, phone=True)
+    shown(tab, page)
+    sizes = tab.eval("""[...document.querySelectorAll('svg.plot')].map(plot =>
+      Math.min(...[...plot.querySelectorAll('text')].map(t => parseFloat(
+        getComputedStyle(t).fontSize) * plot.clientWidth / plot.viewBox.baseVal.width)))""")
+    assert len(sizes) == 4 and min(sizes) >= 9.5
+    overlap = tab.eval("""[$('plot-total_s'), $('plot-rays')].flatMap(plot => {
+      const boxes = [...plot.querySelectorAll('.tick[text-anchor=middle]')]
+        .map(t => t.getBoundingClientRect());
+      return boxes.slice(1).map((b, i) => b.left - boxes[i].right);
+    })""")
+    assert overlap and min(overlap) > 2
+
+
+def test_a_finger_beside_a_point_chooses_it(tab: Browser, page: Report) -> None:
+    tab.size(*PHONE, phone=True)
+    shown(tab, page)
+    point = "document.querySelector('#plot-rays .point[data-id=s4]')"
+    tab.eval(f"{point}.scrollIntoView({{block: 'center'}})")
+    x, y, width = tab.eval(f"(b => [b.left, b.top, b.width])({point}.getBoundingClientRect())")
+    for kind in ("mousePressed", "mouseReleased"):
+        tab.mouse(kind, x - 0.5 * width, y - 0.3 * width, button="left", clickCount=1)
+    tab.wait_for("document.documentElement.dataset.shown.startsWith('s4 ')")
+
+
+#: WCAG 2.1 contrast of every visible text to the colour behind it.
+CONTRAST = """(() => {
+  const rgb = css => (css.match(/[\\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
+  const channel = v => (v /= 255) <= .03928 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4;
+  const light = c => .2126 * channel(c[0]) + .7152 * channel(c[1]) + .0722 * channel(c[2]);
+  const behind = e => { for (; e; e = e.parentElement) {
+    const c = rgb(getComputedStyle(e).backgroundColor); if (c.length < 4 || c[3] > 0.9) return c; }
+    return rgb(getComputedStyle(document.body).backgroundColor); };
+  const found = [];
+  for (const e of document.querySelectorAll('main *')) {
+    const own = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
+    if (!own || !e.getClientRects().length) continue;
+    if (e.closest('.stage, .cell, option, :disabled')) continue;
+    const style = getComputedStyle(e);
+    const ink = rgb(e instanceof SVGElement ? style.fill : style.color);
+    const [a, b] = [light(ink), light(behind(e))].sort((x, y) => y - x);
+    found.push([(a + .05) / (b + .05), e.textContent.slice(0, 30)]);
+  }
+  return found.sort((x, y) => x[0] - y[0]);
+})()"""
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_every_text_stands_out_from_its_ground(tab: Browser, page: Report, dark: bool) -> None:
+    tab.size(1200, 1000, dark=dark)
+    shown(tab, page)
+    found = tab.eval(CONTRAST)
+    assert len(found) > 50 and found[0][0] >= 4.5, found[:5]
+
+
+def test_the_verdict_comes_first_and_its_settings_are_chosen_by_a_click(
+    tab: Browser, page: Report
+) -> None:
+    shown(tab, page)
+    assert tab.eval("document.querySelector('header').nextElementSibling.className") == "verdict"
+    first = tab.eval("document.querySelector('.verdict .first').textContent")
+    assert first.startswith(
+        "No setting has 1 % error: the smallest is 4 %, at C E = 4".replace("C E", "CE")
+    )
+    told = tab.eval("document.querySelector('.verdict').textContent")
+    assert "rel_l1 (L\u0302INF)" in told
+    last = "[...document.querySelectorAll('.choose')].at(-1)"
+    tab.eval(f"{last}.click()")
+    tab.wait_for(f"document.documentElement.dataset.shown === {last}.dataset.id + ' signed'")
+    assert tab.eval(f"{last}.dataset.id") != "s0"
+    assert tab.eval(f"{last}.getAttribute('aria-pressed')") == "true"
+
+
+def test_provenance_is_folded_at_the_bottom(tab: Browser, page: Report) -> None:
+    shown(tab, page)
+    facts = "document.querySelector('dl.facts').closest('details')"
+    assert tab.eval(f"{facts}.open") is False
+    assert (
+        tab.eval(f"{facts}.compareDocumentPosition($('settings'))") == 2
+    )  # the table is before it
+    assert "Scene hash" in tab.eval(f"{facts}.textContent")
+
+
+def test_the_page_opens_on_the_setting_for_its_target(
+    tab: Browser, page: Report, tmp_path: Path
+) -> None:
+    from viscache import report
+
+    written = report.write(page.directory, tmp_path / "r.html", target=0.1, flip_maps=0)
+    tab.open(written)
+    tab.wait_for("document.documentElement.dataset.shown !== undefined")
+    assert tab.text("chosen").startswith("C_E = 8")  # the cheapest of at most 10 %
+
+
+def focused(tab: Browser) -> str:
+    return str(
+        tab.eval(
+            "(e => e.id || e.closest('svg')?.id || e.closest('[id]')?.id || e.tagName)"
+            "(document.activeElement)"
+        )
+    )
+
+
+def test_everything_that_acts_has_a_name_and_is_reached_by_few_tabs(
     tab: Browser, page: Report
 ) -> None:
     shown(tab, page)
     nameless = tab.eval("""[
-      ...document.querySelectorAll('button, input, select, [tabindex], [role=img]')]
+      ...document.querySelectorAll('button, input, select, [tabindex], [role=img], [role=radio]')]
       .filter(e => !(e.getAttribute('aria-label') || e.labels?.length || e.textContent.trim()))
       .map(e => e.outerHTML.slice(0, 80))""")
     assert nameless == []
-    reached = set()
-    for _ in range(60):
+    stops = []
+    for _ in range(40):
         tab.key("Tab")
-        reached.add(tab.eval("document.activeElement.id || document.activeElement.dataset.id"))
+        stops.append(focused(tab))
+        if stops[-1] == "BODY":
+            break
     wanted = {"theme", "against", "ev", "more-zoom", "full", "stage", "wipe", "flip", "mapstage"}
-    wanted |= {"kind", "gain", "s0", "s5"}
-    assert wanted <= reached
+    wanted |= {"kind", "gain", "plot-total_s", "plot-rays", "heatmap-rays", "settings"}
+    assert wanted <= set(stops)
+    for group in ("plot-total_s", "plot-rays", "heatmap-rays"):
+        assert stops.count(group) == 1
+    assert stops.count("settings") == 2  # the head and a row
+    assert stops[-1] == "BODY" and len(stops) <= 30
+
+
+def test_arrow_keys_move_within_plots_and_the_table(tab: Browser, page: Report) -> None:
+    shown(tab, page, "select=s0")
+    order = tab.eval("[...document.querySelectorAll('#plot-rays .point')].map(p => p.dataset.id)")
+    tab.eval("document.querySelector('#plot-rays .point[tabindex=\"0\"]').focus()")
+    assert tab.eval("document.activeElement.dataset.id") == "s0"
+    tab.key("Home")
+    assert tab.eval("document.activeElement.dataset.id") == order[0]
+    for key, at in (("ArrowRight", 1), ("ArrowDown", 2), ("ArrowLeft", 1), ("End", 5)):
+        tab.key(key)
+        assert tab.eval("document.activeElement.dataset.id") == order[at]
+        tab.wait_for(f"document.documentElement.dataset.shown === '{order[at]} signed'")
+    assert tab.eval("document.activeElement.getAttribute('aria-checked')") == "true"
+    # A heat map has two directions: columns are C_E, rows C_N
+    tab.eval("document.querySelector('#heatmap-rays .cell[data-id=s0]').focus()")
+    for key, setting in (("ArrowRight", "s2"), ("ArrowUp", "s3"), ("ArrowDown", "s2")):
+        tab.key(key)
+        assert tab.eval("document.activeElement.dataset.id") == setting
+    tab.eval("document.querySelector('#settings tr[data-id=s2]').focus()")
+    tab.key("ArrowDown")
+    assert tab.eval("document.activeElement.dataset.id") == "s3"
+    tab.eval("document.querySelector('#settings thead button').focus()")
+    tab.key("ArrowRight")
+    tab.key("Enter")
+    assert tab.eval("document.querySelectorAll('#settings th')[1].ariaSort") == "ascending"
 
 
 def test_errors_of_the_script_and_requests_are_noticed(
@@ -149,6 +288,7 @@ def test_errors_of_the_script_and_requests_are_noticed(
     for bad, complaint in (
         ("undefined_name();\n", "undefined_name"),
         ("new Image().src = 'http://127.0.0.1:9/x.png';\n", "x.png"),
+        ("console.log('a word');\n", "a word"),
     ):
         broken = tmp_path / "broken.html"
         head, _, tail = text.rpartition(last)

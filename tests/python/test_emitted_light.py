@@ -119,7 +119,7 @@ def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path: Path) -> No
     ratio = (table.rel_l1_reflected / table.rel_l1).values.ravel()
     assert ratio == pytest.approx(np.full(2, ratio[0]), rel=1e-3) and ratio[0] > 1.1
     page = report.write(tmp_path / "s", error="rel_l1_reflected").read_text("utf-8")
-    assert "relative error of light on surfaces" in page.split('id="settings"')[0]
+    assert "rel_l1 of light on surfaces" in page.split('id="settings"')[0]
     files = vc.plots.save_all(table, tmp_path / "plots", "svg", error="rel_l1_reflected")
     assert "light on surfaces" in files[0].read_text("utf-8")
     with pytest.raises(ValueError, match="error must be one of the sweep's metrics"):

@@ -109,7 +109,7 @@ def test_a_directory_without_a_sweep_is_refused(tmp_path: Path) -> None:
 def cells(text: str, plot: str) -> list[tuple[str, str]]:
     """(id of the setting, number written) of a heat map's cells, column by column from below."""
     svg = re.search(rf'<svg id="{plot}".*?</svg>', text, re.S)[0]
-    found = re.findall(r'<g class="cell"( data-id="s\d+")?><rect.*?>([^<]*)</text></g>', svg)
+    found = re.findall(r'<g class="cell"( data-id="s\d+")?[^>]*><rect.*?>([^<]*)</text></g>', svg)
     return [(which.strip().removeprefix("data-id=").strip('"'), shown) for which, shown in found]
 
 

@@ -22,6 +22,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--error", metavar="METRIC", help="of the plots: rel_l1_reflected; the sweep's first metric"
     )
     parser.add_argument(
+        "--target",
+        type=float,
+        metavar="E",
+        help="the wanted error, as 0.02: the verdict begins with it, and the page shows the"
+        " cheapest setting of at most this error (1 %%, and the knee of the front)",
+    )
+    parser.add_argument(
         "--flip-maps",
         type=int,
         default=report.MOST_FLIP_MAPS,
@@ -52,6 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.directory,
         arguments.output,
         error=arguments.error,
+        target=arguments.target,
         flip_maps=arguments.flip_maps,
         width=arguments.width,
         progress=sys.stderr.isatty(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 #: Name → (words, unit). A symbol is between dollar signs: `$C_E$`, `$\\theta_{max}$`, `$\\hat L$`.
 LABELS: dict[str, tuple[str, str]] = {
@@ -39,8 +39,8 @@ LABELS: dict[str, tuple[str, str]] = {
     "n_area": ("samples of area lights", ""),
     "spp": ("samples per pixel", ""),
     # Errors
-    "rel_l1": (r"relative error $\hat L_{INF}$", ""),
-    "rel_l1_reflected": ("relative error of light on surfaces", ""),
+    "rel_l1": (r"rel_l1 ($\hat L_{INF}$)", ""),
+    "rel_l1_reflected": ("rel_l1 of light on surfaces", ""),
     "rmse": ("RMSE", "radiance"),
     "rel_mse": ("relative MSE", ""),
     "nmse": ("MSE over squared mean", ""),
@@ -112,6 +112,11 @@ def as_svg(name: str, unit: bool = True) -> str:
 def level(value: object) -> str:
     """A parameter's value with five significant digits, for a point's name."""
     return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def setting(values: Mapping[str, object]) -> str:
+    """A setting without markup: `C_E = 8, C_N = 4`."""
+    return ", ".join(f"{plain(k, unit=False)} = {level(v)}" for k, v in values.items())
 
 
 def number(value: float) -> str:

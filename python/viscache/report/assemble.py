@@ -17,7 +17,7 @@ from viscache.plots.labels import number
 #: Initial gain of difference maps.
 DIFFERENCE_GAIN = 16
 #: Files of the page's script, in order.
-SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
+SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "roving.js", "page.js")
 
 
 def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) -> None:
@@ -29,9 +29,11 @@ def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) ->
     model : dict
         Data for the script: names, columns, settings, pictures (`embed.Packer`), size.
     texts : mapping
-        HTML for TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES of the template.
+        HTML for TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES of the template,
+        and VERDICT where there is one.
     """
     pieces = {
+        "VERDICT": "",
         **texts,
         "TABLE": _table(model),
         "STYLE": _piece("style.css"),
@@ -89,7 +91,8 @@ def _table(model: dict[str, Any]) -> str:
             mean, half = cell
             spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
             cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
-        rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
+        rows.append(f'<tr data-id="{s["id"]}">{"".join(cells)}</tr>')
     return (
-        f'<table id="settings"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+        f'<table id="settings" role="grid"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
     )

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from viscache import tonemap
-from viscache.files import write_whole
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage
+from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.store import Store
 from viscache.sweeps.swept import pareto
 
@@ -73,7 +71,8 @@ def add_pictures(
 ) -> None:
     """Add reference, picture and FLIP map of the first repeat of each setting to the page's model.
 
-    FLIP maps are made for Pareto-optimal settings first, and are kept in the folder of the sweep.
+    FLIP maps are those that the sweep kept, and others are made and kept; Pareto-optimal settings
+    come first.
     `done` is called with the numbers of packed settings and of all settings.
     """
     points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
@@ -89,24 +88,11 @@ def add_pictures(
         packer.add(setting, frame.image, reference.image, point["paired"])
         setting |= {"seed": point["seed"], "parameters": frame.parameters, "sha256": frame.sha256}
         if setting["id"] in mapped:
-            kept = f"{frame.sha256[:16]}-{reference.sha256[:16]}-{width}.json"
-            folder = store.directory / "flip" if store.directory else None
-            setting["flip"] = _flip_map(frame.image, reference.image, width, folder, kept)
+            found = flip_map_of(frame, reference, store.directory)
+            if found is not None:
+                setting["flip"] = pictures.pack_flip(found.errors / 255.0, found.mean, width)
         if done is not None:
             done(i + 1, len(finished))
-
-
-def _flip_map(
-    image: FloatImage, reference: FloatImage, width: int, folder: Path | None, kept: str
-) -> dict[str, Any] | None:
-    """The packed map, from the folder if it exists there."""
-    if folder is not None and (folder / kept).exists():
-        return dict(json.loads((folder / kept).read_text("utf-8")))
-    made = pictures.flip_map(image, reference, width)
-    if folder is not None and made is not None:
-        folder.mkdir(exist_ok=True)
-        write_whole(folder / kept, json.dumps(made))
-    return made
 
 
 def _best_first(model: dict[str, Any]) -> list[dict[str, Any]]:

@@ -67,7 +67,12 @@ def flip_map(
     found = metrics.flip_map(image.astype(np.float64), reference.astype(np.float64))
     if found is None:
         return None
-    return {"map": pack_map(shrunk(found[0][:, :, None], width)[:, :, 0]), "mean": found[1]}
+    return pack_flip(found[0], found[1], width)
+
+
+def pack_flip(errors: FloatImage, mean: float, width: int = MAX_WIDTH_PX) -> dict[str, Any]:
+    """A FLIP map, (H, W) in [0, 1], and its mean as the page takes them."""
+    return {"map": pack_map(shrunk(errors[:, :, None], width)[:, :, 0]), "mean": mean}
 
 
 def shrunk(image: FloatImage, max_width: int = MAX_WIDTH_PX) -> FloatImage:

@@ -11,8 +11,8 @@ from viscache.plots import labels
 from viscache.plots.labels import number
 from viscache.sweeps.swept import pareto
 
-WIDTH, HEIGHT = 560, 360
-LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
+WIDTH, HEIGHT = 440, 320
+LEFT, RIGHT, TOP, BOTTOM = 66, 12, 16, 46
 
 #: Outlines around (0, 0) of equal visual weight: circle, square, triangles, diamond, cross …
 SHAPES = (
@@ -68,8 +68,8 @@ class Axis:
         """Numbers of the form 1, 2, 5 times a power of ten inside the axis."""
         if self.log:
             decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-            narrow = self.high < 6 * self.low
-            steps = range(1, 10) if narrow else (1, 2, 5) if len(decades) <= 5 else (1,)
+            span = math.log10(self.high / self.low)
+            steps = (1, 1.5, 2, 3, 4, 5, 6, 8) if span < 0.8 else (1, 2, 5) if span < 2.2 else (1,)
             candidates = [s * 10.0**d for d in decades for s in steps]
         else:
             rough = (self.high - self.low) / 5
@@ -141,8 +141,8 @@ def scatter(
     x = Axis(costs, area.left, area.right)
     y = Axis([m.y for m in marks], area.bottom, area.top)
     parts = [
-        f'<svg id="{plot_id}" class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" role="group" '
-        f'aria-label="{html.escape(labels.plain(y_name))} against '
+        f'<svg id="{plot_id}" class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" '
+        f'role="radiogroup" aria-label="{html.escape(labels.plain(y_name))} against '
         f'{html.escape(labels.plain(x_name))}">',
         frame(x, y, area),
         across(area, HEIGHT - 8, x_name),
@@ -164,11 +164,11 @@ def scatter(
         f'width="{area.right - LEFT}" height="{area.bottom - TOP}"/></clipPath>'
     )
     parts += [_bars(m, x, y, f"url(#{plot_id}-area)") for m in marks]
-    for m in marks:
+    for m in sorted(marks, key=lambda m: (m.x, m.y)):  # in the order of the arrow keys
         at = f"{x(m.x):.1f} {y(m.y):.1f}"
         parts.append(
             f'<path class="point" data-id="{m.id}" d="{m.shape}" transform="translate({at})" '
-            f'fill="{m.color}" tabindex="0" role="button" aria-label="{html.escape(m.text)}">'
+            f'fill="{m.color}" role="radio" aria-label="{html.escape(m.text)}">'
             f"<title>{html.escape(m.text)}</title></path>"
         )
         if m.beside:

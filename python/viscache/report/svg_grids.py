@@ -14,7 +14,7 @@ from viscache.plots.labels import number
 from viscache.report.pictures import scale_colors
 from viscache.report.svg import Area, Axis, across, frame, upwards
 
-CELL_W, CELL_H = 84, 44
+CELL_W, CELL_H = 64, 40
 PANEL, GAP = 150, 26
 
 
@@ -57,9 +57,13 @@ def heatmap(
     area = Area(left=72, top=34, right=72 + columns * CELL_W, bottom=34 + rows * CELL_H)
     width, height = area.right + 16, area.bottom + 48
     look = shade([v for v, _ in cells.values()])
+    chosen = all(which for _, which in cells.values())
+    whole = f' data-rows="{rows}"' if len(cells) == rows * columns else ""
+    roles = f'role="radiogroup"{whole}' if chosen else 'role="group"'
     parts = [
-        f'<svg id="{plot_id}" class="plot" viewBox="0 0 {width} {height}" role="group" '
-        f'style="max-width:{1.2 * width:.0f}px" aria-label="{html.escape(labels.plain(value))} '
+        f'<svg id="{plot_id}" class="plot" viewBox="0 0 {width} {height}" {roles} '
+        f'style="min-width:{0.8 * width:.0f}px;max-width:{1.35 * width:.0f}px" '
+        f'aria-label="{html.escape(labels.plain(value))} '
         f"over {html.escape(labels.plain(names[0]))} and "
         f'{html.escape(labels.plain(names[1]))}">',
         f'<text class="label" x="{area.left}" y="20">{labels.as_svg(value)}</text>',
@@ -77,16 +81,19 @@ def heatmap(
             f'<text class="tick" x="{area.left - 8}" y="{y}" dy=".35em" text-anchor="end">'
             f"{html.escape(text)}</text>"
         )
-    for (i, j), (cell, setting) in cells.items():
+    for (i, j), (cell, setting) in sorted(cells.items()):
         color, share = look(cell)
         x, y = area.left + i * CELL_W, area.bottom - (j + 1) * CELL_H
         which = f' data-id="{setting}"' if setting else ""
+        which += ' role="radio"' if chosen else ""
         ink = "#fff" if share < 0.5 else "#000"
         parts.append(
             f'<g class="cell"{which}><rect x="{x}" y="{y}" width="{CELL_W}" height="{CELL_H}" '
             f'fill="{color}"/><text x="{x + CELL_W / 2}" y="{y + CELL_H / 2}" dy=".35em" '
             f'text-anchor="middle" fill="{ink}">{number(float(f"{cell:.3g}"))}</text></g>'
         )
+    if chosen:
+        parts.append(f'<rect class="around" width="{CELL_W}" height="{CELL_H}"/>')
     return "".join(parts) + "</svg>"
 
 
@@ -102,7 +109,8 @@ def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -
     width, height = 84 + len(names) * side, 20 + len(names) * side + 40
     parts = [
         f'<svg id="{plot_id}" class="plot" viewBox="0 0 {width} {height}" role="img" '
-        f'style="max-width:{1.15 * width:.0f}px" aria-label="{html.escape(labels.plain(value))} '
+        f'style="min-width:{0.7 * width:.0f}px;max-width:{1.15 * width:.0f}px" '
+        f'aria-label="{html.escape(labels.plain(value))} '
         f'over pairs of {html.escape(", ".join(labels.plain(n) for n in names))}">',
         _color_bar(look, [d.value for d in dots], value, width),
     ]

@@ -14,6 +14,7 @@ from viscache.plots.labels import plain
 from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page
+from viscache.report.costs import Offer, Verdict, knee, verdict
 from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
 from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.settings.checks import require
@@ -35,6 +36,7 @@ def write(
     path: str | os.PathLike[str] | None = None,
     *,
     error: str | None = None,
+    target: float | None = None,
     flip_maps: int = MOST_FLIP_MAPS,
     width: int = MAX_WIDTH_PX,
     progress: bool | Callable[[int, int], None] = False,
@@ -48,7 +50,12 @@ def write(
     path : path, optional
         The HTML file; `report.html` in the directory by default.
     error : str, optional
-        The metric of the plots and of the first column of errors; the sweep's first by default.
+        The metric of the verdict, of the plots and of the first column of errors; the sweep's first
+        by default.
+    target : float > 0, optional
+        The wanted error. The verdict begins with it, and the page opens on the cheapest setting of
+        at most this error. Without it, the verdict begins with 1 %, and the page opens on the knee
+        of the Pareto front.
     flip_maps : int >= 0
         Maximum number of FLIP maps, which take seconds each; Pareto-optimal settings come first.
         Finished maps are kept in the directory of the sweep.
@@ -65,8 +72,8 @@ def write(
     Raises
     ------
     ValueError
-        There is no sweep, or none of its points is finished; it has no metric `error`; `flip_maps`
-        is below 0, or `width` below 1.
+        There is no sweep, or none of its points is finished; it has no metric `error`; `target` is
+        not above 0, `flip_maps` is below 0, or `width` below 1.
     """
     require(flip_maps >= 0, "flip_maps must be >= 0", flip_maps)
     require(width >= 1, "width must be >= 1", width)
@@ -78,12 +85,14 @@ def write(
         kept = dataset.attrs.get("directory")
         directory = Path(kept) if kept and Store.exists(kept) else None
     if path is not None:
-        target = Path(path)
+        page = Path(path)
     elif directory is not None:
-        target = directory / "report.html"
+        page = directory / "report.html"
     else:
         raise ValueError("path must be given for a sweep without a directory")
     model = _model(dataset, error)
+    found = verdict(dataset, error, target)
+    model["opens"] = _opening(model, target)
     if directory is not None:
         with Store(directory) as store, progress_bar(progress, "picture") as done:
             add_pictures(model, store, flip_maps, width, done)
@@ -92,13 +101,14 @@ def write(
         "TITLE": f"{scene}: the trade of shadow rays for accuracy",
         "HEADING": scene,
         "SUBTITLE": "Shadow rays traded for accuracy, and what the trade costs",
+        "VERDICT": "" if found is None else _verdict(model, found, str(dataset.attrs["cpu"])),
         "FACTS": _facts(dataset, model),
         "PLOTS": "<h2>The trade</h2>" + draw.plots(model, dataset),
         "TABLE_HEADING": "Every setting",
         "NOTES": _NOTES,
     }
-    write_page(target, model, texts)
-    return target
+    write_page(page, model, texts)
+    return page
 
 
 def _model(ds: xarray.Dataset, error: str | None) -> dict[str, Any]:
@@ -128,7 +138,7 @@ def _model(ds: xarray.Dataset, error: str | None) -> dict[str, Any]:
         values = {k: v.item() if hasattr(v, "item") else v for k, v in setting["values"].items()}
         found = {c: by_column[c].get(setting["index"]) for c in columns}
         cells = {c: None if v is None else list(v) for c, v in found.items()}
-        text = ", ".join(f"{plain(k, unit=False)} = {labels.level(v)}" for k, v in values.items())
+        text = labels.setting(values)
         row: dict[str, Any] = {"id": f"s{i}", "index": list(setting["index"])}
         rows.append(row | {"values": values, "cells": cells, "text": text})
     width, height = json.loads(ds.attrs["size"])
@@ -142,6 +152,46 @@ def _model(ds: xarray.Dataset, error: str | None) -> dict[str, Any]:
         "frame": {"width": width, "height": height},
         "repeats": int(ds.sizes["repeat"]),
     }
+
+
+def _opening(model: dict[str, Any], target: float | None) -> str | None:
+    """The setting that the page shows first: the best for the target, or the front's knee."""
+    metric = model["metrics"][0]
+    cost = next((c for c in ("total_s", "rays") if c in model["columns"]), None)
+    if cost is None:
+        return None
+    shown = [s for s in model["settings"] if s["cells"][cost] and s["cells"][metric]]
+    places = [(s["cells"][cost][0], s["cells"][metric][0]) for s in shown]
+    if not shown:
+        return None
+    if target is not None and any(y <= target for _, y in places):
+        chosen = min(range(len(shown)), key=lambda i: (places[i][1] > target, places[i]))
+    else:
+        chosen = (
+            knee(places) if target is None else min(range(len(shown)), key=lambda i: places[i][1])
+        )
+    return str(shown[chosen]["id"])
+
+
+def _verdict(model: dict[str, Any], found: Verdict, cpu: str) -> str:
+    """The verdict as HTML; its settings are buttons that choose them."""
+    ids = {tuple(s["index"]): s["id"] for s in model["settings"]}
+
+    def button(offer: Offer) -> str:
+        words = ", ".join(
+            f"{labels.as_html(k, unit=False)} = {html.escape(labels.level(v))}"
+            for k, v in offer.values.items()
+        )
+        return f'<button class="choose" data-id="{ids[offer.index]}">{words}</button>'
+
+    first, *more = found.sentences(button)
+    rest = f"<p>{' '.join(more)}</p>" if more else ""
+    return (
+        f'<section class="verdict" aria-label="Verdict"><p class="first">{first}</p>{rest}'
+        f'<p class="quiet">Errors are {labels.as_html(found.metric)} against exact visibility. '
+        "Times are wall seconds of a frame without building its ray caster, all of this sweep, on "
+        f"{html.escape(cpu)}.</p></section>"
+    )
 
 
 def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from viscache import metrics as _metrics
 from viscache import workers
 from viscache.progress import Progress
+from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.plan import Plan, Point
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import TableFile
@@ -56,6 +57,8 @@ class Run:
         self.total = len(self.order)
         self.is_reference = {k for p in plan.points for k in (p.paired, p.converged) if k}
         self._adopt()
+        #: Pairs whose FLIP maps a report shows.
+        self.shown = {(p.key, p.paired) for p in plan.points if p.repeat == 0}
         self.done = store.finished() & set(self.order)
         self.todo = deque(k for k in self.order if k not in self.done)
         self.lacks = [sum(k not in self.done for k in _keys(p)) for p in plan.points]
@@ -250,8 +253,12 @@ class Run:
         for group in groups:
             pair = (a.layers[group], b.layers[group])
             values[f"rel_l1/{group}"] = _metrics.compare(*pair, metrics=["rel_l1"])["rel_l1"]
+        values |= _metrics.compare(a, b, metrics=[m for m in metrics if m != "flip"])
         # FLIP last: it holds the interpreter, and the picture's writer must have begun by then
-        values |= _metrics.compare(a, b, metrics=sorted(metrics, key=lambda m: m == "flip"))
+        if "flip" in metrics:
+            shown = (key, reference) in self.shown
+            found = flip_map_of(a, b, self.store.directory if shown else None)
+            values["flip"] = None if found is None else found.mean
         self.seconds["metrics"] += time.perf_counter() - read
         self.seconds["store"] += read - began
         return values

@@ -13,7 +13,7 @@ const FIELDS = {
   map: oneOf(Object.keys(MAPS)), gain: text => (GAINS.includes(Number(text)) ? Number(text) : undefined),
   zoom: within(1, 1e4), x: within(0, 1), y: within(0, 1),
 };
-const DEFAULTS = { select: data.settings[0]?.id ?? null, against: "", wipe: 0.5, flip: false, ev: 0,
+const DEFAULTS = { select: data.opens ?? data.settings[0]?.id ?? null, against: "", wipe: 0.5, flip: false, ev: 0,
   map: "signed", gain: data.gain };
 const state = { ...DEFAULTS };
 
@@ -47,8 +47,15 @@ function show() {
   if (!s) return;
   for (const node of all("[data-id]")) {
     node.classList.toggle("selected", node.dataset.id === s.id);
-    if (node.matches(".cell.selected")) node.parentNode.append(node);  // its frame above its neighbours
     if (node.tagName === "TR") node.setAttribute("aria-selected", node.dataset.id === s.id);
+    else if (node.getAttribute("role") === "radio") node.setAttribute("aria-checked", node.dataset.id === s.id);
+    else if (node.matches(".choose")) node.setAttribute("aria-pressed", node.dataset.id === s.id);
+  }
+  for (const group of groups) group.enter(s.id);
+  for (const around of all("svg.plot .around")) {  // the frame of the chosen cell, above its neighbours
+    const cell = around.parentNode.querySelector(".cell.selected rect");
+    around.style.display = cell ? "" : "none";
+    if (cell) for (const name of ["x", "y"]) around.setAttribute(name, cell.getAttribute(name));
   }
   $("chosen").textContent = s.text + (s.seed === undefined ? "" : `, seed ${s.seed}`);
   const has = Boolean(s.difference), able = "DecompressionStream" in window;
@@ -75,10 +82,17 @@ function expose(ev) {
 }
 function nextIn(list, now, by) { return list[(list.indexOf(now) + by + list.length) % list.length]; }
 
+/// The point that a finger means: the nearest, unless all are far.
+function nearest(plot, x, y) {
+  const away = node => { const b = node.getBoundingClientRect(); return Math.hypot(b.x + b.width / 2 - x, b.y + b.height / 2 - y); };
+  const found = [...plot.querySelectorAll(".point")].map(node => [away(node), node]).sort((a, b) => a[0] - b[0])[0];
+  return found && found[0] < 28 ? found[1] : null;
+}
+
 function step(by) {
   const rows = all("#settings tbody tr"), at = rows.findIndex(r => r.dataset.id === state.select);
   const next = rows[Math.min(rows.length - 1, Math.max(0, at + by))];
-  if (next) { change({ select: next.dataset.id }); if (document.activeElement.tagName === "TR") next.focus(); }
+  if (next) change({ select: next.dataset.id });
 }
 function sortBy(head) {
   const heads = all("#settings thead th"), column = heads.indexOf(head);
@@ -96,15 +110,13 @@ function sortBy(head) {
   }).forEach(row => body.append(row));
 }
 
-for (const node of all(".point, #settings tbody tr")) {
+for (const node of all(".point, #settings tbody tr, .choose")) {
   node.addEventListener("click", () => change({ select: node.dataset.id }));
-  node.addEventListener("keydown", e => {
-    if (e.key === "Enter" || e.key === " ") { e.preventDefault(); change({ select: node.dataset.id }); }
-  });
 }
 const tip = $("hover"), tipped = all(".point, .cell[data-id], .dot");
 for (const node of tipped) {
   const text = node.getAttribute("aria-label") ?? byId.get(node.dataset.id).text;
+  if (node.matches(".cell")) node.setAttribute("aria-label", `${text}: ${node.textContent}`);
   if (!node.matches(".point")) node.addEventListener("click", () => change({ select: node.dataset.id }));
   node.addEventListener("mousemove", e => {
     tip.textContent = text;
@@ -115,6 +127,9 @@ for (const node of tipped) {
   node.addEventListener("mouseleave", () => { tip.style.display = "none"; });
   node.querySelector("title")?.remove();
 }
+for (const plot of all("svg.plot:has(.point)")) plot.addEventListener("click", e => {
+  if (!e.target.matches(".point")) nearest(plot, e.clientX, e.clientY)?.dispatchEvent(new MouseEvent("click"));
+});
 all("#settings thead th").forEach(h => h.firstChild.addEventListener("click", () => sortBy(h)));
 
 for (const s of data.settings) if (s.difference) $("against").append(new Option(s.text, s.id));
@@ -151,7 +166,7 @@ document.addEventListener("keydown", e => {
   if (e.shiftKey && PANS[e.key]) { e.preventDefault(); view.panBy(...PANS[e.key]); return; }
   const act = KEYS[e.key] ?? KEYS[e.key.toLowerCase()];
   if (act) { e.preventDefault(); act(); return; }
-  if (e.target.tagName === "INPUT") return;
+  if (e.target.tagName === "INPUT" || e.defaultPrevented) return;
   if (e.key === "ArrowDown" || e.key === "ArrowUp") { e.preventDefault(); step(e.key === "ArrowDown" ? 1 : -1); }
 });
 $("theme").addEventListener("click", () => {
