@@ -100,3 +100,10 @@ def full_weights(
     with np.errstate(invalid="ignore", divide="ignore"):
         w_g = np.where(d < 1e-6 * d_max, 1, 1 - np.abs(to @ n) / d)
     return np.asarray(np.where((d < d_max) & (theta < theta_max), w_g * w, np.nan))
+
+
+def ambient_test(weights: Array, distances: Array, nearest_hits: Array) -> float:
+    """Sec. 6.1: max w_i (1 - d_i / R_i) over candidates, R_i the nearest hit of record i's rays."""
+    there = ~np.isnan(weights)
+    reached = weights[there] * np.maximum(0, 1 - distances[there] / nearest_hits[there])
+    return float(reached.max(initial=0.0))

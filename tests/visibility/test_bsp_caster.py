@@ -146,6 +146,31 @@ def test_deeper_trees_test_fewer_triangles() -> None:
     assert bytes_used == sorted(bytes_used)
 
 
+@pytest.mark.parametrize("kernel", ["watertight", "wald"])
+def test_a_walk_ends_at_the_hit(kernel: Any) -> None:
+    """Behind it lie hundreds of walls, which a walk to the end would try."""
+    walls, edge = 1000, np.float32([[-9, -9, 0], [9, -9, 0], [0, 9, 0]])
+    vertices = (edge + np.arange(walls)[:, None, None] * [0, 0, 1]).reshape(-1, 3)
+    scene = vc.Scene.from_arrays(vertices, np.arange(3 * walls).reshape(-1, 3))
+    caster = scene.caster(vc.Bsp(max_depth=14, leaf_size=1, kernel=kernel))
+    r = np.random.default_rng(0)
+    start = r.integers(0, walls, 300)
+    o = np.stack([*r.uniform(-1, 1, (2, 300)), start + 0.5], 1).astype(np.float32)
+    d = np.stack([*r.uniform(-0.01, 0.01, (2, 300)), np.ones(300)], 1).astype(np.float32)
+    for sign in (1, -1):
+        d[:, 2] = sign
+        hit = caster.intersect(o, d)[1]
+        inside = (start + sign >= 0) & (start + (sign > 0) < walls)
+        np.testing.assert_array_equal(hit[inside], (start + (sign > 0))[inside])
+        steps = caster.count_steps(o, d)
+        assert steps["tests"] <= 8 * len(o) and steps["nodes"] <= 40 * len(o)
+    aside = o + np.float32([30, 0, 0])
+    assert caster.count_steps(aside, d)["tests"] == 0
+    far = np.stack([*r.uniform(-1, 1, (2, 9)), np.full(9, -5.0)], 1)
+    up = np.broadcast_to(np.float32([0, 0, 1]), far.shape)
+    assert caster.count_steps(far, up)["tests"] <= 8 * len(far)
+
+
 def test_leaves_hold_no_more_triangles_than_asked_for() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     coarse, fine = (scene.caster(vc.Bsp(leaf_size=n)).stats for n in (64, 4))

@@ -13,9 +13,10 @@ from correlation.scenes import above, unpacked
 from reference import vismap_records as reference
 from render.mitsuba_scene import Model, box, quad
 from viscache import _core
-from vismap.scenes import SIZE, clutter, made, view
+from vismap.scenes import SIZE, clutter, made, pixels, view
 
 Array = npt.NDArray[Any]
+WEIGHT = 4  # the verdict: no record weighs enough
 PLANE = quad((-20, 0, -20), (0, 0, 40), (40, 0, 0))
 
 
@@ -123,6 +124,29 @@ def test_shading_is_the_gaussian_mean_of_the_nearest_records() -> None:
             assert value[i] == pytest.approx((g * r.ambient[near]).sum() / g.sum(), abs=1e-4)
             compared += 1
         assert compared > 50
+
+
+def test_near_hits_shorten_the_reach_of_a_record_as_the_paper_says() -> None:
+    cache, _ = made(criterion="ambient", m_nearest=64, n_startup=200)
+    points, r = pixels(cache), cache.records()
+    judged = cache._core.select(points)
+    w_min, compared = cache.thresholds[0], 0
+    for i in np.flatnonzero(points.d_max > 0)[::5]:
+        x = points.positions[i].astype(float)
+        d_max = float(points.d_max[i])
+        w = reference.full_weights(
+            x, points.normals[i], r.positions, r.normals, d_max, np.radians(30)
+        )
+        if (~np.isnan(w)).sum() > 60:  # of more, only the nearest are looked at
+            continue
+        d = np.linalg.norm(r.positions - x, axis=1)
+        expected = reference.ambient_test(w, d, r.nearest_hit)
+        assert judged["tested"][i] == pytest.approx(expected, abs=2e-5)
+        assert (judged["verdict"][i] == WEIGHT) == (
+            judged["candidates"][i] > 0 and expected < w_min
+        )
+        compared += 0.05 < expected < reference.ambient_test(w, d, 2 * r.nearest_hit) - 0.01
+    assert compared > 50, "with twice the nearest hits these weights would be others"
 
 
 def test_small_gaps_get_more_records() -> None:

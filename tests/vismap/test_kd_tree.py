@@ -54,6 +54,19 @@ def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow() -> None:
     assert balanced.depth <= 11
 
 
+def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time() -> None:
+    tree = _core._testing.KdTree()
+    points = np.random.default_rng(3).random((2000, 3)).astype(np.float32)
+    built, rebuilds = 0, 0
+    for n, point in enumerate(points, 1):
+        tree.insert(point[None], n - 1)
+        # Before 33 points the shape does not matter; a tree of random points stays shallow
+        if n == 1 or (n > 32 and n >= 1.5 * built):
+            built, rebuilds = n, rebuilds + 1
+        assert tree.rebuilds == rebuilds, n
+    assert rebuilds == 12
+
+
 def test_leaves_that_cannot_be_split_are_counted() -> None:
     tree = _core._testing.KdTree()
     same = np.full((9, 3), 0.25, np.float32)

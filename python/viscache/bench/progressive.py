@@ -112,7 +112,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
         if name == "packets":
             continue
         for i, (metric, goal) in enumerate((("nMSE", case.goal), ("relMSE", case.rel_goal))):
-            gain = (errors["packets"][i] * base.cpu_s) / (errors[name][i] * run.cpu_s)
+            gain = gain_over(errors["packets"][i], base.cpu_s, errors[name][i], run.cpu_s)
             outcome.figures.append(
                 figure(
                     f"{case.name}: {name} vs packets, {metric}·time",
@@ -131,6 +131,11 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     found = np.array(runs["corrected"].energies) / np.array(base.energies) - 1
     z = abs(found.mean()) / (found.std(ddof=1) / math.sqrt(len(found)))
     outcome.check(f"{case.name}: |t| of the energy of corrected passes", float(z), LIMIT_Z)
+
+
+def gain_over(error: float, cpu_s: float, other_error: float, other_cpu_s: float) -> float:
+    """Error·time of the first over that of the other: above 1 the other is better."""
+    return (error * cpu_s) / (other_error * other_cpu_s)
 
 
 def errors_of(picture: Progressive, references: list[Frame]) -> tuple[float, float]:

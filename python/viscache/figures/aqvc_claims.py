@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
+from viscache.frame import Frame
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, PaperForm
@@ -68,10 +70,11 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
     setup = SETUPS["delta"]
     shot = setup.shot(quick, size, spp=4 if quick else setup.antialiased)
     exact = shot.frame()
-    rows, reductions = [], [0.0]
+    rows, trades = [], []
     for c_e in H1_C_E:
         for preset in PRESETS:
             trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
+            trades.append(trade)
             label = f"H1 {preset}, C_E {c_e:g}, AA"
             rows += [
                 Row(
@@ -87,17 +90,20 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
                     note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
                 ),
             ]
-            if trade.rel_l1 <= H1_REL_L1:
-                reductions.append(trade.ray_reduction)
     rows.append(
         Row(
             f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
-            max(reductions),
+            largest_reduction(trades),
             printed=printed.RAY_REDUCTION,
             band=None if quick else bands.H1_REDUCTION,
         )
     )
     return rows
+
+
+def largest_reduction(trades: Iterable[Trade]) -> float:
+    """The largest RR of those whose error is small enough; 0 if there is none."""
+    return max((t.ray_reduction for t in trades if t.rel_l1 <= H1_REL_L1), default=0.0)
 
 
 def shading_share(quick: bool, size: Size) -> list[Row]:
@@ -189,11 +195,10 @@ def collisions(quick: bool, size: Size) -> list[Row]:
         edge = lossless.parameters["tile_edge_px"]
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))
-        extra = lossy.counters["rays"] - lossless.counters["rays"]
         rows.append(
             Row(
                 f"H4 {name}: share of the rays that collisions caused",
-                extra / lossy.counters["rays"],
+                share_of_collisions(lossy, lossless),
                 printed="well below a few percent",
                 band=bands.H4_COLLISIONS,
                 note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
@@ -202,6 +207,12 @@ def collisions(quick: bool, size: Size) -> list[Row]:
             )
         )
     return rows
+
+
+def share_of_collisions(lossy: Frame, lossless: Frame) -> float:
+    """Share of the rays that a lossless table would not have traced."""
+    rays, needed = (float(frame.counters["rays"]) for frame in (lossy, lossless))
+    return (rays - needed) / rays
 
 
 def simple_scene(quick: bool, size: Size) -> list[Row]:

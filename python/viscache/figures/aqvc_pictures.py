@@ -96,7 +96,8 @@ def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]
 
 def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
     stand_in = SETUPS[panel.setup]
-    band = None if quick else bands.PICTURE_RR[panel.setup]
+    band = bands.QUICK_PICTURE_RR if quick else bands.PICTURE_RR[panel.setup]
+    error = bands.QUICK_PICTURE_ERROR if quick else bands.PICTURE_ERROR
     rows = [
         Row(
             f"{panel.setup}: triangles",
@@ -111,7 +112,7 @@ def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[
             trade,
             band if preset == "paper" else None,
             printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
-            with_error=not quick and preset != "fast",
+            error=error if preset != "fast" else None,
         )
     return rows
 
@@ -124,7 +125,7 @@ def _rows(
     *,
     printed_rr: float | None = None,
     printed_speedup: float | None = None,
-    with_error: bool = False,
+    error: Band | None = None,
 ) -> list[Row]:
     label = f"{name}, {preset}"
     return [
@@ -133,7 +134,7 @@ def _rows(
         Row(
             f"{label}: rel_l1",
             trade.rel_l1,
-            band=bands.PICTURE_ERROR if with_error else None,
+            band=error,
             note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
         ),
         *group_rows(label, trade),

@@ -131,7 +131,7 @@ def temporal(
             ways = WAYS if path == "ball" else WAYS[:2]
             found = {way: run(shots, way, refinement, pixels) for way in ways}
             label = f"{path}, refinement {refinement}"
-            outcome.rows += _rows(path, label, found, exact, quick)
+            outcome.rows += _rows(path, label, found, exact)
             table += _table(path, refinement, found, exact)
             curves[label] = found
     outcome.files += [
@@ -146,9 +146,7 @@ def temporal(
     return outcome
 
 
-def _rows(
-    path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame], quick: bool
-) -> list[Row]:
+def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame]) -> list[Row]:
     rows = []
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
@@ -173,7 +171,7 @@ def _rows(
             )
 
     def banded(what: str, value: float, band: Band) -> None:
-        rows.append(Row(f"{label}: {what}", value, band=None if quick else band))
+        rows.append(Row(f"{label}: {what}", value, band=band))
 
     kept, dropped = found["kept"], found["dropped"]
     banded("RR kept over dropped", kept.ray_reduction / dropped.ray_reduction, bands.KEPT_REDUCTION)

@@ -100,7 +100,7 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
         Row(
             "variance left in hidden glossy pixels, 10 samples",
             left.ratio,
-            band=None if quick else bands.OCCLUDED_CROP,
+            band=bands.QUICK_OCCLUDED_CROP if quick else bands.OCCLUDED_CROP,
             note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels",
         )
     )
@@ -139,6 +139,7 @@ def _shadow_rows(
             f"variance left at {samples} samples",
             variance_ratio(rivals.maps, product).ratio,
             printed=printed.COSTS["garage"][1].variance_ratio,
+            band=bands.EQUAL_SAMPLES,
         ),
         Row(
             "variance left where light is hidden over that where it is not",

@@ -112,15 +112,18 @@ def _rendered_rows(
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
     rows = []
     for n, found in left.items():
-        band = bands.GARAGE_CONTROL_VARIATE if (name, n) == ("garage", 10) else None
-        if (name, n) == ("garden1", 300):
+        band = None
+        if (name, n) == ("garage", 10):
+            of_quick = bands.QUICK_GARAGE_CONTROL_VARIATE
+            band = of_quick if quick else bands.GARAGE_CONTROL_VARIATE
+        elif (name, n) == ("garden1", 300):
             band = bands.GARDEN_ONE
         rows.append(
             Row(
                 f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
                 found.ratio,
                 printed=said[n].variance_ratio if n in said else None,
-                band=None if quick else band,
+                band=band,
                 note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
                 f"z of the means {found.energy_z:.1f}",
             )

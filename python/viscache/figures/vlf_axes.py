@@ -54,7 +54,7 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
         w: {n: float(e.mean() / reference.mean()) for n, e in found.items()}
         for w, found in errors.items()
     }
-    outcome = Outcome(rows=_error_rows(counts, rmse, bias, quick))
+    outcome = Outcome(rows=_error_rows(counts, rmse, bias))
     lines = {w: (counts, [rmse[w][n] for n in counts]) for w in errors}
     outcome.files += [
         draw_lines(lines, folder / "vlf-x2.png", x="directions", y="RMSE"),
@@ -110,7 +110,6 @@ def _error_rows(
     counts: tuple[int, ...],
     rmse: dict[str, dict[int, float]],
     bias: dict[str, dict[int, float]],
-    quick: bool,
 ) -> list[Row]:
     rows = [
         Row(
@@ -127,17 +126,17 @@ def _error_rows(
         Row(
             "RMSE, 513 directions over 33, solid-angle weights",
             rmse[weighted][513] / rmse[weighted][33],
-            band=None if quick else bands.ERROR_FALLS,
+            band=bands.ERROR_FALLS,
         ),
         Row(
             "bias, 513 directions, solid-angle weights",
             bias[weighted][513],
-            band=None if quick else bands.WEIGHTED_BIAS,
+            band=bands.WEIGHTED_BIAS,
         ),
         Row(
             "size of the bias, solid-angle over equal weights",
             sizes[weighted] / sizes["equal"],
-            band=None if quick else bands.WEIGHTS_PAY,
+            band=bands.WEIGHTS_PAY,
         ),
     ]
 
@@ -171,7 +170,7 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
         gains, chosen = [], []
         shares = QUICK_SHARES if quick else SHARES
         for share in shares:
-            seconds, engine = _engines(scene, share, directions, quick)
+            seconds, engine = _engines(scene, share, directions)
             gains.append(seconds["embree"] / seconds["batch"])
             chosen.append(min(seconds["embree"], seconds["batch"]) / seconds["auto"])
             table.append(
@@ -192,6 +191,13 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
                 )
             )
         lines[name] = (list(shares), gains)
+        outcome.rows.append(
+            Row(
+                f"{name}: speed-up at the most points over that at the fewest",
+                gains[-1] / gains[0],
+                band=bands.POINTS_PAY,
+            )
+        )
         outcome.rows.append(
             Row(
                 f"{name}: speed of auto over the faster engine, at its worst",
@@ -220,9 +226,7 @@ def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
     return {shares[0]: bands.FEW_POINTS, shares[-1]: bands.MANY_POINTS}.get(share)
 
 
-def _engines(
-    scene: Scene, share: float, directions: int, quick: bool
-) -> tuple[dict[str, float], str]:
+def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
     """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
     wanted = max(16, round(share * scene.triangles))
     side = math.ceil(math.sqrt(2.5 * wanted))
@@ -241,4 +245,4 @@ def _engines(
         return trace
 
     names = ("batch", "embree", "auto")
-    return in_turns({name: run(name) for name in names}, 1 if quick else 3), taken
+    return in_turns({name: run(name) for name in names}, 3), taken

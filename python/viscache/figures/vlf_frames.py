@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, scenes
+from viscache import _core, scenes, vlf
 from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
@@ -18,6 +18,9 @@ from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_fi
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import (
+    MAX_BYTES,
+    QUICK_DIRECTIONS,
+    QUICK_TILES,
     Tuned,
     best_bsp,
     best_field,
@@ -26,10 +29,11 @@ from viscache.figures.vlf_tracers import (
     in_turns,
     write_csv,
 )
+from viscache.frame import Frame
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
-from viscache.settings.rays import Rays
+from viscache.settings.rays import Rays, Vlf
 
 #: Numbers of random triangles, and the largest for which a full field is built.
 COUNTS = (1_000, 4_000, 9_000, 16_000, 64_000, 250_000, 1_000_000)
@@ -63,6 +67,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
                 f"triangles, {'left' if column == 0 else 'right'}",
                 scene.triangles,
                 printed=count,
+                band=bands.RANDOM_TRIANGLES[count],
                 note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
             )
         )
@@ -77,6 +82,7 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     counts = QUICK_COUNTS if quick else COUNTS
     outcome, table = Outcome(), []
     times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": []}
+    steps = []
     for count in counts:
         scene = _random(count)
         beams = _stations(size)
@@ -101,7 +107,8 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
                 }
             )
         outcome.rows += _count_rows(count, found, tuned, quick)
-    outcome.rows += _growth_rows(counts, times, quick)
+        steps.append(steps_of_a_ray(scene, beams, quick))
+    outcome.rows += _growth_rows(counts, times, steps, quick)
     lines = {name: (counts, ms) for name, ms in times.items()}
     outcome.files += [
         draw_lines(lines, folder / "vlf-fig5.png", x="triangles", y="CPU ms per frame"),
@@ -145,9 +152,34 @@ def _count_rows(
     ]
 
 
-def _growth_rows(counts: Sequence[int], times: dict[str, list[float]], quick: bool) -> list[Row]:
+def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
+    """Tiles, leaves and triangles that a ray visits in a field of depth 3, mean."""
+    n_directions = QUICK_DIRECTIONS if quick else printed.DIRECTIONS
+    settings = Vlf(
+        n_directions=n_directions,
+        n_tiles=QUICK_TILES if quick else printed.TILES,
+        bsp_depth=3,
+        lazy=True,
+        max_bytes=MAX_BYTES,
+    )
+    field = settings.build(scene._core)
+    axes = vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
+    steps = field.trace_by(beams.origins, beams.directions, axes)[3]
+    return float(sum(steps[name] for name in ("tiles", "leaves", "tests")) / len(beams))
+
+
+def _growth_rows(
+    counts: Sequence[int], times: dict[str, list[float]], steps: Sequence[float], quick: bool
+) -> list[Row]:
     more = counts[-1] / counts[0]
-    rows = []
+    rows = [
+        Row(
+            "VLF-RT: growth of a ray's steps over the growth of the triangles",
+            steps[-1] / steps[0] / more,
+            band=bands.RANDOM_STEPS,
+            note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
+        )
+    ]
     for name, ms in times.items():
         rows.append(
             Row(
@@ -174,17 +206,27 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
         "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
         "Embree": embree(rooms["Embree"]),
     }
-    table = []
+    table, more_rays = [], []
     for k, view in zip(frames, views, strict=True):
         rays = camera_rays(view, size)
         primary = in_turns({n: partial(rays.trace, t.caster) for n, t in tuned.items()}, 1)
-        whitted = {n: _whitted(rooms[n], tuned[n].settings, view, size) for n in rooms}
+        lit = {n: _whitted(rooms[n], tuned[n].settings, view, size) for n in rooms}
+        whitted = {n: float(frame.timings["cpu_s"]) for n, frame in lit.items()}
+        counters = lit["VLF-RT"].counters
+        more_rays.append((counters["camera_rays"] + counters["rays"]) / len(rays))
         table += [
             {"frame": k, "method": n, "shading": shading, "ms": 1e3 * seconds[n]}
             for shading, seconds in (("OpenGL-like", primary), ("Whitted", whitted))
             for n in rooms
         ]
     outcome = Outcome(rows=_walk_rows(table, tuned, quick))
+    outcome.rows.append(
+        Row(
+            "rays of a Whitted frame over its primary rays, median",
+            _median(np.array(more_rays)),
+            band=bands.WHITTED_RAYS,
+        )
+    )
     outcome.files += [_draw_walk(table, folder), write_csv(folder / "vlf-fig6.csv", table)]
     outcome.notes.append(
         "OpenGL-like: the primary rays alone. Whitted: whole frames through viscache.render with "
@@ -199,11 +241,10 @@ def _classroom(quick: bool) -> Scene:
     return made
 
 
-def _whitted(scene: Scene, rays: Rays, view: _core.Camera, size: tuple[int, int]) -> float:
-    """CPU seconds of a frame, without building the caster."""
+def _whitted(scene: Scene, rays: Rays, view: _core.Camera, size: tuple[int, int]) -> Frame:
+    """A frame; its time excludes building the caster."""
     scene.caster(rays)
-    frame = render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
-    return float(frame.timings["cpu_s"])
+    return render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
 
 
 def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[np.float64]:

@@ -119,27 +119,24 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
     coarse, fine = at("n_directions", few), at("n_directions", many)
     flat, deep = at("bsp_depth", 0), at("bsp_depth", 5)
 
-    def band(value: Any) -> Any:
-        return None if quick else value
-
     rows = [
         Row(
             "tests per ray, depth 0 over depth 5",
             flat["tests"] / deep["tests"],
-            band=band(bands.DEPTH_SAVES_TESTS),
+            band=bands.QUICK_DEPTH_SAVES_TESTS if quick else bands.DEPTH_SAVES_TESTS,
             note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
             f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
         ),
         Row(
             f"tiles per ray, {few} directions over {many}",
             coarse["tiles"] / fine["tiles"],
-            band=band(bands.DIRECTIONS_SAVE_TILES),
+            band=bands.DIRECTIONS_SAVE_TILES,
             note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
         ),
         Row(
             f"rays per second, {many} directions over {few}",
             fine["mrays_s"] / coarse["mrays_s"],
-            band=band(bands.FINER_IS_FASTER),
+            band=None if quick else bands.FINER_IS_FASTER,
             note="fewer tiles, but more memory than caches hold",
         ),
     ]

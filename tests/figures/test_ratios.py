@@ -1,0 +1,135 @@
+"""Ratios of figures have the sense that their rows say, on measurements made up by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache.figures import aqvc_claims, vlf_frames, vlf_occlusion
+from viscache.figures import vlf_bands as bands
+from viscache.figures.aqvc_runs import Trade
+from viscache.figures.outcome import Row
+from viscache.figures.vlf_tracers import Tuned
+from viscache.frame import Frame
+
+
+def tuned(settings: Any) -> Tuned:
+    return Tuned(settings=settings, caster=None, build_s=0.1, nbytes=1000)
+
+
+TUNED = {"CRT": tuned(vc.Bsp(max_depth=14)), "VLF-RT": tuned(vc.Vlf()), "Embree": tuned(None)}
+
+
+def measured(rows: list[Row]) -> dict[str, float | None]:
+    return {row.what: row.measured for row in rows}
+
+
+def holding(rows: list[Row]) -> list[bool]:
+    return [row.holds for row in rows if row.holds is not None]
+
+
+def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields() -> None:
+    found = {"CRT": 6.0, "VLF-RT": 3.0, "Embree": 0.5}
+    rows = vlf_frames._count_rows(1000, found, TUNED, quick=False)
+    assert list(measured(rows).values()) == [2.0, 6.0] and holding(rows) == [True, True]
+    slower = vlf_frames._count_rows(1000, {"CRT": 3.0, "VLF-RT": 6.0, "Embree": 9.0}, TUNED, False)
+    assert list(measured(slower).values()) == [0.5, pytest.approx(2 / 3)]
+    assert holding(slower) == [False, False]
+
+
+def test_growth_is_that_of_time_and_steps_over_that_of_triangles() -> None:
+    times = {"CRT": [1.0, 9.0], "VLF-RT": [2.0, 3.0], "Embree": [1.0, 1.0]}
+    rows = vlf_frames._growth_rows((1000, 10_000), times, (5.0, 20.0), quick=False)
+    assert [row.measured for row in rows] == pytest.approx([0.4, 0.9, 0.15, 0.1])
+    assert holding(rows) == [True, True]
+    fast = vlf_frames._growth_rows((10, 20), {"VLF-RT": [1.0, 2.0]}, (5.0, 10.0), quick=False)
+    assert [row.measured for row in fast] == [1.0, 1.0] and holding(fast) == [False, False]
+
+
+def test_the_walk_compares_tracers_frame_by_frame() -> None:
+    ms = {
+        "OpenGL-like": {
+            "CRT": (3.0, 9.0, 4.0),
+            "VLF-RT": (2.0, 3.0, 4.0),
+            "Embree": (1.0, 1.0, 1.0),
+        },
+        "Whitted": {"CRT": (8.0, 9.0, 5.0), "VLF-RT": (4.0, 9.0, 10.0), "Embree": (2.0, 3.0, 5.0)},
+    }
+    table = [
+        {"frame": k, "method": method, "shading": shading, "ms": value}
+        for shading, methods in ms.items()
+        for method, values in methods.items()
+        for k, value in enumerate(values)
+    ]
+    rows = vlf_frames._walk_rows(table, TUNED, quick=False)
+    assert measured(rows) == {
+        "OpenGL-like: speed-up of VLF-RT over CRT, median": 1.5,
+        "OpenGL-like: speed-up of Embree over VLF-RT, median": 3.0,
+        "Whitted: speed-up of VLF-RT over CRT, median": 1.0,
+        "Whitted: speed-up of Embree over VLF-RT, median": 2.0,
+        "VLF-RT: a Whitted frame over an OpenGL-like one, median": 2.5,
+        "CRT: best depth": 14,
+        "VLF-RT: best depth": vc.Vlf().bsp_depth,
+    }
+
+
+def test_ambient_occlusion_compares_the_better_order_of_embree() -> None:
+    seconds = {
+        "CRT, by point": 30.0,
+        "CRT, by direction": 25.0,
+        "VLF-RT, by point": 12.0,
+        "VLF-RT, by direction": 10.0,
+        "Embree, by point": 4.0,
+        "Embree, by direction": 3.0,
+        vlf_occlusion.EMBREE_ROWS: 2.0,
+        "aligned batch": 1.0,
+    }
+    rows, gain = vlf_occlusion._scene_rows("cow", seconds, TUNED, quick=False)
+    assert gain == 2.5
+    assert measured(rows) == {
+        "cow: seconds, CRT": 30.0,
+        "cow: seconds, VLF-RT": 12.0,
+        "cow: speed-up of VLF-RT over CRT": 2.5,
+        "cow: VLF-RT by direction over by point": 1.2,
+        "cow: seconds, Embree, the better order": 2.0,
+        "cow: speed-up of Embree over VLF-RT": 6.0,
+        "cow: speed-up of the aligned batch over VLF-RT": 12.0,
+        "cow: speed-up of the aligned batch over Embree": 2.0,
+    }
+    printed = {"tugboat": 1.45, "cow": 2.51}
+    decline = vlf_occlusion._decline_row(printed, quick=False)
+    assert decline.measured == decline.printed and decline.holds
+    rising = vlf_occlusion._decline_row({"tugboat": 2.0, "cow": 1.0}, quick=False)
+    assert rising.measured == 2.0 and rising.holds is False
+    assert 1.0 in bands.OCCLUSION_SPEEDUP and 0.99 not in bands.OCCLUSION_SPEEDUP
+
+
+def frame(light: float, cpu_s: float = 1.0, **counters: float) -> Frame:
+    image = np.full((2, 2, 3), light, np.float32)
+    return Frame(layers={"color": image}, counters=counters, timings={"cpu_s": cpu_s})
+
+
+def trade(error: float, reduction: float) -> Trade:
+    return Trade(frame=frame(1 + error, ray_reduction=reduction), exact=frame(1.0))
+
+
+def test_a_reduction_counts_up_to_an_error_of_three_percent() -> None:
+    trades = [trade(0.01, 30.0), trade(0.025, 45.0), trade(0.035, 90.0)]
+    assert aqvc_claims.largest_reduction(trades) == 45.0
+    assert aqvc_claims.largest_reduction([trade(0.0299, 7.0), trade(0.0301, 8.0)]) == 7.0
+    assert aqvc_claims.largest_reduction([trade(0.2, 90.0)]) == 0.0
+
+
+def test_collisions_are_told_by_the_rays_of_a_lossless_table() -> None:
+    lossy, lossless = frame(1.0, rays=1250), frame(1.0, rays=1000)
+    assert aqvc_claims.share_of_collisions(lossy, lossless) == 0.2
+    assert aqvc_claims.share_of_collisions(lossless, lossless) == 0.0
+
+
+def test_a_speed_up_is_the_exact_frames_time_over_the_cached_ones() -> None:
+    made = Trade(frame=frame(1.0, cpu_s=2.0, ray_reduction=5.0), exact=frame(1.0, cpu_s=8.0))
+    assert made.speedup == 4.0 and made.ray_reduction == 5.0
+    assert "speed-up 4.00 (8.00 to 2.00 CPU s)" in made.note
