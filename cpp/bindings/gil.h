@@ -10,9 +10,12 @@
 
 #include <cxxabi.h>
 
+#include "viscache/math/float_mode.h"
+
 namespace viscache::bindings {
 
-/// Releases the lock while it lives. Throws SystemExit when the interpreter ends and this is not its thread.
+/// Releases the lock while it lives, and computes in the default floating-point mode. Throws SystemExit when
+/// the interpreter ends and this is not its thread.
 class WithoutGil {
 public:
     WithoutGil();
@@ -21,6 +24,7 @@ public:
     WithoutGil& operator=(const WithoutGil&) = delete;
 
 private:
+    DefaultFloats floats_;
     struct Threads* threads_;
     PyThreadState* state_;
 };

@@ -1,11 +1,14 @@
 // math/: bit rows and their transposes, the choice of the ISA, affine transforms.
+#include <cfenv>
 #include <cmath>
 #include <cstdint>
 #include <random>
 
 #include "check.h"
 #include "viscache/math/affine.h"
+#include "viscache/math/any_length.h"
 #include "viscache/math/bits.h"
+#include "viscache/math/float_mode.h"
 #include "viscache/math/isa.h"
 
 namespace viscache::test {
@@ -116,7 +119,36 @@ void products_apply_right_to_left() {
     check_near((a * b).determinant(), a.determinant() * b.determinant(), 1e-12, "det (a b) = det a det b");
 }
 
+// Within the range of squares: the bits of length. Outside: length gives 0 or infinity.
+void lengths_are_right_for_small_and_large_vectors() {
+    const Vec3 v{0.3f, -0.5f, 0.7f};
+    check(any_length(v) == length(v) && any_direction(v) == normalize(v), "ordinary vectors keep their bits");
+    for (float scale : {1e-30f, 1e-22f, 1e25f}) {
+        const Vec3 scaled = v * scale;
+        check_near(any_length(scaled) / scale, length(v), 1e-6, "length of a scaled vector");
+        for (int axis = 0; axis < 3; ++axis)
+            check_near(any_direction(scaled)[axis], normalize(v)[axis], 1e-6, "direction of a scaled vector");
+        check(!(std::fabs(length(scaled) / scale - length(v)) < 0.5f), "squares leave the range");
+    }
+    check(any_length({}) == 0 && any_direction({}) == Vec3{}, "the zero vector");
+}
+
+// What the caller's mode was comes back.
+void floats_have_their_mode_for_a_while() {
+    const int before = std::fegetround();
+    std::fesetround(FE_UPWARD);
+    volatile float one = 1, little = 1e-10f;
+    {
+        const DefaultFloats floats;
+        check(one + little == 1, "rounding to nearest");
+    }
+    check(one + little > 1, "rounding up again");
+    std::fesetround(before);
+}
+
 const Suite suite{
+    {"lengths: small and large vectors have them", lengths_are_right_for_small_and_large_vectors},
+    {"floats: rounding is to nearest for a while", floats_have_their_mode_for_a_while},
     {"bits: rows are padded to 512 bits, aligned and zero", rows_are_padded_and_zero},
     {"bits: set bits are visited in order", set_bits_are_visited_in_order},
     {"bits: columns are the transpose of the rows", columns_are_the_transpose},

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "viscache/correlation/spatial_groups.h"
+#include "viscache/math/any_length.h"
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
 #include "viscache/scene/film_camera.h"
@@ -220,7 +221,7 @@ private:
             Vec3 p[3] = {mesh.vertices[v.x], mesh.vertices[v.y], mesh.vertices[v.z]};
             if (to_world)
                 for (Vec3& q : p) q = to_world->point(q);
-            visit(0.5 * double(length(cross(p[1] - p[0], p[2] - p[0]))), index, t, instance);
+            visit(0.5 * double(any_length(cross(p[1] - p[0], p[2] - p[0]))), index, t, instance);
         }
     }
 

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "viscache/math/any_length.h"
 #include "viscache/scene/check.h"
 #include "viscache/scene/light_tree.h"
 
@@ -160,12 +161,12 @@ void Scene::build_lights(int threads) {
                 for (Vec3& q : p) q = to_world->point(q);
             Vec3 n = cross(p[1] - p[0], p[2] - p[0]);
             if (to_world && to_world->determinant() < 0) n = -n;
-            const float area = 0.5f * length(n);
+            const float area = 0.5f * any_length(n);
             if (!(area > 0) || !std::isfinite(area)) continue;  // degenerate triangles emit nothing
             const Rgb radiance = mean_emission(uint32_t(index), uint32_t(i));
             if (!(max_component(radiance) > 0)) continue;
             area_lights_.triangles.push_back(
-                {p[0], p[1], p[2], normalize(n), radiance, area, mesh.emits_two_sided, opaque});
+                {p[0], p[1], p[2], any_direction(n), radiance, area, mesh.emits_two_sided, opaque});
             if (!emission_means_.empty()) area_lights_.images.push_back(emissive_image(mesh, t));
             power.push_back(double(area) * luminance(radiance) * (mesh.emits_two_sided ? 2 : 1));
         }

@@ -15,7 +15,7 @@ __all__ = ["far_away", "info", "lit_coats", "placed_coplanar_share"]
 
 MOST_COUNTED_TRIANGLES = 5_000_000
 #: Distance from the origin, in sizes of the scene, that causes a warning.
-FAR_AWAY = 1e4
+FAR_AWAY = 1e3
 
 
 def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
