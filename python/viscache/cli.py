@@ -27,7 +27,7 @@ COMMANDS = {
     "report": "write the HTML report of a sweep",
     "reproduce": "figures and tables of the papers",
     "bench": "benchmarks: ratios against a named baseline of the same run",
-    "doctor": "versions, and a self-test",
+    "doctor": "versions, a self-test, and numerical extremes",
 }
 OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130
 

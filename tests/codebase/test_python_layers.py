@@ -33,7 +33,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("correlation", "report"),
     ("testing",),
     ("viscache",),
-    ("cases", "parity"),
+    ("cases", "extremes", "parity"),
     ("bench", "figures"),
     ("commands", "demo"),
     ("cli",),
@@ -41,8 +41,11 @@ FLOORS: tuple[tuple[str, ...], ...] = (
 )
 RANKS = {room: rank for rank, floor in enumerate(FLOORS) for room in floor}
 PACKAGE = "python/viscache/"
-#: Files that find modules of the package by name: sub-commands and figures.
-BY_NAME = (f"{PACKAGE}cli.py", f"{PACKAGE}figures/__init__.py")
+#: Files that find modules of the package by name: sub-commands, figures, families of checks.
+BY_NAME = tuple(
+    f"{PACKAGE}{file}"
+    for file in ("cli.py", "figures/__init__.py", "extremes/families/__init__.py")
+)
 
 
 def room_of(path: str) -> str:

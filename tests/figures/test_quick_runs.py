@@ -65,6 +65,7 @@ QUICK: dict[str, tuple[int, tuple[str, ...]]] = {
     "vismap-sweep": (2, (".png",)),
     "vismap-temporal": (2, (".png",)),
     "trade": (5, (".png", ".csv")),
+    "extremes": (66, (".png", ".csv")),
 }
 #: Rows that need scenes by other authors.
 SKIPPED = {

@@ -339,10 +339,10 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
 
 def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path: Path) -> None:
     import viscache as vc
-    from viscache.commands.doctor import _scene
+    from viscache.commands.self_test import small_scene
 
     ds = sweep(
-        _scene(),
+        small_scene(),
         vc.Direct(),
         visibility=vc.Aqvc(exact_groups=()),
         over={"c_e": [0.01, 4, 16]},

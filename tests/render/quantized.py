@@ -9,8 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache import _core
+from viscache.extremes.moved import description_of, moved
+from viscache.extremes.scenes import lit_box
 from viscache.settings.by_name import replaced
+
+__all__ = [
+    "FORMS",
+    "LOCAL",
+    "SHARED",
+    "SIZE",
+    "description_of",
+    "energy",
+    "exact",
+    "lit_box",
+    "moved",
+    "rel_l1",
+    "render",
+    "scene",
+]
 
 Image = npt.NDArray[np.float32]
 
@@ -62,64 +78,3 @@ def exact(
 def scene(name: str, **parameters: Any) -> vc.Scene:
     """A built-in scene; made once."""
     return getattr(vc.scenes, name)(**parameters)
-
-
-@cache
-def lit_box() -> vc.Scene:
-    """The Cornell box with its area light, a point light and a sun through the open side."""
-    description = description_of(scene("cornell_box"))
-    description.add_point_light((-0.15, 0.5, -0.1), (0.4, 0.4, 0.4))
-    description.add_directional_light((0.3, 0.3, 1.0), (1.5, 1.4, 1.2))
-    return vc.Scene.from_description(description)
-
-
-def description_of(
-    made: vc.Scene,
-    *,
-    scale: float = 1.0,
-    rotation: npt.ArrayLike | None = None,
-    shift: npt.ArrayLike = (0.0, 0.0, 0.0),
-    noise: float = 0.0,
-) -> vc.SceneDescription:
-    """The scene written anew: rotated, then scaled, then moved; the picture stays the same.
-
-    `noise` (scene units, uniform, fixed seed) shakes the vertices.
-    """
-    turn = np.eye(3) if rotation is None else np.asarray(rotation, float)
-    rng = np.random.default_rng(5)
-
-    def point(p: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        return scale * (np.asarray(p, float) @ turn.T) + np.asarray(shift, float)
-
-    old, new = _core.description_of(made._core), vc.SceneDescription()
-    for material in old.materials:
-        new.add_material(material.pop("kind"), **material)
-    for mesh in made.meshes():
-        shaken = mesh["vertices"] + noise * rng.uniform(-1, 1, mesh["vertices"].shape)
-        new.add_mesh(
-            point(shaken),
-            mesh["triangles"],
-            material=mesh["material"],
-            emission=mesh["emission"],
-            name=mesh["name"],
-        )
-    for light in old.lights:
-        if light["kind"] == "point":
-            intensity = np.asarray(light["intensity"]) * scale**2
-            new.add_point_light(point(light["position"]), intensity)
-        elif light["kind"] == "directional":
-            new.add_directional_light(turn @ light["direction"], light["irradiance"])
-    for camera in old.cameras:
-        target = np.add(camera["origin"], camera["forward"])
-        new.add_camera(
-            point(camera["origin"]),
-            point(target),
-            up=turn @ camera["up"],
-            fov_deg=camera["fov_deg"],
-        )
-    return new
-
-
-def moved(made: vc.Scene, **transform: Any) -> vc.Scene:
-    """The scene of `description_of`."""
-    return vc.Scene.from_description(description_of(made, **transform))

@@ -1,23 +1,49 @@
-"""`viscache doctor`: versions, and a self-test of about ten seconds."""
+"""`viscache doctor`: versions, a self-test, and the checks of numerical extremes."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
+import sys
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-import viscache as vc
-from viscache import provenance
+from viscache import extremes, provenance
+from viscache.commands.self_test import checks
 from viscache.commands.shared import print_json
+from viscache.extremes.compare import differences
+from viscache.files import finite
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument(
+        "--extremes",
+        action="store_true",
+        help="also check numerical extremes: under three minutes on two cores",
+    )
+    parser.add_argument(
+        "--full", action="store_true", help="--extremes with more cases, on every instruction set"
+    )
+    parser.add_argument(
+        "--only",
+        action="append",
+        metavar="FAMILY",
+        help="of --extremes, this family of checks; may be repeated",
+    )
+    parser.add_argument(
+        "--compare",
+        nargs=2,
+        metavar=("A.json", "B.json"),
+        help="compare two outputs of --json instead",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Exit status 0: every check holds; 1: one does not, or it holds in one report alone."""
+    if arguments.compare:
+        return _compare(*arguments.compare, as_json=arguments.json)
     active, best = provenance.isa()
     made = provenance.provenance()
     report: dict[str, Any] = {
@@ -25,90 +51,66 @@ def run(arguments: argparse.Namespace) -> int:
         "isa": {"active": active, "best": best, "asked": os.environ.get("VISCACHE_ISA")},
         "cpu": provenance.cpu_model(),
         "threads": made["threads"],
-        "checks": checks(active, best),
     }
-    report["ok"] = all(check["holds"] for check in report["checks"])
+    if not arguments.json:
+        _print_versions(report)
+    told = _progress if arguments.json else _print_check
+    found = checks(active, best)
+    for check in found:
+        told(check)
+    if arguments.extremes or arguments.full or arguments.only:
+        found += extremes.run(arguments.only, full=arguments.full, told=told)
+    report["checks"] = [check.as_dict() for check in found]
+    report["ok"] = all(check.holds for check in found)
     if arguments.json:
         print_json(report)
     else:
-        _print(report)
+        failed = sum(not check.holds for check in found)
+        print(
+            f"{len(found)} checks, {failed} failed" if failed else f"all {len(found)} checks hold"
+        )
     return 0 if report["ok"] else 1
 
 
-def checks(active: str, best: str) -> list[dict[str, Any]]:
-    """The checks of the self-test: name, value, limit, and whether each passes."""
-    scene = _scene()
-    asked = os.environ.get("VISCACHE_ISA")
-    result = [
-        _check(
-            "the kernels run the best variant this CPU has (or the one asked for)",
-            int(active != (asked or best)),
-            0,
-        ),
-        _check("visible() agrees with plane geometry", _wrong_answers(scene), 0),
-    ]
-    direct = vc.Direct()
-    exact = vc.render(scene, direct, size=(48, 32))
-    shadow = float(np.mean(exact.image[:, :, 0] > 0))
-    result.append(_check("the test picture has light and shadow", shadow, [0.02, 0.98]))
-    tiny = vc.render(scene, direct, visibility=vc.Aqvc(c_e=0.01, exact_groups=()), size=(48, 32))
-    error = vc.metrics.compare(tiny, exact, metrics=["max_abs"]).max_abs
-    result.append(_check("the quantized cache at C_E = 0.01 gives the exact picture", error, 0))
-    cached = vc.Aqvc(c_e=8, exact_groups=())
-    frames = [
-        vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
-        for t in (1, 2, 3)
-    ]
-    name = "1, 2 and 3 threads give the same bytes"
-    result.append(_check(name, len(set(frames)) - 1, 0))
-    return result
-
-
-def _check(name: str, value: Any, limit: Any) -> dict[str, Any]:
-    in_range = isinstance(limit, list) and limit[0] <= value <= limit[1]
-    holds = in_range or value == limit
-    return {"name": name, "value": value, "limit": limit, "holds": bool(holds)}
-
-
-def _scene() -> Any:
-    """A floor, a triangle above it, a point light, a camera."""
-    description = vc.SceneDescription()
-    floor = np.array([[-4, 0, -4], [4, 0, -4], [4, 0, 4], [-4, 0, 4]], np.float32)
-    quads = np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
-    material = description.add_material(base_color=(0.5, 0.5, 0.5))
-    description.add_mesh(floor, quads, material=material)
-    triangle = np.array([_A, _B, _C], np.float32)
-    description.add_mesh(triangle, np.array([[0, 1, 2]], np.uint32), material=material)
-    description.add_point_light((0.3, 4.0, 0.2), (20.0, 20.0, 20.0))
-    description.add_camera((0.0, 5.0, 7.0), (0.0, 0.0, 0.0), width=48, height=32)
-    return vc.Scene.from_description(description)
-
-
-_A, _B, _C = (-1.0, 1.0, -1.0), (1.0, 1.0, -1.0), (0.0, 1.0, 1.0)
-
-
-def _wrong_answers(scene: Any) -> int:
-    """Number of segments through the triangle's plane whose answer is wrong."""
-    rng, n = np.random.default_rng(0), 4000
-    below = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 0.5), rng.uniform(-2, 2, n)])
-    above = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 1.5), rng.uniform(-2, 2, n)])
-    crossing = (0.5 * (below + above))[:, [0, 2]]
-    corners = np.array([_A, _B, _C])[:, [0, 2]]
-    edges = np.roll(corners, -1, axis=0) - corners
-    lengths = np.linalg.norm(edges, axis=1)
-    to = crossing[:, None, :] - corners[None]
-    side = (edges[None, :, 0] * to[:, :, 1] - edges[None, :, 1] * to[:, :, 0]) / lengths
-    clear = np.abs(side).min(axis=1) > 1e-3  # not on an edge, where rounding decides
-    expected = ~(side > 0).all(axis=1)
-    seen = scene.visible(below.astype(np.float32), above.astype(np.float32))
-    return int((seen != expected)[clear].sum())
-
-
-def _print(report: dict[str, Any]) -> None:
+def _print_versions(report: dict[str, Any]) -> None:
     for name, version in report["versions"].items():
         print(f"{name} {version}")
     print(f"kernels {report['isa']['active']} (best here: {report['isa']['best']})")
     print(f"{report['cpu']}, {report['threads']} thread(s)")
-    for check in report["checks"]:
-        state = "ok  " if check["holds"] else "FAIL"
-        print(f"{state} {check['name']} ({check['value']:g}, limit {check['limit']})")
+
+
+def _print_check(check: extremes.Check) -> None:
+    print(check.line(), flush=True)
+
+
+def _progress(check: extremes.Check) -> None:
+    """Standard output is for the JSON alone."""
+    if sys.stderr.isatty() or not check.holds:
+        print(check.line(), file=sys.stderr)
+
+
+def _compare(first: str, second: str, *, as_json: bool) -> int:
+    """Exit status 1 where a check holds in one report alone."""
+    reports = [_read(first), _read(second)]
+    found = differences(*reports)
+    if as_json:
+        keys = ("name", "what", "a", "b")
+        print_json({"differences": [dict(zip(keys, d, strict=True)) for d in found]})
+    else:
+        for path, report in zip((first, second), reports, strict=True):
+            print(f"{path}: {report['cpu']}, {report['isa']['active']}, Embree "
+                  f"{report['versions']['embree']}, {len(report['checks'])} checks")  # fmt: skip
+        for name, what, a, b in found:
+            print(f"{name}: {what} {finite(a)} and {finite(b)}")
+        print(f"{len(found)} differences")
+    return 1 if any(what == "holds" for _, what, _, _ in found) else 0
+
+
+def _read(path: str) -> dict[str, Any]:
+    try:
+        report: dict[str, Any] = json.loads(Path(path).read_text("utf-8"))
+        names = [check["name"] for check in report["checks"]]
+    except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError) as error:
+        raise ValueError(f"{path}: must be an output of viscache doctor --json: {error}") from None
+    assert names is not None
+    return report

@@ -37,8 +37,8 @@ class FigureInfo:
 
 #: Name to figure, in the order of the papers: figures and tables by number, then the others.
 FIGURES: dict[str, FigureInfo] = {}
-#: The papers, and the trade of all methods, which no paper has.
-PAPERS = ("aqvc", "vlf", "vismap", "trade")
+#: The papers; the trade of all methods and their extremes, which no paper has.
+PAPERS = ("aqvc", "vlf", "vismap", "trade", "extremes")
 
 
 def figure(name: str, description: str) -> Callable[[Figure], Figure]:

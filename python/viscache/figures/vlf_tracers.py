@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -205,9 +206,10 @@ def first_hits(
 def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
     """Write the rows of a table; columns are in the order of their first occurrence."""
     columns = list(dict.fromkeys(name for row in rows for name in row))
-    lines = [",".join(columns)]
-    lines += [",".join(_cell(row.get(name, "")) for name in columns) for row in rows]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows([_cell(row.get(name, "")) for name in columns] for row in rows)
     return path
 
 

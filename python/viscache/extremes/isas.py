@@ -1,0 +1,15 @@
+"""The instruction sets of the kernels."""
+
+from __future__ import annotations
+
+from viscache import provenance
+
+__all__ = ["instruction_sets"]
+
+#: All of them, from the plainest.
+ISAS = ("portable", "avx2", "avx512")
+
+
+def instruction_sets() -> tuple[str, ...]:
+    """Those that this CPU has."""
+    return ISAS[: ISAS.index(provenance.isa()[1]) + 1]
