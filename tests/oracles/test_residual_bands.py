@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from viscache.oracles.learned import GROUPS, unlearnt
 
 #: Contributions of the lights of one eye point, and their shares. Most are dim; the mean is near 2.
 BANDS = np.array([0.3, 0.7, 1.5, 3, 6, 12, 24, 48, 100, 200, 400], np.float32)
@@ -124,3 +128,70 @@ def test_samples_of_a_pixel_take_turns() -> None:
     # The next 256 have other places
     later = vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, first_sample=256)
     assert later.sha256 != frames[0].sha256
+
+
+class Stripes:
+    """An oracle with answers of both kinds, and neighbours that agree or differ."""
+
+    def block(self, eyes: Any, lamps: Any, wanted: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+        return np.broadcast_to(stripes(len(lamps)), wanted.shape)
+
+
+def stripes(n: int) -> npt.NDArray[np.bool_]:
+    k = np.arange(n)
+    return np.where(k < n // 2, k % 2 == 0, k // 8 % 2 == 0)
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("truth", ["blocked", "visible"])
+def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str) -> None:
+    """Answers of four classes, each with an octave of its own; behind the wall, or before it."""
+    c, _ = lights(8192, 2)
+    n, m = c.shape
+    side = -1 if truth == "blocked" else 1
+    rng = np.random.default_rng(3)
+    points = np.column_stack([rng.uniform(-1, 1, (n, 2)), np.full(n, side)]).astype(np.float32)
+    eyes = vc.EyePoints(points, np.tile(np.float32([0, 0, -side]), (n, 1)))
+    ends = np.column_stack([rng.uniform(-1, 1, (m, 2)), np.full(m, 0.5)]).astype(np.float32)
+    octaves = unlearnt()
+    octaves[GROUPS.index("point")] = [3, 0, 1, 4, 2, 2, 2, 2]
+    oracle = wall.oracle(Stripes(), use=vc.Correct(certain=64 / 1024), seed=11)
+    oracle._context = dataclasses.replace(oracle._context, octaves=octaves)
+    answer = oracle.block(eyes, vc.FarEnds.points(ends), contributions=c)
+    assert answer.weights is not None
+    weight = np.where(answer.visible, answer.weights, 0)
+
+    seen = stripes(m)
+    other = np.zeros(m, bool)
+    other[1:] |= seen[1:] != seen[:-1]
+    other[:-1] |= seen[1:] != seen[:-1]
+    k = 2 * seen + other  # the class, as nobody doubts an answer here
+    octave = np.array(octaves[GROUPS.index("point")])[k]
+    wrong = seen != (truth == "visible")
+    relative = c / c.mean(axis=1, keepdims=True, dtype=np.float64)
+    bounds = 64 * 2.0 ** (octave[:, None] - 1 - np.arange(8))
+    h = (relative[..., None] <= bounds).sum(axis=-1)
+    drawn = weight != seen
+    assert not drawn[:, ~wrong].any()
+    for one in np.unique(k[wrong]):
+        for band in range(9):
+            mine = (h == band) & (k == one) & wrong
+            q, count = 0.5**band, int(mine.sum())
+            if count * q < 100:
+                continue
+            spread = np.sqrt(q * (1 - q) / count)
+            assert abs(drawn[mine].mean() - q) <= 4.5 * spread
+            # Negative control: the octave of any other class is told apart
+            if band:
+                assert abs(drawn[mine].mean() - 2 * q) > 5 * spread
+            want = 2.0**band if truth == "visible" else 1 - 2.0**band
+            np.testing.assert_array_equal(weight[mine & drawn], np.float32(want))
+
+    def z(weights: npt.NDArray[Any]) -> float:
+        away = (weights - float(truth == "visible"))[:, wrong].sum(dtype=np.float64)
+        return float(abs(away) / np.sqrt((2.0**h - 1)[:, wrong].sum()))
+
+    assert z(weight) < 4.5
+    # Negative control: one class is never checked
+    for one in np.unique(k[wrong]):
+        assert z(np.where(k == one, seen, weight)) > 10

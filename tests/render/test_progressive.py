@@ -145,6 +145,22 @@ def test_little_room_keeps_fewer_cells_and_nothing_else(room: vc.Scene) -> None:
     assert small.rows.bytes <= 1 << 20
 
 
+def test_little_room_changes_no_byte_by_threads_or_stops(room: vc.Scene, tmp_path: Path) -> None:
+    """Tiles have equal shares of the room, whoever comes first; what does not fit is traced."""
+    options = {"size": (256, 160), "max_bytes": 1 << 20, "visibility": vc.Aqvc(c_e=4)}
+    one, three = (picture(room, threads=n, **options) for n in (1, 3))
+    want = sha(one.passes(2))
+    three.passes(1)
+    three.save(tmp_path / "state.npz")
+    resumed = picture(room, threads=2, **options)
+    resumed.load(tmp_path / "state.npz")
+    assert sha(three.passes(1)) == sha(resumed.passes(1)) == want
+    for p in (three, resumed):
+        assert p.frame.counters["cells_not_kept"] == one.frame.counters["cells_not_kept"] > 0
+    whole = picture(room, **(options | {"max_bytes": 1 << 30}))
+    assert whole.passes(2).counters["rays"] < one.frame.counters["rays"]
+
+
 @pytest.mark.stat
 def test_corrected_passes_converge_to_exact_visibility(room: vc.Scene) -> None:
     """One percent of the light would show, and so does the bias of the cache alone."""
@@ -158,6 +174,26 @@ def test_corrected_passes_converge_to_exact_visibility(room: vc.Scene) -> None:
     with pytest.raises(AssertionError, match="the frames are biased"):
         replaced = passes(visibility=cache, keep=vc.AqvcRows())
         vc.testing.assert_unbiased(replaced, exact)
+
+
+@pytest.mark.stat
+def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room: vc.Scene) -> None:
+    """Shares by class and the scale come from the first two passes: all 24 are unbiased."""
+
+    def alone(p: vc.Progressive) -> list[Any]:
+        sums = [p.passes(1).image * np.float64(n + 1) for n in range(24)]
+        return list(np.diff(np.stack([np.zeros_like(sums[0]), *sums]), axis=0))
+
+    options = {"size": (96, 64)}
+    exact = alone(picture(room, visibility="exact", **options))
+    cache = {"visibility": vc.Aqvc(c_e=24)}
+    corrected = picture(room, **cache, **options)
+    assert vc.testing.assert_unbiased(alone(corrected), exact, energy=0.01, paired=True).blocks == 6
+    assert corrected._sums.shares is not None
+    with pytest.raises(AssertionError, match="the frames are biased"):
+        vc.testing.assert_unbiased(
+            alone(picture(room, use="replace", **cache, **options)), exact, paired=True
+        )
 
 
 def test_the_error_is_estimated_from_the_passes(room: vc.Scene) -> None:

@@ -1,0 +1,151 @@
+"""A frame's corrections, one by one: they sum to the frame, and wrong rules show a bias."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache.oracles.points import unpack
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+OPTIONS: dict[str, Any] = {"size": (64, 40)}
+LIGHTS = vc.Whitted(n_vpls=128, n_area=0)
+CACHE = vc.Aqvc(c_e=16, exact_groups=("point",))
+#: The same cells without finer ones.
+COARSE = vc.Aqvc(c_e=16, refinement="off", exact_groups=("point",))
+CERTAIN = 1 / 64
+#: A sum further than so many standard errors from the truth is biased.
+LIMIT = 4.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Record:
+    """Connections of eye points (rows) with virtual lights (columns)."""
+
+    v: Floats
+    """V: 1 where a ray sees the light."""
+    cached: Floats
+    """What the cache answers."""
+    weight: Floats
+    """What the frame counts: the cache's answer, or the corrected one."""
+    light: Floats
+    """Contribution before visibility, summed over channels."""
+    wanted: Bools
+    """Connections that the frame asks for."""
+
+    @property
+    def changed(self) -> Bools:
+        """Answers that a check found wrong."""
+        changed: Bools = self.wanted & (self.weight != self.cached)
+        return changed
+
+    @property
+    def inverse_share(self) -> Floats:
+        """1/q where an answer was changed, else 1."""
+        change = (self.weight - self.cached) / np.where(self.changed, self.v - self.cached, 1)
+        return np.where(self.changed, change, 1)
+
+    def z(self, weight: Floats) -> float:
+        """How many standard errors Σ c·weight is from Σ c·V.
+
+        The variance is Σ c²·(1 - q)/q over all wrong answers, by those found: each counts 1/q.
+        """
+        w = self.inverse_share
+        variance = (np.square(self.light) * w * (w - 1))[self.changed].sum()
+        away = (self.light * (weight - self.v))[self.wanted].sum()
+        return float(away / np.sqrt(variance))
+
+
+def recorded(scene: vc.Scene, cache: vc.Aqvc) -> Record:
+    asked = vc.connections(scene, LIGHTS, **OPTIONS)
+    exact, cached = (np.asarray(asked.answers(v)["vpl"], float) for v in (vc.Exact(), cache))
+    corrected: Any = asked.answers(cache, use=vc.Correct(certain=CERTAIN))["vpl"]
+    weight = np.where(corrected.visible, corrected.weights, 0).astype(np.float64)
+    light = asked.contributions("vpl").astype(np.float64).sum(axis=2)
+    wanted = unpack(asked.wanted("vpl"), len(asked.groups["vpl"]))
+    return Record(exact, cached, weight, light, wanted)
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    return vc.scenes.build("room?triangles=3000")
+
+
+@pytest.fixture(scope="module")
+def fine(room: vc.Scene) -> Record:
+    return recorded(room, CACHE)
+
+
+@pytest.fixture(scope="module")
+def coarse(room: vc.Scene) -> Record:
+    return recorded(room, COARSE)
+
+
+def test_recorded_corrections_sum_to_the_frame(room: vc.Scene, fine: Record) -> None:
+    """Weights are V~ + xi·(V - V~)/q with q a power of two, and nothing else is in the picture."""
+    share = fine.inverse_share[fine.changed]
+    assert len(share) > 1000
+    assert (fine.cached != fine.v)[fine.changed].all()
+    np.testing.assert_array_equal(share, np.exp2(np.round(np.log2(share))))
+    assert 1 <= share.min() < share.max() <= 256
+    asked = vc.connections(room, LIGHTS, **OPTIONS)
+    frame = vc.render(room, LIGHTS, visibility=CACHE, use=vc.Correct(certain=CERTAIN), **OPTIONS)
+    whole = fine.cached + np.where(fine.changed, (fine.v - fine.cached) * fine.inverse_share, 0)
+    light = np.einsum("nm,nmc->nc", whole, asked.contributions("vpl").astype(np.float64))
+    total = frame.layers["vpl"].sum(axis=(0, 1), dtype=np.float64)
+    np.testing.assert_allclose(light.sum(axis=0), total, rtol=1e-5)
+    cached = vc.render(room, LIGHTS, visibility=CACHE, **OPTIONS)
+    assert np.abs(cached.layers["vpl"].sum(axis=(0, 1)) / total - 1).max() > 1e-3
+    # The frame's estimate of its own variance, too
+    assert frame.counters["wrong"] == len(share)
+    inverse = np.where(fine.changed, fine.inverse_share, 1)[..., None]
+    squares = np.square(asked.contributions("vpl").astype(np.float64)) * inverse * (inverse - 1)
+    found = frame.layers["variance"].sum(axis=(0, 1), dtype=np.float64)
+    np.testing.assert_allclose(squares.sum(axis=(0, 1)), found, rtol=1e-4)
+
+
+def test_the_recorded_sum_is_unbiased(fine: Record, coarse: Record) -> None:
+    for record in (fine, coarse):
+        assert abs(record.z(record.weight)) < LIMIT
+        assert abs(record.z(record.cached)) > LIMIT
+
+
+def test_a_class_that_is_never_checked_leaves_a_bias(fine: Record) -> None:
+    """Negative control: q = 0 where the cache answers "blocked", or "visible"."""
+    for answer in (0, 1):
+        unchecked = np.where(fine.cached == answer, fine.cached, fine.weight)
+        assert abs(fine.z(unchecked)) > LIMIT
+
+
+def test_the_weight_of_a_neighbouring_band_leaves_a_bias(fine: Record) -> None:
+    """Negative control: answers count as if they had been checked twice or half as often."""
+    for factor in (0.5, 2):
+        wrong = fine.cached + (fine.v - fine.cached) * factor * fine.inverse_share
+        wrong = np.where(fine.changed & (fine.inverse_share > 1), wrong, fine.weight)
+        assert abs(fine.z(wrong)) > LIMIT
+
+
+def test_own_rays_may_be_left_out_only_where_their_answers_count(
+    room: vc.Scene, coarse: Record
+) -> None:
+    """Negative control: eye points whose ray was traced for finer cells are not checked, though
+    they have the answer of the coarse cell."""
+    asked = vc.connections(room, LIGHTS, **OPTIONS)
+    oracle = asked.oracle(CACHE)
+    answer = oracle.block(asked.eyes, asked.groups["vpl"], asked.wanted("vpl"), clusters=True)
+    log = answer.clusters
+    own = np.zeros(coarse.wanted.shape, bool)
+    own[log["row"], log["column"]] = log["traced"]
+    # Its own ray answers each of them
+    np.testing.assert_array_equal(np.asarray(answer, float)[own], coarse.v[own])
+    assert 0.01 < own[coarse.wanted].mean() < 0.5
+    left_out = np.where(own, coarse.cached, coarse.weight)
+    applied = np.where(own, coarse.v, coarse.weight)
+    assert abs(coarse.z(applied)) < LIMIT < abs(coarse.z(left_out))
