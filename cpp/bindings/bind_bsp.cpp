@@ -1,7 +1,8 @@
-// The single-ray BSP tracer.
+// Our own single-ray tracers: the BSP, and the watertight one over boxes of Embree.
 #include "bind_rows.h"
 #include "caster_queries.h"
 #include "viscache/visibility/bsp_caster.h"
+#include "viscache/visibility/watertight_caster.h"
 
 namespace viscache::bindings {
 
@@ -59,6 +60,13 @@ void bind_bsp(py::module_& m) {
              "Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all "
              "rays.");
     bind_queries(caster);
+    py::class_<WatertightCaster, RayCaster, std::shared_ptr<WatertightCaster>> watertight(
+        v, "WatertightCaster", "Embree finds candidates, the watertight test of triangles decides.");
+    watertight.def(py::init([](std::shared_ptr<Scene> scene) {
+                       return std::make_shared<WatertightCaster>(std::move(scene));
+                   }),
+                   py::arg("scene"), py::call_guard<WithoutGil>());
+    bind_queries(watertight);
 }
 
 }  // namespace viscache::bindings

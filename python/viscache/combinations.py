@@ -111,7 +111,7 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.integrator, Direct) and not isinstance(r.visibility, VisMaps)
                     and r.environment != "product" and r.integrator.passes != 1),
          lambda r: r.integrator.passes),
-    Rule('`AmbientOcclusion(directions="shared")`', "any rays but robust Embree",
+    Rule('`AmbientOcclusion(directions="shared")`', "any rays but Embree's robust packets",
          '`directions="own"`',
          "rays must be vc.Embree() with shared directions",
          lambda r: r.shares_directions and not is_robust(r.rays),
@@ -120,7 +120,7 @@ RULES: tuple[Rule, ...] = (
          '`directions="own"`',
          "visibility must be vc.Exact(...) with shared directions",
          lambda r: r.shares_directions and (not isinstance(r.visibility, Exact) or r.corrects)),
-    Rule("`Exact(sky_engine=…)`", "any rays but robust Embree", '`sky_engine="embree"`',
+    Rule("`Exact(sky_engine=…)`", "any rays but Embree's robust packets", '`sky_engine="embree"`',
          'rays must be vc.Embree() with sky_engine="batch" or "auto"',
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
                     and not is_robust(r.rays)),
@@ -130,7 +130,7 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
                     and not isinstance(r.integrator, _IN_TILES)),
          lambda r: r.integrator),
-    Rule('`Exact(engine="shafts")`', "any rays but robust Embree", '`engine="auto"`',
+    Rule('`Exact(engine="shafts")`', "any rays but Embree's robust packets", '`engine="auto"`',
          'rays must be vc.Embree() with engine="shafts"',
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine == "shafts"
                     and not is_robust(r.rays)),

@@ -16,6 +16,7 @@ from viscache.bench.vlf_ao import living_room
 
 SMALL = (
     "rays",
+    "watertight",
     "frames",
     "aqvc-frame",
     "aqvc-apartment",

@@ -91,7 +91,7 @@ def test_public_calls_name_the_nearest_known_keyword(call: Any, says: str) -> No
 
 
 def test_without_a_near_name_all_known_ones_are_listed() -> None:
-    with pytest.raises(TypeError, match="Embree has no parameter 'zzz'; known: robust"):
+    with pytest.raises(TypeError, match="Embree has no parameter 'zzz'; known: robust, watertight"):
         vc.Embree(zzz=1)  # type: ignore[call-arg]
     assert nearest("a", []) == "; there are none"
 

@@ -4,13 +4,6 @@ namespace viscache {
 
 namespace {
 
-/// The middle of the scene along an axis if the scene is far from the origin, otherwise 0. Differences to it
-/// are exact, because all coordinates are within a factor of two of each other.
-float middle(float lo, float hi) {
-    const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
-    return far ? lo * 0.5f + hi * 0.5f : 0.f;
-}
-
 /// 1 / d, kept finite: a plane parallel to a ray lies far ahead of it or far behind.
 float inverse(float d) {
     constexpr float kLeast = 1e-30f;
@@ -48,8 +41,7 @@ BspCaster::BspCaster(std::shared_ptr<const Scene> scene, const BspSettings& sett
     : scene_(std::move(scene)), kernel_(settings.kernel) {
     settings.validate();
     FlatTriangles flat = flat_triangles(*scene_);
-    const Bounds& b = flat.bounds;
-    if (!b.empty()) origin_ = {middle(b.lo.x, b.hi.x), middle(b.lo.y, b.hi.y), middle(b.lo.z, b.hi.z)};
+    origin_ = exact_origin(flat.bounds);
     for (FlatTriangle& t : flat.triangles) t = {t.a - origin_, t.b - origin_, t.c - origin_};
     tree_ = build_bsp(flat.triangles, settings, threads, control);
     extent_ = tree_.bounds.magnitude();

@@ -12,17 +12,7 @@ namespace {
 
 static_assert(sizeof(RTCRay16) >= sizeof(RayPacket16));
 
-/// The only Embree device of the process.
-RTCDevice shared_device() {
-    static const RTCDevice device = [] {
-        RTCDevice d = rtcNewDevice(nullptr);
-        if (!d)
-            throw std::runtime_error("Embree could not be started: error " +
-                                     std::to_string(rtcGetDeviceError(nullptr)));
-        return d;
-    }();
-    return device;
-}
+using rtc::shared_device;
 
 /// Data of a geometry for its filter callback.
 struct GeometryData {
@@ -191,10 +181,7 @@ EmbreeCaster::EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions opt
         impl.instance_mesh.push_back(impl.group_mesh[found->second]);
     }
     rtcCommitScene(impl.top);
-    const RTCError error = rtcGetDeviceError(shared_device());
-    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (error != RTC_ERROR_NONE)
-        throw std::runtime_error("Embree could not build the scene: error " + std::to_string(error));
+    rtc::require_built();
 }
 
 EmbreeCaster::~EmbreeCaster() = default;

@@ -44,7 +44,17 @@ void add_mesh(FlatTriangles& flat, const Scene& scene, uint32_t index, uint32_t 
     }
 }
 
+float middle(float lo, float hi) {
+    const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
+    return far ? lo * 0.5f + hi * 0.5f : 0.f;
+}
+
 }  // namespace
+
+Vec3 exact_origin(const Bounds& b) {
+    if (b.empty()) return {};
+    return {middle(b.lo.x, b.hi.x), middle(b.lo.y, b.hi.y), middle(b.lo.z, b.hi.z)};
+}
 
 FlatTriangles flat_triangles(const Scene& scene) {
     uint64_t count = 0;

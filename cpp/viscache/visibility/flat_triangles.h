@@ -28,4 +28,9 @@ struct FlatTriangles {
 /// transformed as by `Scene::surface`. Throws std::length_error for 2^32 - 1 triangles or more.
 FlatTriangles flat_triangles(const Scene& scene);
 
+/// What structures subtract from coordinates to keep digits. Along an axis it is the middle of the scene if
+/// the scene is far from the origin, otherwise 0. Differences to it are exact, because all coordinates are
+/// within a factor of two of each other.
+Vec3 exact_origin(const Bounds& bounds);
+
 }  // namespace viscache

@@ -6,13 +6,6 @@ namespace viscache {
 
 namespace {
 
-/// The middle of the scene along an axis if the scene is far from the origin, otherwise 0. Differences to it
-/// are exact, because all coordinates are within a factor of two of each other.
-float middle(float lo, float hi) {
-    const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
-    return far ? lo * 0.5f + hi * 0.5f : 0.f;
-}
-
 /// Rays that start within this many radii are not moved.
 constexpr double kNear = 4;
 /// Other rays are moved to this distance, in radii.
@@ -47,8 +40,7 @@ void FieldTriangles::fit(const std::vector<FlatTriangle>& triangles, const Bound
             farthest = std::max(farthest, sum);
         }
     if (farthest > 0) space_.radius = std::sqrt(farthest) * kFit * head_room;
-    origin_ = {middle(bounds.lo.x, bounds.hi.x), middle(bounds.lo.y, bounds.hi.y),
-               middle(bounds.lo.z, bounds.hi.z)};
+    origin_ = exact_origin(bounds);
 }
 
 Vec3 FieldTriangles::to_ball(Vec3 p) const {

@@ -7,7 +7,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['BspCaster', 'BspSettings']
+__all__: list[str] = ['BspCaster', 'BspSettings', 'WatertightCaster']
 class BspSettings:
     """
     Settings of the BSP; see viscache.Bsp.
@@ -45,4 +45,18 @@ class BspCaster(viscache._core.RayCaster):
         ...
     @property
     def stats(self) -> dict:
+        ...
+class WatertightCaster(viscache._core.RayCaster):
+    """
+    Embree finds candidates, the watertight test of triangles decides.
+    """
+    def __init__(self, scene: viscache._core.Scene) -> None:
+        ...
+    def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+        ...
+    def occluded(self: viscache._core.RayCaster, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def visible_matrix(self: viscache._core.RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
         ...

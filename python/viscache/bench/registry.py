@@ -29,6 +29,7 @@ from viscache.bench.tune import tune_scenes
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
+from viscache.bench.watertight import watertight
 from viscache.bench.which_cache import which_cache
 from viscache.settings.spelling import nearest
 
@@ -50,6 +51,10 @@ BENCHES: dict[str, BenchInfo] = {
     "rays": BenchInfo(
         description="any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex",
         function=rays,
+    ),
+    "watertight": BenchInfo(
+        description="any-hit rays that pass no vertex against Embree's robust packets and the BSP",
+        function=watertight,
     ),
     "frames": BenchInfo(
         description="exact frames: ambient occlusion and 500 point lights against Mitsuba",

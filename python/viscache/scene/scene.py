@@ -50,7 +50,7 @@ class Scene:
         self._core = core
         #: What the scene was made from: a path or `room?triangles=…`; None for arrays.
         self.spec = spec
-        self._embree: dict[Embree, _core.EmbreeCaster] = {}
+        self._embree: dict[Embree, Caster] = {}
         self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
         self._shafts: _core.ShaftScene | None = None
@@ -246,9 +246,7 @@ class Scene:
     # Queries
 
     @overload
-    def caster(
-        self, rays: Embree | None = None, *, threads: int | None = None
-    ) -> _core.EmbreeCaster: ...
+    def caster(self, rays: None = None, *, threads: int | None = None) -> _core.EmbreeCaster: ...
     @overload
     def caster(self, rays: Bsp, *, threads: int | None = None) -> _core.visibility.BspCaster: ...
     @overload

@@ -25,16 +25,32 @@ class Embree:
     Parameters
     ----------
     robust : bool
-        Watertight edges and the same answer from every instruction set; costs 15–35 % speed.
+        No gaps along edges, and the same answer from every instruction set; costs 15–35 % speed.
+        Of rays aimed exactly at vertices, 0.05 % still pass, and 0.7 % in meshes of slivers.
+    watertight : bool
+        No gaps at vertices either. Embree finds the triangles near a ray, and the test of `Bsp`
+        decides in double precision at edges. Rays are traced one by one, and instances are stored
+        as copies, so it needs more time and memory. Needs `robust`.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> bool(scene.visible((0, 3, 0), (0, -1, 0), rays=vc.Embree(watertight=True)))
+    False
     """
 
     robust: bool = True
+    watertight: bool = False
 
     def __post_init__(self) -> None:
         check_types(self)
+        require(self.robust or not self.watertight, "robust must be True with watertight", False)
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> _core.EmbreeCaster:
+    def build(self, scene: _core.Scene, threads: int = 0) -> EmbreeStructure:
         """Embree's structure over a scene; it takes all cores."""
+        if self.watertight:
+            return _core.visibility.WatertightCaster(scene)
         return _core.EmbreeCaster(scene, robust=self.robust)
 
 
@@ -127,13 +143,18 @@ class Vlf:
 
 #: Settings that build a ray caster: what `rays=` takes.
 Rays: TypeAlias = Embree | Bsp | Vlf
+#: What `Embree` builds.
+EmbreeStructure: TypeAlias = "_core.EmbreeCaster | _core.visibility.WatertightCaster"
 #: What they build.
-Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster | _core.vlf.VisibilityField"
+Caster: TypeAlias = (
+    "_core.EmbreeCaster | _core.visibility.WatertightCaster | _core.visibility.BspCaster"
+    " | _core.vlf.VisibilityField"
+)
 
 
 def is_robust(rays: object) -> bool:
-    """True for Embree's watertight rays, the default."""
-    return isinstance(rays, Embree) and rays.robust
+    """True for Embree's robust rays, the default, which come in packets."""
+    return isinstance(rays, Embree) and rays.robust and not rays.watertight
 
 
 def vlf_settings(given: Vlf | str | None) -> Vlf:

@@ -23,6 +23,7 @@ SHAPES = {
     "sphere 1/1000 as high": (lambda: scenes.sphere(12, 1e-3), 1e-3),
 }
 WATERTIGHT: dict[str, Any] = {
+    "watertight Embree": vc.Embree(watertight=True),
     "BSP": vc.Bsp(),
     "the field": vc.Vlf(n_directions=33, n_tiles=32),
 }
@@ -79,11 +80,11 @@ def _scene(shape: str, rotated: bool) -> tuple[vc.Scene, npt.NDArray[Any], npt.N
 
 
 def segments(
-    shape: str, rotated: bool, n: int, aimed: bool
+    shape: str, rotated: bool, n: int, aimed: bool, seed: int = 7
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Ends (n, 3) inside and outside: in any direction, or through vertices and points of edges."""
     _, vertices, triangles = _scene(shape, rotated)
-    rng = np.random.default_rng(7)
+    rng = np.random.default_rng(seed)
     inside = rng.uniform(-0.5, 0.5, (n, 3)) * [1.0, SHAPES[shape][1], 1.0]
     if aimed:
         edge = triangles[rng.integers(0, len(triangles), n)]

@@ -1,0 +1,215 @@
+"""Embree's candidates with our edge test: the hits of the BSP, and nothing passes a vertex."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache.extremes.families.leaks import SHAPES, segments
+from viscache.extremes.families.rotation import turn
+
+Array = npt.NDArray[Any]
+WATERTIGHT = vc.Embree(watertight=True)
+
+
+def soup(n: int = 300, seed: int = 1) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    corners = rng.uniform(-1, 1, (n, 1, 3)) + rng.normal(size=(n, 3, 3)) * 0.3
+    return corners.reshape(-1, 3).astype(np.float32), np.arange(3 * n, dtype=np.uint32).reshape(
+        -1, 3
+    )
+
+
+def rays(n: int, seed: int = 2) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    o, d = rng.uniform(-2, 2, (n, 3)), rng.normal(size=(n, 3))
+    d[: n // 8, rng.integers(0, 3)] = 0  # along planes of the boxes
+    d[: n // 16, rng.integers(0, 3)] = 0
+    return o.astype(np.float32), d.astype(np.float32)
+
+
+def scenes() -> dict[str, vc.Scene]:
+    vertices, triangles = soup()
+    placed = vc.SceneDescription()
+    mesh = placed.add_mesh(vertices, triangles, in_world=False)
+    placed.add_mesh(vertices, triangles)
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    for scale, x in ((0.5, 3.0), (2.0, -4.0)):
+        placed.add_instance([mesh], np.concatenate([scale * turn, [[x], [0.5], [1.0]]], axis=1))
+    grid = np.stack(np.meshgrid(*[np.arange(5.0)] * 2, [0.0]), -1).reshape(-1, 3)
+    faces = [[i, i + 1, i + 6] for i in range(19) if i % 5 < 4]
+    return {
+        "soup": vc.Scene.from_arrays(vertices, triangles),
+        "far": vc.Scene.from_arrays(vertices + np.float32([900, -700, 300]), triangles),
+        "tiny": vc.Scene.from_arrays(vertices * np.float32(1e-6), triangles),
+        "huge": vc.Scene.from_arrays(vertices * np.float32(1e6), triangles),
+        "instances": vc.Scene.from_description(placed),
+        "flat": vc.Scene.from_arrays(grid, faces),
+        "four times in one place": vc.Scene.from_arrays(vertices, np.tile(triangles, (4, 1))),
+    }
+
+
+SCENES = scenes()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_hits_are_those_of_the_bsp_bit_for_bit(name: str) -> None:
+    scene = SCENES[name]
+    o, d = rays(20_000)
+    low, high = scene.bounds
+    o = (0.5 * (low + high) + o * 0.5 * np.max(high - low)).astype(np.float32)
+    ours, bsp = (scene.intersect(o, d, rays=r) for r in (WATERTIGHT, vc.Bsp()))
+    assert 0.03 < (bsp.triangle >= 0).mean() < 0.99
+    for a, b in zip(ours, bsp, strict=True):
+        np.testing.assert_array_equal(a, b)
+    np.testing.assert_array_equal(scene.occluded(o, d, rays=WATERTIGHT), bsp.triangle >= 0)
+    half = np.where(np.isfinite(bsp.t), bsp.t * np.float32(0.5), 1).astype(np.float32)
+    np.testing.assert_array_equal(
+        scene.occluded(o, d, half, rays=WATERTIGHT), scene.occluded(o, d, half, rays=vc.Bsp())
+    )
+
+
+@pytest.mark.parametrize("length", [1e-30, 1e-12, 1e-7, 1e7, 1e14])
+def test_directions_may_have_any_length(length: float) -> None:
+    scene = SCENES["soup"]
+    o, d = rays(5_000)
+    unit = scene.intersect(o, d, rays=WATERTIGHT)
+    scaled = scene.intersect(o, (d * np.float32(length)).astype(np.float32), rays=WATERTIGHT)
+    same = unit.triangle == scaled.triangle
+    assert same.mean() > 0.999
+    hit = same & (unit.triangle >= 0)
+    np.testing.assert_allclose(scaled.t[hit].astype(float) * length, unit.t[hit], rtol=1e-5)
+
+
+@pytest.mark.parametrize("radii", [3.9, 4.1, 1e3, 1e6, 1e9])
+def test_rays_may_come_from_far_away(radii: float) -> None:
+    """Aimed at points of triangles from outside, so each of them hits something nearer or that."""
+    vertices, triangles = soup()
+    scene = SCENES["soup"]
+    rng = np.random.default_rng(5)
+    targets = vertices[triangles[rng.integers(0, len(triangles), 2_000)]].mean(axis=1)
+    d = rng.normal(size=(2_000, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    o = (targets - d * radii * scene._core.radius).astype(np.float32)
+    toward = (targets - o).astype(np.float32)
+    hit = scene.intersect(o, toward, rays=WATERTIGHT)
+    assert (hit.triangle >= 0).mean() > (0.999 if radii < 1e5 else 0.2)
+    met = hit.triangle >= 0
+    assert (hit.t[met] <= 1 + 1e-3).all() and (hit.t[met] > 0).all()
+    assert not scene.occluded(o, -toward, rays=WATERTIGHT).any()
+    np.testing.assert_array_equal(scene.occluded(o, toward, rays=WATERTIGHT), met)
+
+
+def leaks(shape: str, rotated: bool, rays: Any, n: int, seed: int = 7) -> int:
+    """Of n segments through vertices and edges of a closed shape, those that get out."""
+    vertices, triangles = SHAPES[shape][0]()
+    scene = vc.Scene.from_arrays(vertices @ turn(0).T if rotated else vertices, triangles)
+    inside, outside = segments(shape, rotated, n, aimed=True, seed=seed)
+    return int(scene.visible(inside, outside, rays=rays).sum())
+
+
+@pytest.mark.parametrize("rotated", [False, True])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_no_ray_passes_an_edge_or_a_vertex(shape: str, rotated: bool) -> None:
+    assert leaks(shape, rotated, WATERTIGHT, 50_000) == 0
+
+
+def test_robust_rays_pass_vertices_so_that_the_test_can_fail() -> None:
+    assert leaks("sphere 1/1000 as high", True, vc.Embree(), 50_000) > 20
+
+
+@pytest.mark.slow
+def test_none_of_fifty_million_rays_passes() -> None:
+    found = {
+        (shape, rotated): sum(
+            leaks(shape, rotated, WATERTIGHT, 625_000, seed) for seed in range(10)
+        )
+        for shape in SHAPES
+        for rotated in (False, True)
+    }
+    assert found == dict.fromkeys(found, 0)
+
+
+@pytest.mark.parametrize("instanced", [False, True])
+def test_alpha_cuts_holes(instanced: bool) -> None:
+    """The left half of a card is cut away."""
+    alpha = np.zeros((1, 2, 4), np.float32)
+    alpha[:, 1, 3] = 1
+    d = vc.SceneDescription()
+    material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
+    card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    uvs = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]]
+    mesh = d.add_mesh(*card, uvs=uvs, material=material, in_world=not instanced)
+    if instanced:
+        d.add_instance([mesh], np.eye(4))
+    scene = vc.Scene.from_description(d)
+    at = np.array([[x, y, 1.0] for x in (0.05, 0.3, 0.7, 0.95) for y in (0.2, 0.8)], np.float32)
+    down = np.float32([0, 0, -1])
+    expected = np.repeat([False, False, True, True], 2)
+    np.testing.assert_array_equal(scene.occluded(at, down, rays=WATERTIGHT), expected)
+    hit = scene.intersect(at, down, rays=WATERTIGHT)
+    np.testing.assert_array_equal(hit.triangle >= 0, expected)
+
+
+def test_an_empty_scene_is_hit_by_nothing() -> None:
+    scene = vc.Scene.from_description(vc.SceneDescription())
+    assert not scene.occluded([[0, 0, 0]], [[0, 0, 1]], rays=WATERTIGHT).any()
+
+
+def test_without_the_robust_flag_it_is_refused() -> None:
+    with pytest.raises(ValueError, match="robust must be True with watertight"):
+        vc.Embree(robust=False, watertight=True)
+
+
+INTEGRATORS = {
+    "direct": vc.Direct(n_area=2, n_environment=2),
+    "whitted": vc.Whitted(n_vpls=32),
+    "bdpt": vc.Bdpt(),
+    "ambient occlusion": vc.AmbientOcclusion(n_samples=4),
+}
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_frames_are_those_of_the_bsp_for_any_number_of_threads(integrator: str) -> None:
+    scene = vc.scenes.build("cornell_box")
+    given = {"size": (24, 16), "spp": 1}
+    frame = vc.render(scene, INTEGRATORS[integrator], rays=WATERTIGHT, threads=1, **given)
+    assert frame.image.max() > 0
+    for other in (
+        vc.render(scene, INTEGRATORS[integrator], rays=WATERTIGHT, threads=3, **given),
+        vc.render(scene, INTEGRATORS[integrator], rays=vc.Bsp(), **given),
+    ):
+        np.testing.assert_array_equal(other.image, frame.image)
+
+
+CACHES = {
+    "aqvc": vc.Aqvc(),
+    "shadow map": vc.ShadowMap(resolution=64),
+    "nee++": vc.NeePlusPlus(),
+}
+
+
+@pytest.mark.parametrize("cache", CACHES)
+def test_caches_and_oracles_take_it(cache: str) -> None:
+    scene = vc.scenes.build("cornell_box")
+    frame, bsp = (
+        vc.render(scene, vc.Direct(), visibility=CACHES[cache], rays=r, size=(24, 16))
+        for r in (WATERTIGHT, vc.Bsp())
+    )
+    np.testing.assert_array_equal(frame.image, bsp.image)
+
+
+def test_matrices_and_oracles_agree_with_pairs() -> None:
+    scene = vc.scenes.build("cornell_box")
+    rng = np.random.default_rng(4)
+    low, high = scene.bounds
+    x, y = rng.uniform(low, high, (40, 3)), rng.uniform(low, high, (30, 3))
+    bits = scene.visible_matrix(x, y, rays=WATERTIGHT)
+    matrix = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=30).astype(bool)
+    np.testing.assert_array_equal(matrix, scene.visible(x[:, None], y[None], rays=WATERTIGHT))
+    with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\)"):
+        scene.visible_matrix(x, y, rays=WATERTIGHT, engine="shafts")
