@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Mapping
@@ -134,7 +135,7 @@ def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room: v
 
 def error_of_passes(scene: vc.Scene, found: Any) -> float:
     given: dict[str, Any] = {"visibility": found.visibility, "use": found.use, "size": SIZE}
-    picture = vc.Progressive(scene, WHITTED, **given).passes(found.passes)
+    picture = vc.Progressive(scene, found.integrator, **given).passes(found.passes)
     truth = vc.Progressive(scene, WHITTED, visibility="exact", first_pass=1 << 12, size=SIZE)
     light = np.asarray(light_on_surfaces(truth.passes(128)), float)
     return float(np.abs(np.asarray(light_on_surfaces(picture), float) - light).sum() / light.sum())
@@ -143,7 +144,8 @@ def error_of_passes(scene: vc.Scene, found: Any) -> float:
 def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
     found = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=SIZE)
     assert found.passes == found.value and found.parameter == "passes" and found.reached
-    assert len(found.pilots) == 2 and f"{found.passes} passes" in repr(found)
+    assert [p.also for p in found.pilots] == [{}, {}, {"pick": 16}, {"pick": 64}]
+    assert f"{found.passes} passes" in repr(found)
     assert 0.03 / 1.6 < error_of_passes(room, found) < 0.03 * 1.3
     again = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=SIZE, threads=1)
     assert (again.passes, again.is_exact) == (found.passes, found.is_exact)
@@ -151,6 +153,21 @@ def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
     assert hard.reached and 0.01 / 1.6 < error_of_passes(room, hard) < 0.01 * 1.3
     timed = vc.tune(room, WHITTED, seconds=1, passes=True, size=SIZE)
     assert timed.wanted == "seconds" and timed.passes is not None and timed.passes >= 1
+
+
+def test_picks_that_were_given_stay(room: vc.Scene) -> None:
+    few = vc.Whitted(n_vpls=64, pick=5)
+    found = vc.tune(room, few, rel_l1=0.2, passes=True, size=(32, 20))
+    assert found.integrator == few and [p.also for p in found.pilots] == [{}, {}]
+
+
+def test_picks_are_chosen_where_many_lights_cost_many_rays(room: vc.Scene) -> None:
+    """Few passes are enough, in which a cache learns little."""
+    many = vc.Whitted(n_vpls=1024, n_area=0)
+    found = vc.tune(room, many, rel_l1=0.25, passes=True, size=(32, 20))
+    assert found.also == {"pick": 16} and found.integrator == dataclasses.replace(many, pick=16)
+    assert found.is_exact and found.reached and "passes of picks" in repr(found)
+    assert found.as_dict()["pick"] == 16
 
 
 @pytest.mark.parametrize(

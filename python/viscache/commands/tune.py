@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--passes",
         action="store_true",
-        help="choose passes, exact or corrected, instead of one frame (see render --passes)",
+        help="choose passes instead of one frame: exact, corrected or of picks (render --passes)",
     )
     parser.add_argument("--use", choices=["replace", "correct"], help="how the cache is used")
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
@@ -155,7 +155,8 @@ def run(arguments: argparse.Namespace) -> int:
 def chosen_values(found: Tuned) -> dict[str, Any]:
     """What to render with."""
     if found.passes is not None:
-        return {"passes": found.passes, "visibility": "exact" if found.is_exact else "corrected"}
+        way = "exact" if found.is_exact else "corrected"
+        return {"passes": found.passes, "visibility": way, **found.also}
     if found.is_exact:
         return {"visibility": "exact"}
     return {found.parameter: found.value, **found.also}

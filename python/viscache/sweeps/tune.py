@@ -94,9 +94,10 @@ def tune(
         Where to search; needed but for C_E. The error may rise or fall with the parameter. Steps
         have equal ratios if `low` is positive. Whole numbers stay whole.
     passes : bool
-        Choose passes of `vc.Progressive` instead of one frame: exact ones, or those of the cache
-        with corrections, whichever are cheaper, and how many. The error is then the noise of the
-        picture, not the difference to an exact one of the same samples.
+        Choose passes of `vc.Progressive` instead of one frame: exact ones, those of the cache with
+        corrections, or exact ones with `pick=16` or 64 (of an integrator that picks none),
+        whichever are cheaper, and how many. The error is then the noise of the picture, not the
+        difference to an exact one of the same samples. `Tuned.integrator` has the picks.
     use, size, spp, seed, threads, camera, env
         Of the frame that will be rendered, as `viscache.render` takes them; the size is the
         camera's own by default.

@@ -59,10 +59,13 @@ class Tuned:
     visibility, use
         What to render with: `vc.render(..., visibility=found.visibility, use=found.use)`.
     also : dict of str to float
-        Other parameters that were chosen with it: `c_finest` and `bright` of the quantized cache.
+        Other parameters that were chosen with it: `c_finest` and `bright` of the quantized cache,
+        or `pick` of the integrator.
     passes : int, optional
         With `passes=True`: so many passes of `vc.Progressive(..., visibility=found.visibility,
-        use=found.use)`.
+        integrator=found.integrator)`, with `use=found.use`.
+    integrator, optional
+        With `passes=True`: the one that was given, or that with the picks in `also`.
     wanted : {"error", "seconds"}
         What the target is of.
     metric : {"rel_l1_reflected", "rel_l1", "flip"}
@@ -106,6 +109,7 @@ class Tuned:
     wall_s: float = 0.0
     also: dict[str, float] = field(default_factory=dict)
     passes: int | None = None
+    integrator: Any = None
     wanted: Literal["error", "seconds"] = "error"
     flip: float | None = None
 
@@ -283,6 +287,13 @@ class Tuned:
         }
 
     @property
+    def _way(self) -> str:
+        """How passes see."""
+        if "pick" in self.also:
+            return "of picks"
+        return "exact" if self.is_exact else "corrected"
+
+    @property
     def c_l(self) -> float | None:
         """Size of the light cells of the quantized cache, which `tune` may have chosen too."""
         chosen = isinstance(self.visibility, Aqvc) and self.parameter == "c_e"
@@ -295,7 +306,7 @@ class Tuned:
         unit = " s" if self.wanted == "seconds" else ""
         chosen = f"{self.parameter}={_text(self.value)}"
         if self.passes is not None:
-            chosen = f"{self.passes} passes {'exact' if self.is_exact else 'corrected'}"
+            chosen = f"{self.passes} passes {self._way}"
         elif self.is_exact:
             chosen = "exact"
         return (

@@ -1,4 +1,4 @@
-"""How many passes, exact or corrected, have a wanted error or fit into some seconds.
+"""How many passes, exact, corrected or of picked lights, have a wanted error or fit into a time.
 
 Two pictures of each way, whose eye samples are independent, tell its error after each pass: their
 difference over √2. A power of the number of passes goes on from there. Two more pictures of the way
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,11 @@ MOST_PASSES = 1 << 16
 #: and well-spread ones of smooth pictures.
 POWER = (0.5, 1.0)
 BLOCKS = 4
+#: Numbers of picks of each eye point that are tried.
+PICKS = (16, 64)
+#: Cost of a picked ray, and of a contribution without a ray, in exact rays of whole rows
+#: (docs/performance/picks.md).
+PICKED_RAY, CONTRIBUTION = 1.7, 0.02
 
 Light = npt.NDArray[np.float64]
 
@@ -49,8 +54,12 @@ def tuned_passes(
     given: dict[str, Any],
     progress: Progress,
 ) -> Tuned:
-    """Exact or corrected passes, whichever reach the target for less, or the least error."""
-    total, done = 6 * PILOT, 0
+    """Whichever passes reach the target for less, or have the least error.
+
+    Exact ones, those of the corrected cache, or exact ones with picked lights.
+    """
+    picked = () if integrator_picks(integrator) else PICKS
+    total, done = (6 + 2 * len(picked)) * PILOT, 0
     with progress_bar(progress, unit="pass") as report:
 
         def step() -> None:
@@ -59,16 +68,29 @@ def tuned_passes(
             if report is not None:
                 report(done, total)
 
-        def pair(visibility: Any, use: Any, firsts: tuple[int, int]) -> _Pair:
+        def pair(way: _Way, firsts: tuple[int, int]) -> _Pair:
             pictures = [
                 Progressive(
-                    scene, integrator, visibility=visibility, use=use, first_pass=n, **given
+                    scene,
+                    way.integrator,
+                    visibility=way.visibility,
+                    use=way.use,
+                    first_pass=n,
+                    **given,
                 )
                 for n in firsts
             ]
             return _Pair(pictures, step)
 
-        ways = {"exact": pair(Exact(), None, PILOTS), "corrected": pair(cache, "correct", PILOTS)}
+        known = {
+            "exact": _Way(integrator, Exact()),
+            "corrected": _Way(integrator, cache, "correct"),
+        }
+        for n in picked:
+            known[f"{n} picks"] = _Way(replace(integrator, pick=n), Exact())
+        ways = {name: pair(way, PILOTS) for name, way in known.items()}
+        for name in list(ways)[2:]:
+            ways[name].chosen_among = ways["exact"].queries
         needed = {name: _needed(way, target, by_time) for name, way in ways.items()}
 
         def price(name: str) -> float:
@@ -76,9 +98,8 @@ def tuned_passes(
             return way.error_at(n) if by_time else way.work(n)
 
         chosen = min(ways, key=price)
-        way, n = ways[chosen], needed[chosen]
-        visibility, use = (Exact(), None) if chosen == "exact" else (cache, "correct")
-        check = pair(visibility, use, CHECKS)
+        way, n, found = ways[chosen], needed[chosen], known[chosen]
+        check = pair(found, CHECKS)
     scale = (PILOT / n) ** way.power
     error, interval = check.last
     return Tuned(
@@ -86,8 +107,10 @@ def tuned_passes(
         parameter="passes",
         value=n,
         passes=n,
-        visibility=visibility,
-        use=use,
+        visibility=found.visibility,
+        use=found.use,
+        integrator=found.integrator,
+        also=found.also(integrator),
         rel_l1=error * scale,
         rel_l1_reflected=error * scale,
         interval=(interval[0] * scale, interval[1] * scale),
@@ -98,7 +121,7 @@ def tuned_passes(
                 w.error_at(needed[name]),
                 w.reduction,
                 "passes",
-                {},
+                known[name].also(integrator),
                 w.wall(needed[name]),
             )
             for name, w in ways.items()
@@ -110,6 +133,24 @@ def tuned_passes(
         wall_s=check.wall(n),
         wanted="seconds" if by_time else "error",
     )
+
+
+def integrator_picks(integrator: Any) -> bool:
+    """Whether the integrator has a number of picks already, or cannot pick."""
+    return bool(getattr(integrator, "pick", 1))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """What passes are made of."""
+
+    integrator: Any
+    visibility: Any
+    use: Any = None
+
+    def also(self, given: Any) -> dict[str, float]:
+        """The picks, if they are not those that were given."""
+        return {} if self.integrator == given else {"pick": self.integrator.pick}
 
 
 @dataclass
@@ -129,6 +170,7 @@ class _Pair:
     def __init__(self, pictures: list[Progressive], step: Any) -> None:
         errors, wall, cpu, rays = [], [], [], []
         self.queries = 0.0
+        self.chosen_among = 0.0  # connections among which picks were made
         for i in range(PILOT):
             frames, clocks = [], (time.perf_counter(), time.process_time())
             for picture in pictures:
@@ -162,6 +204,8 @@ class _Pair:
     def work(self, n: int) -> float:
         """The cost of n passes in exact queries, by counted rays: the same on every machine."""
         of_pass = self.queries / PILOT
+        if self.chosen_among:
+            return n / PILOT * (PICKED_RAY * self.queries + CONTRIBUTION * self.chosen_among)
         if self.exact:
             return n * of_pass
         return SHARED_LIGHTS.of(self.rays(n) / (n * of_pass)) * n * of_pass
