@@ -16,3 +16,21 @@ def shared_scenes() -> Path:
     if not folder.is_dir():
         pytest.skip("the shared scenes are absent (set VISCACHE_SCENES to their folder)")
     return folder
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("fuzzing")
+    group.addoption("--fuzz-seconds", type=float, default=20, help="of each target; default: 20")
+    group.addoption("--fuzz-seed", type=int, default=0, help="of each target's first case")
+
+
+@pytest.fixture
+def fuzz_seconds(request: pytest.FixtureRequest) -> float:
+    """How long a target is fuzzed."""
+    return float(request.config.getoption("--fuzz-seconds"))
+
+
+@pytest.fixture
+def fuzz_seed(request: pytest.FixtureRequest) -> int:
+    """The seed of a target's first case."""
+    return int(request.config.getoption("--fuzz-seed"))

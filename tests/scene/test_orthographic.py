@@ -195,3 +195,19 @@ def test_files_say_how_much_the_camera_sees(tmp_path: Path) -> None:
     found = camera_of(tmp_path / "s.gltf", json.dumps(gltf))
     assert (found["view_height"], found["width"], found["height"]) == (3, 960, 480)
     np.testing.assert_allclose(found["origin"], [1, 2, 3])
+
+
+@pytest.mark.parametrize("point", [None, 3, "abc", (1, 2), (1, "x", 2), (1, 2, True), [[1, 2, 3]]])
+def test_points_of_cameras_must_be_three_numbers(point: Any) -> None:
+    with pytest.raises(ValueError, match="target must be 3 numbers"):
+        vc.look_at((0, 0, 0), point)
+    with pytest.raises(ValueError, match="origin must be 3 numbers"):
+        vc.orthographic(point, (0, 0, 0))
+
+
+@pytest.mark.parametrize("value", ["x", None, True, 1j, [45], float("nan")])
+def test_angles_and_heights_of_cameras_must_be_numbers(value: Any) -> None:
+    with pytest.raises(ValueError, match="fov_deg must be in"):
+        vc.look_at((0, 0, 1), (0, 0, 0), fov_deg=value)
+    with pytest.raises(ValueError, match="height must be > 0 and finite"):
+        vc.orthographic((0, 0, 1), (0, 0, 0), height=value)

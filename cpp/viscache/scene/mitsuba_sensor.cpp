@@ -100,9 +100,10 @@ void MitsubaReader::crop(Node film, Camera& camera) {
 /// Near and far planes cut a picture in Mitsuba. They are not modelled, which matters where they cut
 /// something.
 void MitsubaReader::check_clip_planes() {
-    for (const auto& [node, index] : clip_planes_) {
+    for (const Clipped& clipped : clip_planes_) {
+        const Node node = clipped.sensor;
         const ClipPlanes planes{float(number(node, "near_clip", 1e-2)), float(number(node, "far_clip", 1e4))};
-        const CutGeometry cut = cut_geometry(loading_.scene, loading_.scene.cameras[index], planes);
+        const CutGeometry cut = cut_geometry(loading_.scene, loading_.scene.cameras[clipped.camera], planes);
         const auto warn_of = [&](const char* name, const char* what) {
             const Node given = property(node, name);
             warn_at(given ? given : node, what);

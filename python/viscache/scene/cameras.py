@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from viscache import _core
 from viscache.scene.scene import Scene
-from viscache.settings.checks import require
+from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["look_at", "orthographic"]
@@ -36,7 +38,7 @@ def look_at(
     ValueError
         A vector does not have three numbers, or the angle is out of range.
     """
-    require(0.01 < fov_deg < 177, "fov_deg must be in (0.01, 177)", fov_deg)
+    require(is_number(fov_deg) and 0.01 < fov_deg < 177, "fov_deg must be in (0.01, 177)", fov_deg)
     return _placed(origin, target, up, fov_deg)
 
 
@@ -68,7 +70,8 @@ def orthographic(
     >>> vc.render("cube_on_plane", vc.AmbientOcclusion(), camera=plan, size=(8, 8)).image.shape
     (8, 8, 3)
     """
-    require(0 < height < float("inf"), "height must be > 0 and finite", height)
+    finite = is_number(height) and 0 < height < float("inf")
+    require(finite, "height must be > 0 and finite", height)
     camera = _placed(origin, target, up, 45.0)
     camera.view_height = height
     return camera
@@ -76,7 +79,8 @@ def orthographic(
 
 def _placed(origin: Point, target: Point, up: Point, fov_deg: float) -> _core.Camera:
     for name, value in (("origin", origin), ("target", target), ("up", up)):
-        require(len(value) == 3, f"{name} must be 3 numbers", value)
+        three = np.ndim(value) == 1 and len(value) == 3 and all(is_number(v) for v in value)
+        require(three, f"{name} must be 3 numbers", value)
     x, y, z = (float(v) for v in origin)
     tx, ty, tz = (float(v) for v in target)
     ux, uy, uz = (float(v) for v in up)

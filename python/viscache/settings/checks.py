@@ -70,6 +70,11 @@ def is_whole(value: Any) -> bool:
     return isinstance(value, numbers.Integral) and not isinstance(value, bool)
 
 
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number of Python or numpy; True and False are not."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
 def _plain(name: str, kind: Any, value: Any) -> Any:
     if typing.get_origin(kind) is Literal:
         words = typing.get_args(kind)
@@ -83,8 +88,7 @@ def _plain(name: str, kind: Any, value: Any) -> Any:
         require(is_whole(value), f"{name} must be a whole number", value)
         return int(value)
     if kind is float:
-        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        require(number and math.isfinite(value), f"{name} must be a finite number", value)
+        require(is_number(value) and math.isfinite(value), f"{name} must be a finite number", value)
         return float(value)
     return value
 

@@ -1,0 +1,162 @@
+"""Every reader of files, and a whole file for it to start from."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+import viscache as vc
+from fuzz.calls_render import checked, in_json
+from fuzz.make_corpus import CORPUS
+from fuzz.outcome import WrongError
+from viscache import _core as core
+
+SIZE = (6, 5)
+QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1, vpl_eye_points=4)
+DIRECT = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Whole files, and what reads each of them."""
+
+    seeds: Callable[[Path], list[Path]]  #: makes whole files in a folder
+    read: Callable[[Path], object]  #: of a file that was changed
+
+
+def rendered(scene: vc.Scene) -> None:
+    """What a scene from a file must be able to: bounds, info, a finite frame."""
+    if scene.triangles:
+        in_json(scene.info())  # the bounds among it
+    checked(vc.render(scene, QUICK, size=SIZE, camera=0 if scene.cameras else None, threads=1))
+
+
+def load(path: Path) -> None:
+    """A scene file."""
+    rendered(vc.load_scene(path, threads=1))
+
+
+def materials(path: Path) -> None:
+    """The materials of an OBJ file beside them."""
+    scene = path.with_suffix(".obj")
+    lines = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1 3 2\n"
+    scene.write_text(f"mtllib {path.name}\n{lines}")
+    load(scene)
+
+
+def picture(path: Path) -> None:
+    """A picture, as textures and skies read it."""
+    if not np.isfinite(core.read_image(str(path))).all():
+        raise WrongError("a pixel is not finite")
+
+
+def sky(path: Path) -> None:
+    """A picture as environment."""
+    rendered(vc.scenes.cube_on_plane().with_environment(str(path), threads=1))
+
+
+def frame(path: Path) -> None:
+    """A saved frame."""
+    found = vc.Frame.load(path)
+    found.summary(), found.sha256
+
+
+def cache(path: Path) -> None:
+    """Saved visibility maps, used for a frame."""
+    scene = vc.scenes.cube_on_plane()
+    found = vc.VisibilityMapCache.load(path, scene)
+    found.update(size=SIZE, threads=1)
+    if len(found.lookup([[0, 0, 0]], [[0, 1, 0]], 1.0).beta) != 1:
+        raise WrongError("a look-up has one row for each point")
+
+
+def progressive() -> vc.Progressive:
+    """The picture whose state is saved."""
+    return vc.Progressive("cube_on_plane", DIRECT, size=SIZE, threads=1)
+
+
+def state(path: Path) -> None:
+    """The state of a progressive picture, which then goes on."""
+    picture = progressive()
+    picture.load(path)
+    checked(picture.passes(1))
+
+
+def dataset(path: Path) -> None:
+    """A saved correlation."""
+    vc.correlation.correlation_lengths(vc.correlation.load_dataset(path))
+
+
+def sweep_file(path: Path) -> None:
+    """A sweep described in TOML; it does not run."""
+    from viscache.sweeps.sweep import SweepFile
+
+    SweepFile.load(path)
+
+
+def corpus(kind: str) -> Callable[[Path], list[Path]]:
+    """Copies of the small files of a kind."""
+
+    def make(folder: Path) -> list[Path]:
+        shutil.copytree(CORPUS / kind, folder, dirs_exist_ok=True)
+        return sorted(folder.iterdir())
+
+    return make
+
+
+def save_frame(folder: Path) -> list[Path]:
+    vc.render("cube_on_plane", DIRECT, size=(8, 8), threads=1).save(folder / "frame.exr")
+    return [folder / "frame.exr"]
+
+
+def save_sky(folder: Path) -> list[Path]:
+    pixels = {c: np.random.default_rng(1).random((8, 16), dtype=np.float32) for c in "RGB"}
+    head = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(head, pixels).write(str(folder / "sky.exr"))
+    return [folder / "sky.exr"]
+
+
+def save_cache(folder: Path) -> list[Path]:
+    maps = vc.VisibilityMapCache("cube_on_plane", vc.MapSettings(m=4, n_startup=10))
+    maps.update(size=(8, 8), threads=1)
+    maps.save(folder / "cache.npz")
+    return [folder / "cache.npz"]
+
+
+def save_state(folder: Path) -> list[Path]:
+    picture = progressive()
+    picture.passes(1)
+    picture.save(folder / "state.npz")
+    return [folder / "state.npz"]
+
+
+def save_dataset(folder: Path) -> list[Path]:
+    found = vc.correlation.measure(
+        "cube_on_plane", n_points=16, map_size=4, d_edges=4, theta_edges_deg=4, threads=1
+    )
+    vc.correlation.save_dataset(found, folder / "correlation.nc")
+    return [folder / "correlation.nc"]
+
+
+def save_sweep(folder: Path) -> list[Path]:
+    (folder / "sweep.toml").write_text(
+        'scene = "cube_on_plane"\nintegrator = "direct"\nsize = [8, 8]\nrepeats = 2\nseed = 1\n'
+        'metrics = ["rel_l1"]\n[over]\nc_e = [4, 8]\nc_n = {log = [2, 8], n = 3}\n'
+    )
+    return [folder / "sweep.toml"]
+
+
+READERS = {
+    **{kind: Reader(corpus(kind), load) for kind in ("obj", "ply", "gltf", "glb", "pbrt", "xml")},
+    "serialized": Reader(corpus("serialized"), load),
+    "mtl": Reader(corpus("mtl"), materials),
+    **{kind: Reader(corpus(kind), picture) for kind in ("png", "jpg", "hdr", "bmp", "tga")},
+    "cache.npz": Reader(save_cache, cache),
+    "state.npz": Reader(save_state, state),
+    "sweep.toml": Reader(save_sweep, sweep_file),
+}

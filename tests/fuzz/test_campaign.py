@@ -1,0 +1,81 @@
+"""The fuzzer finds what it looks for: crashes, hangs, wrong results and errors that say nothing."""
+
+from __future__ import annotations
+
+import os
+import random
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from fuzz import campaign
+from fuzz.forked import outcome
+from fuzz.outcome import WrongError
+
+
+def crashes() -> None:
+    os.abort()
+
+
+def loops() -> None:
+    while True:
+        pass
+
+
+def waits() -> None:
+    time.sleep(60)
+
+
+def is_wrong() -> None:
+    raise WrongError("a colour is negative")
+
+
+def says_nothing() -> None:
+    raise ValueError("")
+
+
+def talks_of_its_inside() -> None:
+    raise TypeError("'int' object is not iterable")
+
+
+def another_error() -> None:
+    raise KeyError("frames")
+
+
+@pytest.mark.parametrize(
+    ("case", "kind"),
+    [
+        (crashes, "killed"),
+        (loops, "hangs"),
+        (waits, "hangs"),
+        (is_wrong, "wrong"),
+        (says_nothing, "unclean"),
+        (talks_of_its_inside, "unclean"),
+        (another_error, "unclean"),
+    ],
+)
+def test_what_no_user_may_meet_is_found(case, kind, tmp_path: Path) -> None:
+    found = outcome(case, tmp_path, limit_s=1.0)
+    assert (found.kind, found.allowed) == (kind, False)
+
+
+def test_work_and_refusals_are_allowed(tmp_path: Path) -> None:
+    assert outcome(lambda: None, tmp_path).kind == "works"
+    refused = outcome(lambda: vc.Direct(n_area=-1), tmp_path)
+    assert refused.kind == "refused" and "n_area must be" in refused.text
+    big = outcome(lambda: np.ones(1 << 36, np.uint8), tmp_path)
+    assert big.kind == "refused" and "MemoryError" in big.text  # by the limit of the child
+
+
+def test_a_finding_is_named_by_its_seed(tmp_path: Path) -> None:
+    def case(seeded: random.Random) -> None:
+        if seeded.random() < 0.5:
+            raise KeyError("a")
+
+    counts, bad = campaign.run(case, "name", tmp_path, seconds=0, first=7)
+    assert sum(counts.values()) == 5 and counts["unclean"] == len(bad) > 0
+    seed = int(bad[0].split("seed ")[1].split(":")[0])
+    assert campaign.one(case, "name", seed, tmp_path).kind == "unclean"
