@@ -33,6 +33,8 @@ KINDS: dict[str, Literal["exr", "png", "jpeg"]] = {
 }
 _RECORDS = ("counters", "timings", "parameters", "provenance")
 _PREFIX = "viscache."  # prefix of header attributes
+#: What OpenEXR, NumPy and the records raise for files that are cut off or changed.
+_UNREADABLE = (RuntimeError, ValueError, TypeError, LookupError, AttributeError)
 
 
 @spelled
@@ -174,8 +176,6 @@ class Frame(ArrayOutput):
         ValueError
             Not an EXR file, or one without a colour layer.
         """
-        import OpenEXR
-
         source = Path(path)
         if not source.is_file():
             raise FileNotFoundError(f"no such file: {source}")
@@ -183,11 +183,19 @@ class Frame(ArrayOutput):
             if start.read(4) != b"v/1\x01":
                 raise ValueError(f"{source} is not an OpenEXR file")
         try:
-            with OpenEXR.File(str(source), separate_channels=True) as file:
-                header = dict(file.header())
-                planes = {n: np.asarray(c.pixels, np.float32) for n, c in file.channels().items()}
-        except RuntimeError as error:
-            raise ValueError(f"{source} cannot be read: {error}") from error
+            return cls._read_exr(source)
+        except _UNREADABLE as error:
+            text = str(error)
+            told = text if str(source) in text else f"{source} cannot be read: {text}"
+            raise ValueError(told) from error
+
+    @classmethod
+    def _read_exr(cls, source: Path) -> Frame:
+        import OpenEXR
+
+        with OpenEXR.File(str(source), separate_channels=True) as file:
+            header = dict(file.header())
+            planes = {n: np.asarray(c.pixels, np.float32) for n, c in file.channels().items()}
         records = {name: _json_attribute(header, name, {}, source) for name in _RECORDS}
         index = _json_attribute(header, "layers", None, source) or _foreign_layers(planes, source)
         missing = [c for names in index.values() for c in names if c not in planes]
@@ -216,6 +224,17 @@ class Frame(ArrayOutput):
 
     def _array(self) -> Layer:
         return self.image
+
+
+def count_broken_pixels(frame: Frame) -> None:
+    """Count pixels whose colour is not finite, in counters and as a warning."""
+    broken = int((~np.isfinite(frame.image).all(axis=2)).sum())
+    frame.counters["non_finite_pixels"] = broken
+    frame.counters["non_finite"] = frame.counters.get("non_finite", 0) + broken
+    if broken:
+        frame.warnings.append(
+            f"{broken} pixels are not finite: sums of light overflowed. Scale the lights down"
+        )
 
 
 def checked_suffix(path: Path) -> Literal["exr", "png", "jpeg"]:

@@ -16,7 +16,7 @@ from viscache.aqvc_table import AqvcTable
 from viscache.audited import audit_record, error_warnings, nothing_found, watched_pixels
 from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
-from viscache.frame import Frame
+from viscache.frame import Frame, count_broken_pixels
 from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.learned import PassMemory
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
@@ -336,6 +336,7 @@ def render_part(
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator, visibility),
     )
+    count_broken_pixels(made)
     found = result.get("audit")
     if found is None and audit is not None:
         found = nothing_found(list(made.counters["groups"]))

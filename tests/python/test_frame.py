@@ -10,6 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
+import viscache as vc
 from viscache.frame import Frame
 from viscache.tonemap import auto_exposure, difference8, srgb_curve, to_srgb8
 
@@ -224,3 +225,23 @@ def test_the_signed_difference_is_grey_where_equal_and_brighter_where_too_bright
     a[0, 0], a[1, 1] = 1 + 1 / 32, 1 - 1 / 32
     seen = difference8(a, b)
     assert (seen[2, 2, 0], seen[0, 0, 0], seen[1, 1, 0]) == (128, 192, 64)
+
+
+def test_a_file_that_is_cut_off_or_changed_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "f.exr"
+    vc.render(vc.scenes.cube_on_plane(), vc.Direct(), size=(8, 8)).save(path)
+    good = path.read_bytes()
+    rng, refused = np.random.default_rng(0), 0
+    cuts = [good[:n] for n in range(5, len(good) - 1, 97)]
+    changes = [bytearray(good) for _ in range(60)]
+    for data in changes:
+        for at in rng.integers(4, len(good), 3):
+            data[at] ^= 0xFF
+    for given in [*cuts, *changes]:
+        path.write_bytes(given)
+        try:
+            vc.Frame.load(path)
+        except ValueError as error:
+            refused += 1
+            assert "f.exr" in str(error)
+    assert refused > len(cuts) // 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -141,3 +142,24 @@ def test_a_missing_texture_is_named_and_dropped_or_refused_when_strict(tmp_path)
 def test_a_missing_mtl_and_an_unknown_material_are_named_with_their_line(tmp_path):
     scene = load(tmp_path, SQUARE + "mtllib gone.mtl\nusemtl x\nf 1 2 3\n")
     assert [w.rsplit(":", 1)[1] for w, _ in scene.warnings] == ["5", "6"]
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("Kd -5 0 0", r"m\.mtl:2: Kd must be in \[0, 1\], got '-5 0 0'; it is clamped"),
+        ("Kd 7", r"m\.mtl:2: Kd must be in \[0, 1\], got '7'; it is clamped"),
+        ("Ks 0 1.5 0", r"m\.mtl:2: Ks must be in \[0, 1\]"),
+        ("d 5", r"m\.mtl:2: d must be in \[0, 1\], got '5'"),
+        ("Tr -1", r"m\.mtl:2: Tr must be in \[0, 1\]"),
+        ("Kd", r"m\.mtl:2: Kd has no number; it counts as 0"),
+        ("Kd 1 0 0.5", None),
+        ("Ke 7 7 7", None),
+    ],
+)
+def test_values_of_an_mtl_that_are_out_of_range_are_warned_of(tmp_path, line, says):
+    text = "mtllib m.mtl\n" + SQUARE + "usemtl a\nf 1 2 3\n"
+    scene = load(tmp_path, text, m_mtl=f"newmtl a\n{line}\n")
+    told = [f"{where}: {what}" for where, what in scene.warnings if "m.mtl" in where]
+    assert bool(told) == (says is not None), scene.warnings
+    assert says is None or re.search(says, told[0])

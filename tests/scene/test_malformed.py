@@ -50,7 +50,7 @@ BAD = [
     ("m.obj", "v 0 0 nan\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: .*got 'nan'"),
     ("m.obj", "v 0 0 1e999\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1"),
     ("m.obj", "v 0 0\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: 3 numbers are needed, got 2"),
-    ("m.obj", "v 1e20 0 0\n" + TRIANGLE + "f 1 2 3\n", "at most 1e16"),
+    ("m.obj", "v 1e20 0 0\n" + TRIANGLE + "f 1 2 3\n", "at most 1e12"),
     ("m.obj", TRIANGLE + "f 1 2 3\n\0", "zero byte"),
     ("m.ply", "", "empty"),
     ("m.ply", "plx\n", r"m.ply:1: not a PLY"),
@@ -114,7 +114,7 @@ BAD = [
         xml(
             '<shape type="cube"><transform name="to_world"><scale value="1e30"/></transform></shape>'
         ),
-        "at most 1e16",
+        "at most 1e12",
     ),
     (
         "s.xml",

@@ -176,6 +176,9 @@ def test_what_cannot_be_used_is_refused(image: vc.Relighting) -> None:
         image.under(SKY, rotation_deg=float("nan"))
     with pytest.raises(ValueError, match="env must be"):
         image.under(np.ones((4, 4)))
+    for shape in ((0, 4, 3), (4, 0, 3), (0, 0, 3)):
+        with pytest.raises(ValueError, match=r"env must have at least one pixel, of shape, got"):
+            image.under(np.zeros(shape, np.float32))
     with pytest.raises(ValueError, match="light must have shape"):
         image._core.image(np.ones((3, 5)))
     with pytest.raises(ValueError, match="cache must be a VisibilityMapCache"):

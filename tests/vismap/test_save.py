@@ -99,6 +99,34 @@ def test_changed_records_are_found_out(saved: Any) -> None:
         vc.VisibilityMapCache.load(path, clutter())
 
 
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"settings": {"bogus": 1}}, "must have the settings of one: .*bogus"),
+        ({"settings": []}, r"settings of the cache must be a table of settings, got \[\]"),
+        ({"settings": {"m": "x"}}, "must have the settings of one"),
+        ({"frame": -5}, "frame of the cache must be a whole number >= 0, got -5"),
+        ({"frame": None}, "frame of the cache must be a whole number >= 0, got None"),
+        ({"started": 3}, "started of the cache must be true or false, got 3"),
+        ({"rays": 1.5}, "rays of the cache must be a whole number >= 0, got 1.5"),
+        ({"thresholds": [1]}, "thresholds of the cache must be two finite numbers"),
+        ({"thresholds": [0.1, float("nan")]}, "thresholds of the cache must be two finite numbers"),
+    ],
+)
+def test_heads_that_were_made_by_hand_are_refused(saved: Any, change: Any, says: str) -> None:
+    """Their digest fits, so what they say is checked."""
+    _, path = saved
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files if name != "head"}
+        head = json.loads(str(file["head"]))
+    head.pop("digest")
+    head |= change
+    text = json.dumps(head | {"digest": cache_file.digest(head, arrays)})
+    np.savez(path, head=np.array(text), **arrays)
+    with pytest.raises(ValueError, match=rf"cache\.npz: .*{says}"):
+        vc.VisibilityMapCache.load(path, clutter())
+
+
 @pytest.mark.fuzz
 def test_anything_else_is_refused(saved: Any, tmp_path: Path) -> None:
     _, path = saved

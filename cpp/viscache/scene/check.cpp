@@ -3,13 +3,15 @@
 #include <cmath>
 #include <sstream>
 
+#include "viscache/scene/vertex_limit.h"
+
 namespace viscache {
 
 namespace {
 
+constexpr float kMaxPlace = 1e16f;  // of cameras and lights, as rays may have it (visibility/query.h)
 constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // for the transforms of instances
 constexpr float kMaxShift = 1e3f;                            // of a camera's picture, in sizes of it
-constexpr float kMaxVertex = 1e16f;  // ray tracing fails for larger coordinates (visibility/query.h)
 
 template <class... Parts>
 [[noreturn]] void fail(const Parts&... parts) {
@@ -18,7 +20,7 @@ template <class... Parts>
     throw SceneError(s.str());
 }
 
-bool usable(Vec3 p) { return is_finite(p) && std::max(max_component(p), max_component(-p)) <= kMaxVertex; }
+bool usable(Vec3 p) { return is_finite(p) && std::max(max_component(p), max_component(-p)) <= kMaxPlace; }
 bool usable_color(Rgb c) { return is_finite(c) && std::min({c.x, c.y, c.z}) >= 0; }
 std::string text(Vec3 p) {
     std::ostringstream s;
@@ -33,8 +35,8 @@ void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
     if (m.triangles.size() >= (size_t{1} << 31))
         fail(name, ": at most 2^31 triangles, got ", m.triangles.size());
     for (size_t i = 0; i < m.vertices.size(); ++i)
-        if (!usable(m.vertices[i]))
-            fail(name, ": vertex ", i, " must be finite and below 1e16 in size, got ", text(m.vertices[i]));
+        if (!is_usable_vertex(m.vertices[i]))
+            fail(name, ": vertex ", i, " must be finite and at most 1e12 in size, got ", text(m.vertices[i]));
     for (size_t i = 0; i < m.triangles.size(); ++i) {
         const Vec3u t = m.triangles[i];
         const uint32_t worst = std::max({t.x, t.y, t.z});
@@ -123,7 +125,7 @@ void check_lights(const SceneDescription& d) {
     for (size_t i = 0; i < d.sphere_lights.size(); ++i) {
         const SphereLight& l = d.sphere_lights[i];
         if (!usable(l.center)) fail("sphere light ", i, ": center must be finite, got ", text(l.center));
-        if (!(l.radius > 0 && l.radius < kMaxVertex))
+        if (!(l.radius > 0 && l.radius < kMaxPlace))
             fail("sphere light ", i, ": radius must be > 0, got ", l.radius);
         if (!usable_color(l.radiance))
             fail("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
@@ -155,7 +157,7 @@ void check_description(const SceneDescription& d) {
                 fail("instance ", i, ": mesh must be in [0, ", d.meshes.size(), "), got ", mesh);
         for (const auto& row : d.instances[i].to_world.m)
             for (double v : row)
-                if (!(std::fabs(v) < kMaxVertex)) fail("instance ", i, ": to_world must be finite, got ", v);
+                if (!(std::fabs(v) < kMaxPlace)) fail("instance ", i, ": to_world must be finite, got ", v);
         const double least = d.instances[i].to_world.least_stretch(),
                      ratio = d.instances[i].to_world.most_stretch() / least;
         if (least == 0) fail("instance ", i, ": to_world must be invertible");
@@ -181,7 +183,7 @@ void check_camera(const Camera& c) {
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
         fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
              c.fov_y_rad * 180 / kPi);
-    if (!(c.view_height >= 0 && c.view_height < kMaxVertex))
+    if (!(c.view_height >= 0 && c.view_height < kMaxPlace))
         fail("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
     for (float shift : {c.shift_x, c.shift_y})
         if (!(std::fabs(shift) <= kMaxShift))

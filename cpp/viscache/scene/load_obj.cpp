@@ -27,6 +27,11 @@ std::string_view next_word(std::string_view& line) {
     return word;
 }
 
+std::string_view trimmed(std::string_view line) {
+    const size_t begin = std::min(line.find_first_not_of(" \t\r\n"), line.size());
+    return line.substr(begin, line.find_last_not_of(" \t\r\n") + 1 - begin);
+}
+
 std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 60)) + "'"; }
 
 /// Passes a text on line by line, and knows the number of the line that is parsed. Lines that are taken
@@ -78,12 +83,23 @@ Vec3 numbers(std::string_view rest, size_t least, const Lines& lines) {
     return {first[0], first[1], first[2]};
 }
 
-bool check_mtl_line(std::string_view line, const Lines& lines) {
+/// Refuses words in place of numbers, and warns of numbers out of range, which are clamped.
+bool check_mtl_line(std::string_view line, const Lines& lines, Loading& loading) {
     const std::string_view key = next_word(line);
-    if (key == "Kd" || key == "Ks" || key == "Ke" || key == "Ns" || key == "Ni" || key == "d" || key == "Tr")
-        if (std::string_view rest = line;
-            !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
-            numbers(line, 1, lines);
+    const bool share = key == "Kd" || key == "Ks" || key == "d" || key == "Tr";
+    if (!share && key != "Ke" && key != "Ns" && key != "Ni") return false;
+    const std::string name(key);
+    std::string_view rest = line;
+    if (next_word(rest).empty()) {
+        loading.warn(lines.where(), name + " has no number; it counts as 0");
+        return false;
+    }
+    if (line.find("spectral") != std::string_view::npos) return false;
+    const Vec3 v = numbers(line, 1, lines);
+    const float least = std::min({v.x, v.y, v.z}), most = max_component(v);
+    if (share && (least < 0 || most > 1))
+        loading.warn(lines.where(),
+                     name + " must be in [0, 1], got " + quoted(trimmed(line)) + "; it is clamped");
     return false;
 }
 
@@ -129,7 +145,9 @@ public:
         const std::string path = resolve(obj_, name);
         try {
             std::string text = read_file(path, lines_.where());
-            Lines mtl(text, path, check_mtl_line);
+            Lines mtl(text, path, [this](std::string_view line, const Lines& at) {
+                return check_mtl_line(line, at, *loading_);
+            });
             std::istream in(&mtl);
             in.exceptions(std::ios::badbit);
             std::string warning, error;

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "viscache/scene/allowed_files.h"
+#include "viscache/scene/vertex_limit.h"
 
 namespace viscache::loading {
 
@@ -220,9 +221,9 @@ void check_mesh(const Mesh& mesh, const std::string& where) {
     if (n > 0xffffffffull) fail(where, "more than 2^32 - 1 vertices");
     for (size_t i = 0; i < n; ++i) {
         const Vec3 p = mesh.vertices[i];
-        if (!is_finite(p) || max_component(max(p, -p)) > kMaxCoordinate)
+        if (!is_usable_vertex(p))
             fail(where, "vertex " + std::to_string(i) + " is " + text_of(p) +
-                            "; coordinates must be finite and at most 1e16");
+                            "; coordinates must be finite and at most 1e12");
     }
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Vec3u t = mesh.triangles[i];

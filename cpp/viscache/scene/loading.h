@@ -16,7 +16,6 @@
 namespace viscache::loading {
 
 constexpr uint64_t kMaxFileBytes = uint64_t(8) << 30;
-constexpr float kMaxCoordinate = 1e16f;
 constexpr int kMaxDepth = 64;                             ///< maximum nesting of elements, includes and nodes
 constexpr double kDegree = 3.14159265358979323846 / 180;  ///< in radians
 

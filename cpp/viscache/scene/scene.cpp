@@ -5,6 +5,7 @@
 #include "viscache/math/any_length.h"
 #include "viscache/scene/check.h"
 #include "viscache/scene/light_tree.h"
+#include "viscache/scene/vertex_limit.h"
 
 namespace viscache {
 
@@ -99,8 +100,8 @@ void Scene::measure() {
         }
     for (const SphereLight& light : d_.sphere_lights)
         for (float side : {-light.radius, light.radius}) bounds_.add(light.center + Vec3{side, side, side});
-    if (!bounds_.empty() && bounds_.magnitude() > 1e16f)
-        throw SceneError("instances must stay below 1e16 in size, got " +
+    if (!bounds_.empty() && bounds_.magnitude() > kMaxVertex)
+        throw SceneError("instances and sphere lights must stay below 1e12 in size, got " +
                          std::to_string(bounds_.magnitude()));
     for (const Image& image : d_.images) memory_bytes_ += image.memory_bytes();
     // Embree's BVH takes about 100 bytes per unique triangle (measured: 90–140) and 600 per instance.

@@ -1,6 +1,7 @@
 #include "viscache/visibility/embree_caster.h"
 
 #include <cstring>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -46,6 +47,29 @@ std::map<std::vector<int>, double> least_stretches(const std::vector<Instance>& 
         if (!is_new) found->second = std::min(found->second, stretch);
     }
     return least;
+}
+
+/// Distance of a hit whose t overflowed in Embree, in double: from the other end of the range of coordinates,
+/// or along a direction of next to no length.
+float distance_in_double(const Scene& scene, const Ray& ray, const Hit& hit) {
+    const Mesh& mesh = scene.meshes()[hit.mesh];
+    const Vec3u corners = mesh.triangles[hit.triangle];
+    const double weights[3] = {1.0 - hit.u - hit.v, hit.u, hit.v};
+    const uint32_t ids[3] = {corners.x, corners.y, corners.z};
+    double along = 0, length2 = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        double at = 0;
+        for (int i = 0; i < 3; ++i) {
+            const Vec3 p = mesh.vertices[ids[i]];
+            at += weights[i] * (hit.instance == kNoHit
+                                    ? p
+                                    : scene.description().instances[hit.instance].to_world.point(p))[axis];
+        }
+        along += (at - ray.o[axis]) * ray.d[axis];
+        length2 += double(ray.d[axis]) * ray.d[axis];
+    }
+    const double t = along / length2;
+    return t > ray.t_min ? float(std::min(t, double(std::numeric_limits<float>::max()))) : ray.t_min;
 }
 
 float power_of_two_below(double x) { return std::ldexp(1.f, std::ilogb(x)); }
@@ -201,6 +225,9 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coh
         rtc::nearest_packets<RTCRayHit16, 16>(query, impl_->top, rays, hits, hit_of);
     else
         rtc::nearest_packets<RTCRayHit8, 8>(query, impl_->top, rays, hits, hit_of);
+    for (size_t i = 0; i < rays.size(); ++i)
+        if (hits[i].valid() && !std::isfinite(hits[i].t))
+            hits[i].t = distance_in_double(*scene_, rays[i], hits[i]);
 }
 
 void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hits) const {

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -183,7 +184,12 @@ Hit WatertightCaster::Impl::nearest(const Ray& ray) const {
     if (best.id == kNoHit) return {};
     const float t = local->shift == 0 ? best.t : float(best.t + local->shift);
     const TriangleSource& from = sources[best.id];
-    return {std::ldexp(t, local->exponent), from.mesh, from.triangle, from.instance, best.u, best.v};
+    return {std::min(std::ldexp(t, local->exponent), std::numeric_limits<float>::max()),
+            from.mesh,
+            from.triangle,
+            from.instance,
+            best.u,
+            best.v};
 }
 
 bool WatertightCaster::Impl::any(const Ray& ray) const {

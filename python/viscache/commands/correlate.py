@@ -120,6 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
             progress=sys.stderr.isatty(),
             **({} if arguments.t_max is None else {"t_max": arguments.t_max}),
         )
+    if "mended" in dataset.attrs:
+        print(dataset.attrs.pop("mended"), file=sys.stderr)
     save_dataset(dataset, target)
     summary = _summary(dataset, str(target))
     if arguments.plot is not None:

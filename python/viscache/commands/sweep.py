@@ -52,6 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
             references=arguments.references,
             progress=True,
         )
+    if "mended" in dataset.attrs:
+        print(dataset.attrs["mended"], file=sys.stderr)
     table = Path(arguments.output) / "table.csv"
     if arguments.json:
         sizes = {str(k): v for k, v in dataset.sizes.items()}

@@ -202,14 +202,17 @@ def load_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     ValueError
         The file does not hold correlation statistics.
     """
+    import h5py
     import xarray
 
     try:
+        with h5py.File(path, "r") as plain:  # whose errors, unlike h5netcdf's, leave nothing open
+            plain.attrs.get("_nc3_strict")
         with xarray.open_dataset(path, engine="h5netcdf") as file:
             dataset = file.load()
     except FileNotFoundError as error:
         raise ValueError(f"no such file: {path}") from error
-    except OSError as error:
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{path} must be a NetCDF file: {error}") from error
     if not {"mean", "sigma", "se", "n"} <= set(dataset.data_vars):
         raise ValueError(f"{path} must hold correlation statistics, got {list(dataset.data_vars)}")

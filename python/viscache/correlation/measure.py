@@ -235,6 +235,7 @@ def measure(
         if spatial:
             add_local_means(dataset, run, seed, threads)
         _add_points(dataset, found)
+        run.report_mended(dataset)
     return dataset.assign_attrs(
         {
             "scene": spec or opened.name,
@@ -361,6 +362,7 @@ def correlate(
             write_points(run.folder, geometry, geometry.normals)
         run.set_rows(rows)
         dataset = to_dataset(run.count_pairs(), bins)
+        run.report_mended(dataset)
     return dataset.assign_attrs(
         undefined=undefined, min_bits=min_bits, seed=seed, n_points=len(rows), n_directions=count
     )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,9 @@ from viscache.correlation.tasks import (
 from viscache.correlation.work import PairBlock, group_pairs, pair_blocks, row_blocks, work_through
 from viscache.correlation.work_store import Arrays, FolderStore, MemoryStore, WorkStore
 from viscache.sweeps.store import content_key
+
+if TYPE_CHECKING:
+    import xarray
 
 Report = Callable[[int, int], None]
 
@@ -126,7 +129,7 @@ class Run:
         """Trace the rows that are not in the store; `work` runs here or in a worker."""
         todo = []
         for first, last in self.row_blocks:
-            known = self.store.get(_rows_name(first, last))
+            known = self.store.get(_rows_name(first, last), slice(first, last))
             if known is None:
                 todo.append(make(first, last))
             else:
@@ -138,7 +141,7 @@ class Run:
 
     def _keep_rows(self, task: RowsTask, result: Arrays) -> None:
         self.store.bits[task.first : task.last] = result.pop("bits")
-        self.store.put(_rows_name(task.first, task.last), result)
+        self.store.put(_rows_name(task.first, task.last), result, slice(task.first, task.last))
         self.n_rays += int(result["n_rays"])
         self.batch_rays += int(result["batch_rays"])
         self.rows_s += float(result["seconds"])
@@ -149,9 +152,10 @@ class Run:
         if isinstance(self.store, MemoryStore):
             self.store.bits = bits
         for first, last in self.row_blocks:
-            if self.folder is not None and self.store.get(_rows_name(first, last)) is None:
-                self.store.bits[first:last] = bits[first:last]
-                self.store.put(_rows_name(first, last), {})
+            block = slice(first, last)
+            if self.folder is not None and self.store.get(_rows_name(first, last), block) is None:
+                self.store.bits[block] = bits[block]
+                self.store.put(_rows_name(first, last), {}, block)
             self._step()
 
     def count_pairs(self) -> Counted:
@@ -210,6 +214,11 @@ class Run:
                 "d_near": self.d_near,
             }
         )
+
+    def report_mended(self, dataset: xarray.Dataset) -> None:
+        """Attribute "mended": a line for each damaged block that was computed again, if any was."""
+        if self.store.mended:
+            dataset.attrs["mended"] = "\n".join(self.store.mended)
 
     def _step(self) -> None:
         self._finished += 1

@@ -177,16 +177,15 @@ def _tiles(
 
 def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float32]) -> None:
     """Save the points beside the rows for workers; `hemisphere` are the normals of the rows."""
-    if not (folder / "points.npz").is_file():
-        write_arrays(
-            folder / "points.npz",
-            {
-                "positions": points.positions,
-                "normals": points.normals,
-                "group": points.group,
-                "hemisphere": hemisphere,
-            },
-        )
+    write_arrays(
+        folder / "points.npz",
+        {
+            "positions": points.positions,
+            "normals": points.normals,
+            "group": points.group,
+            "hemisphere": hemisphere,
+        },
+    )
 
 
 def count_in_worker(task: PairTask) -> Arrays:

@@ -5,11 +5,16 @@
 
 A key is the content hash of everything that determines the numbers. So an interrupted measurement
 repeats nothing, and one with other bins reuses the rows. Blocks are written atomically. Two
-processes with the same folder may compute a block twice; they write the same bytes.
+processes with the same folder may compute a block twice; they write the same bytes. Each block has
+the SHA-256 of its content, and a block of rows that of its rows too. A block that does not fit its
+hash is computed again, and a line of `FolderStore.mended` says so.
 """
 
 from __future__ import annotations
 
+import hashlib
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -20,6 +25,20 @@ from viscache.files import whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
+#: Name of the hash among the arrays of a block.
+DIGEST = "sha256"
+#: What NumPy raises for files that are cut off or changed.
+UNREADABLE = (
+    ValueError,
+    KeyError,
+    EOFError,
+    OSError,
+    NotImplementedError,
+    RuntimeError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
 
 class WorkStore(Protocol):
     """Rows of bits, and finished blocks by name."""
@@ -28,11 +47,14 @@ class WorkStore(Protocol):
     def bits(self) -> npt.NDArray[np.uint64]:
         """(N, W) rows, readable and writable."""
 
-    def put(self, name: str, arrays: Arrays) -> None:
-        """Store a finished block."""
+    #: A line for each damaged block that was found.
+    mended: list[str]
 
-    def get(self, name: str) -> Arrays | None:
-        """A finished block, or None."""
+    def put(self, name: str, arrays: Arrays, rows: slice | None = None) -> None:
+        """Store a finished block, and the hash of some rows with it."""
+
+    def get(self, name: str, rows: slice | None = None) -> Arrays | None:
+        """A finished block that fits its hash and that of its rows, or None."""
 
 
 class MemoryStore:
@@ -40,12 +62,13 @@ class MemoryStore:
 
     def __init__(self, bits: npt.NDArray[np.uint64]) -> None:
         self.bits = bits
+        self.mended: list[str] = []
         self._blocks: dict[str, Arrays] = {}
 
-    def put(self, name: str, arrays: Arrays) -> None:
+    def put(self, name: str, arrays: Arrays, rows: slice | None = None) -> None:
         self._blocks[name] = arrays
 
-    def get(self, name: str) -> Arrays | None:
+    def get(self, name: str, rows: slice | None = None) -> Arrays | None:
         return self._blocks.get(name)
 
 
@@ -67,27 +90,54 @@ class FolderStore:
 
     def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
         self.folder = folder
+        self.mended: list[str] = []
         folder.mkdir(parents=True, exist_ok=True)
         self.path = folder / "rows.npy"
         if not self.path.exists():
             _create_rows(self.path, shape)
-        self.bits = np.load(self.path, mmap_mode="r+")
+        try:
+            self.bits = np.load(self.path, mmap_mode="r+")
+        except UNREADABLE as error:
+            raise ValueError(
+                f"{self.path} cannot be read: {error}; delete it, and its blocks are computed again"
+            ) from error
         if self.bits.shape != shape or self.bits.dtype != np.uint64:
             raise ValueError(
                 f"{self.path} must hold uint64 rows of shape {shape},"
                 f" got {self.bits.dtype} {self.bits.shape}"
             )
 
-    def put(self, name: str, arrays: Arrays) -> None:
+    def put(self, name: str, arrays: Arrays, rows: slice | None = None) -> None:
         self.bits.flush()
-        write_arrays(self.folder / f"{name}.npz", arrays)
+        digest = np.array(self._digest(name, arrays, rows))
+        write_arrays(self.folder / f"{name}.npz", {**arrays, DIGEST: digest})
 
-    def get(self, name: str) -> Arrays | None:
+    def get(self, name: str, rows: slice | None = None) -> Arrays | None:
         path = self.folder / f"{name}.npz"
         if not path.is_file():
             return None
-        with np.load(path) as file:
-            return {key: file[key] for key in file.files}
+        try:
+            with path.open("rb") as opened, np.load(opened) as file:
+                arrays = {key: file[key] for key in file.files}
+            given = str(arrays.pop(DIGEST, None))
+            reason = "its content does not fit its hash"
+        except UNREADABLE as error:
+            arrays, given = {}, ""
+            reason = str(error)
+        if given == self._digest(name, arrays, rows):
+            return arrays
+        self.mended.append(f"{path} is damaged ({reason}): computed again")
+        return None
+
+    def _digest(self, name: str, arrays: Arrays, rows: slice | None) -> str:
+        h = hashlib.sha256(name.encode())
+        for key in sorted(arrays):
+            array = np.ascontiguousarray(arrays[key])
+            h.update(f"{key} {array.dtype.str} {array.shape}".encode())
+            h.update(array.tobytes())
+        if rows is not None:
+            h.update(np.ascontiguousarray(self.bits[rows]).tobytes())
+        return h.hexdigest()
 
 
 def write_arrays(path: Path, arrays: Arrays) -> None:

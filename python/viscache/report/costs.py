@@ -193,7 +193,7 @@ def _offers(
 ) -> tuple[Offer, ...]:
     """The offer for the wanted error, or the nearest there is, and those for larger ones."""
     errors = [s[metric][0] for s in found]
-    ladder = _ladder(max(min(errors), 1e-12), max(errors))
+    ladder = _ladder(max(min(errors), 1e-12), max(*errors, 1e-12))
     targets = sorted({*ladder, wanted}) if exactly else ladder
     offers: list[Offer] = []
     for target in targets:

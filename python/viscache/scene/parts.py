@@ -50,12 +50,20 @@ def add_mesh(
         low, high = indices.min(), indices.max()
         raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
     description.add_mesh(
-        vertices,
+        _real(vertices, "vertices"),
         indices.astype(np.uint32),
         material=_add_material(description, material),
-        normals=normals,
+        normals=None if normals is None else _real(normals, "normals"),
         name=name,
     )
+
+
+def _real(given: npt.ArrayLike, name: str) -> npt.NDArray[Any]:
+    """Numbers that are not complex; SceneError for others."""
+    array = np.asarray(given)
+    if array.size and array.dtype.kind not in "fiu":
+        raise SceneError(f"{name} must be real numbers, got dtype {array.dtype}")
+    return array
 
 
 def _add_material(description: SceneDescription, material: Any) -> int:
@@ -64,7 +72,10 @@ def _add_material(description: SceneDescription, material: Any) -> int:
         kind = _named(_core.MaterialKind, "kind", given.pop("kind", _core.MaterialKind.DIFFUSE))
         coat = _named(_core.CoatKind, "coat", given.pop("coat", _core.CoatKind.NONE))
         return description.add_material(kind, coat=coat, **given)
-    rgb = tuple(float(v) for v in material)
+    try:
+        rgb = tuple(float(v) for v in material)
+    except (TypeError, ValueError):
+        raise ValueError(f"base_color must be 3 numbers, got {material!r}") from None
     require(len(rgb) == 3, "base_color must have 3 values", len(rgb))
     return description.add_material(base_color=(rgb[0], rgb[1], rgb[2]))
 

@@ -86,7 +86,7 @@ class Scene:
         Parameters
         ----------
         vertices : (V, 3) float, or list of (vertices, triangles) or (vertices, triangles, material)
-            Positions; finite, at most 1e16 in size. A material is an albedo (3,) or a mapping with
+            Positions; finite, at most 1e12 in size. A material is an albedo (3,) or a mapping with
             the arguments of `SceneDescription.add_material`. Its kind may be a string:
             `{"kind": "glossy", "roughness": 0.3}`.
         triangles : (T, 3) int

@@ -6,6 +6,8 @@ measure it again. The name of a file is made of the contents of both frames.
 
 from __future__ import annotations
 
+import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,8 +56,11 @@ def kept(frame: Frame, reference: Frame, directory: Path | None) -> FlipMap | No
     """The map that is kept of a frame; None if there is none."""
     if directory is None or not (file := _file(directory, frame, reference)).exists():
         return None
-    with np.load(file) as found:
-        return FlipMap(found["errors"], float(found["mean"]))
+    try:
+        with file.open("rb") as opened, np.load(opened) as found:
+            return FlipMap(found["errors"], float(found["mean"]))
+    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile, zlib.error):
+        return None  # damaged: measured again
 
 
 def _file(directory: Path, frame: Frame, reference: Frame) -> Path:

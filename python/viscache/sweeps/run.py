@@ -15,7 +15,7 @@ from viscache import workers
 from viscache.progress import Progress
 from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.plan import Plan, Point
-from viscache.sweeps.store import Store
+from viscache.sweeps.store import DamagedPictureError, Store
 from viscache.sweeps.table import TableFile
 from viscache.sweeps.work import render_task
 
@@ -70,6 +70,10 @@ class Run:
         self.recent: OrderedDict[str, Frame] = OrderedDict()
         self.table = TableFile(store, plan.names, plan.metrics)
         self.bar: Any = None
+        #: A line for each damaged picture of the store that was rendered again.
+        self.mended: list[str] = []
+        #: Frames among these whose pixels are not those of the damaged one's record.
+        self.void: set[str] = set()
         self.writer = ThreadPoolExecutor(1, thread_name_prefix="sweep-writer")
         #: Comparisons of frames whose files are not complete; they are stored later.
         self.ahead: dict[tuple[str, str], dict[str, float | None]] = {}
@@ -91,6 +95,7 @@ class Run:
                 self.serial()
             else:
                 self.parallel(executor)
+            self._compare_again()
         finally:
             self.writer.shutdown()
             if self.bar is not None:
@@ -265,9 +270,35 @@ class Run:
 
     def _frame(self, key: str) -> Frame:
         if key not in self.recent:
-            self._remember(key, self.store.frame(key))
+            try:
+                frame = self.store.frame(key)
+            except DamagedPictureError as error:
+                frame = self._made_anew(key, str(error))
+            self._remember(key, frame)
         self.recent.move_to_end(key)
         return self.recent[key]
+
+    def _made_anew(self, key: str, reason: str) -> Frame:
+        """Render a frame whose picture in the store is damaged, and replace the picture."""
+        record = self.store.get(key)
+        frame = render_task(self.plan.tasks[key], self.scene)
+        frame.provenance["alone"] = False
+        self.mended.append(f"{reason.partition('; delete')[0]}: rendered again")
+        if record is not None and record.sha256 == frame.sha256:
+            self.store.replace_picture(record, frame)
+        else:  # comparisons with the old picture are void
+            self.store.put(key, self.plan.specs[key], frame)
+            self.void.add(key)
+        return frame
+
+    def _compare_again(self) -> None:
+        """Compare complete points with frames that are not what they were."""
+        while self.void:
+            key = self.void.pop()
+            for number in self.waiting[key]:
+                if self.lacks[number] == 0:
+                    for pair in _pairs(self.plan.points[number]):
+                        self.measure(*pair)
 
     def _remember(self, key: str, frame: Frame) -> None:
         self.recent[key] = frame

@@ -20,7 +20,8 @@ import threading
 import time
 import uuid
 import weakref
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,6 +57,10 @@ def content_key(spec: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+class DamagedPictureError(ValueError):
+    """A picture of a store that cannot be read, or is not the one that was stored."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Record:
     """A finished frame without its pixels."""
@@ -88,20 +93,34 @@ class Store:
         self.directory = None if directory is None else Path(directory)
         self._memory: dict[str, Frame] = {}
         self._lock = threading.RLock()
+        self._where = ":memory:" if directory is None else str(Path(directory) / "sweep.sqlite")
         self._owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex}"
         _OPEN[self._owner] = self
         if self.directory is not None:
             (self.directory / "frames").mkdir(parents=True, exist_ok=True)
-        where = ":memory:" if self.directory is None else str(self.directory / "sweep.sqlite")
-        try:
+        with self._door():
             self._db = sqlite3.connect(
-                where, timeout=60.0, isolation_level=None, check_same_thread=False
+                self._where, timeout=60.0, isolation_level=None, check_same_thread=False
             )
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=NORMAL")
             self._db.executescript(_SCHEMA)
-        except sqlite3.DatabaseError as error:
-            raise ValueError(f"{where} is not a sweep's store: {error}") from error
+
+    @contextmanager
+    def _door(self) -> Iterator[None]:
+        """One thread at a time; errors of SQLite and damaged records name the file."""
+        try:
+            with self._lock:
+                yield
+        except sqlite3.OperationalError as error:
+            if (hint := _hint(str(error))) is None:
+                raise ValueError(f"{self._where} is not a sweep's store: {error}") from error
+            raise OSError(f"{self._where}: {error}; {hint}") from error
+        except (sqlite3.Error, UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise ValueError(
+                f"{self._where} is not a sweep's store, or damaged: {error}."
+                " Delete it and run the sweep again; pictures are rendered anew"
+            ) from error
 
     @staticmethod
     def exists(directory: str | os.PathLike[str]) -> bool:
@@ -110,7 +129,7 @@ class Store:
 
     def close(self) -> None:
         """Give back this store's claims and close it."""
-        with self._lock:
+        with self._door():
             self._db.execute("DELETE FROM claims WHERE owner = ?", (self._owner,))
             self._db.close()
         _OPEN.pop(self._owner, None)
@@ -123,27 +142,29 @@ class Store:
 
     def define(self, definition: Mapping[str, Any]) -> None:
         """Store the description of the sweep; the newest one counts."""
-        with self._lock:
+        with self._door():
             self._db.execute(
                 "INSERT OR REPLACE INTO sweep VALUES (0, ?)", (json.dumps(definition),)
             )
 
     def definition(self) -> dict[str, Any]:
         """The newest description; ValueError if there is none."""
-        with self._lock:
+        with self._door():
             row = self._db.execute("SELECT definition FROM sweep").fetchone()
         if row is None:
             raise ValueError(f"{self.directory} holds no sweep")
-        return dict(json.loads(row[0]))
+        with self._door():
+            return _object(row[0])
 
     def get(self, key: str) -> Record | None:
         """The finished frame of a key whose picture is there, else None."""
         columns = "spec, counters, timings, parameters, provenance, sha256, file"
-        with self._lock:
+        with self._door():
             row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
         if row is None or (self.directory is not None and not (self.directory / row[6]).is_file()):
             return None
-        parts = [json.loads(text) for text in row[:5]]
+        with self._door():
+            parts = [_object(text) for text in row[:5]]
         return Record(
             key=key,
             spec=parts[0],
@@ -156,7 +177,15 @@ class Store:
         )
 
     def frame(self, key: str) -> Frame:
-        """The frame of a key; KeyError where it is not finished."""
+        """The frame of a key; its pixels are compared with the hash in the store.
+
+        Raises
+        ------
+        KeyError
+            The frame is not finished.
+        DamagedPictureError
+            Its picture cannot be read, or is another one.
+        """
         from viscache.frame import Frame
 
         if key in self._memory:
@@ -164,7 +193,15 @@ class Store:
         record = self.get(key)
         if record is None or self.directory is None:
             raise KeyError(key)
-        return Frame.load(self.directory / record.file)
+        path = self.directory / record.file
+        advice = "delete it and run the sweep again"
+        try:
+            frame = Frame.load(path)
+        except (ValueError, OSError) as error:
+            raise DamagedPictureError(f"{error}; {advice}") from error
+        if frame.sha256 != record.sha256:
+            raise DamagedPictureError(f"{path} is not the picture that was stored; {advice}")
+        return frame
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
         """Store a finished frame: first the complete file, then its row."""
@@ -175,13 +212,18 @@ class Store:
             frame.save(self.directory / file)
         self._put_row(key, spec, frame, file)
 
+    def replace_picture(self, record: Record, frame: Frame) -> None:
+        """Write the picture of a finished frame once more; its row and comparisons stay."""
+        if self.directory is not None:
+            frame.save(self.directory / record.file)
+
     def _put_row(
         self, key: str, spec: Mapping[str, Any], of: Frame | Record, file: str | None = None
     ) -> None:
         records = (spec, of.counters, of.timings, of.parameters, of.provenance)
         name = file or getattr(of, "file", "")
         row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time())
-        with self._lock, self._db:
+        with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
             self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 9)})", row)
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
@@ -189,7 +231,7 @@ class Store:
 
     def finished(self) -> set[str]:
         """The keys of all frames whose pictures are there."""
-        with self._lock:
+        with self._door():
             rows = self._db.execute("SELECT key, file FROM frames").fetchall()
         if self.directory is None:
             return {key for key, _ in rows}
@@ -225,13 +267,13 @@ class Store:
     def compared(self, key: str, reference: str) -> dict[str, float | None]:
         """The metrics already known of a frame against a reference."""
         query = "SELECT metric, value FROM comparisons WHERE key = ? AND reference = ?"
-        with self._lock:
+        with self._door():
             return dict(self._db.execute(query, (key, reference)).fetchall())
 
     def put_comparison(self, key: str, reference: str, values: Mapping[str, float | None]) -> None:
         """Keep metrics of a frame against a reference."""
         rows = [(key, reference, metric, value) for metric, value in values.items()]
-        with self._lock, self._db:
+        with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
             self._db.executemany("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?, ?)", rows)
 
@@ -240,7 +282,7 @@ class Store:
 
         Claims of processes that no longer run are taken over.
         """
-        with self._lock, self._db:
+        with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
             row = self._db.execute("SELECT owner, at FROM claims WHERE key = ?", (key,)).fetchone()
             if row is not None and row[0] != self._owner and _alive(*row):
@@ -252,7 +294,7 @@ class Store:
 
     def release(self, key: str) -> None:
         """Release a claim without a result."""
-        with self._lock:
+        with self._door():
             self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
 
     def write_csv(self, rows: Sequence[Mapping[str, Any]], columns: Iterable[str]) -> None:
@@ -275,6 +317,26 @@ class Store:
         csv.DictWriter(text, list(columns), restval="", extrasaction="ignore").writerow(row)
         with (self.directory / "table.csv").open("a", newline="", encoding="utf-8") as file:
             file.write(text.getvalue())
+
+
+def _object(text: str) -> dict[str, Any]:
+    """A JSON object of a record."""
+    value = json.loads(text)
+    if not isinstance(value, dict):
+        raise json.JSONDecodeError("not an object", str(text)[:20], 0)
+    return value
+
+
+def _hint(error: str) -> str | None:
+    """What to do about an error of SQLite that is not the file's fault."""
+    known = {
+        "full": "make room and run again: finished frames are kept",
+        "readonly": "the folder must be writable",
+        "unable to open": "the folder must be writable",
+        "locked": "another program holds it; run again when that has ended",
+        "disk I/O": "look after the disk and run again: finished frames are kept",
+    }
+    return next((hint for part, hint in known.items() if part in error), None)
 
 
 def _alive(owner: str, at: float) -> bool:

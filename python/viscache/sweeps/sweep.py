@@ -175,6 +175,8 @@ def sweep(
         if store.directory is not None:
             write_netcdf(dataset, store.directory / "table.nc")
             write_parquet(store)
+    if run.mended:
+        dataset.attrs["mended"] = "\n".join(run.mended)
     dataset.attrs["seconds"] = json.dumps({k: round(v, 3) for k, v in run.seconds.items()})
     return dataset
 

@@ -396,13 +396,20 @@ class VisibilityMapCache(RecordInsertion):
         """
         scene = sources.opened(scene)
         state = cache_file.read(path, scene.content_hash)
-        cache = cls(scene, MapSettings(**state.settings))
+        try:
+            cache = cls(scene, MapSettings(**state.settings))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{path}: the cache must have the settings of one: {error}") from error
         fit = np.array_equal(cache.directions, state.directions)
         require(fit, f"{path}: the directions must be those of the settings", "others")
         cache.frame, cache.started, cache.rays = state.frame, state.started, state.rays
         cache.thresholds = state.thresholds
-        cache._core.set_thresholds(*state.thresholds)
-        cache._core.add_records(**state.records)
+        try:
+            cache._core.set_thresholds(*state.thresholds)
+            cache._core.add_records(**state.records)
+        except (TypeError, ValueError) as error:
+            told = str(error).partition("\n")[0]
+            raise ValueError(f"{path}: the cache must have the records of one: {told}") from error
         return cache
 
     def __repr__(self) -> str:

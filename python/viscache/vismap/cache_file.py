@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import os
 import zipfile
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -111,18 +113,44 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     claimed = head.pop("digest", None)
     fits = claimed == digest(head, arrays)
     require(fits, f"{path}: the cache must be undamaged", "content that its digest does not fit")
-    w_min, delta_max = head["thresholds"]
-    settings = {RENAMED.get(name, name): value for name, value in head["settings"].items()}
+    require("directions" in arrays, f"{path}: the cache must have directions", sorted(arrays))
     return State(
         scene_hash=scene_hash,
-        settings=settings,
         directions=arrays.pop("directions"),
-        frame=head["frame"],
-        started=head["started"],
-        rays=head["rays"],
-        thresholds=(w_min, delta_max),
         records=arrays,
+        **{name: _field(path, head, name) for name in FIELDS},
     )
+
+
+def _field(path: str | os.PathLike[str], head: dict[str, Any], name: str) -> Any:
+    """A field of the head; ValueError unless it is there and of its kind."""
+    what, fits = FIELDS[name]
+    value: Any = head.get(name)
+    require(fits(value), f"{path}: {name} of the cache must be {what}", value)
+    if name == "settings":
+        return {RENAMED.get(key, key): setting for key, setting in value.items()}
+    return tuple(value) if name == "thresholds" else value
+
+
+def _is_count(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << 63
+
+
+#: What the head must hold beside the version, the scene and the digest.
+FIELDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "settings": ("a table of settings", lambda v: isinstance(v, dict)),
+    "frame": ("a whole number >= 0", _is_count),
+    "started": ("true or false", lambda v: isinstance(v, bool)),
+    "rays": ("a whole number >= 0", _is_count),
+    "thresholds": (
+        "two finite numbers",
+        lambda v: (
+            isinstance(v, list)
+            and len(v) == 2
+            and all(isinstance(x, int | float) and math.isfinite(x) for x in v)
+        ),
+    ),
+}
 
 
 def _opened(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:

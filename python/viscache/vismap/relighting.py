@@ -127,6 +127,7 @@ class Relighting:
             r, g, b = (float(v) for v in np.broadcast_to(given, (3,)))
             made = _core.sampling.EnvironmentMap.constant((r, g, b))
         else:
+            require(given.size > 0, "env must have at least one pixel, of shape", given.shape)
             made = _core.sampling.EnvironmentMap.from_latlong(
                 reduced(given),
                 to_world=rotation(rotation_deg),

@@ -1,0 +1,191 @@
+"""What stores load is checked: damage is mended and told, or refused by name in one line."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import cli
+from viscache.sweeps.store import DamagedPictureError, Store
+
+METHOD = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
+
+
+def swept(folder: Path, **more: Any) -> Any:
+    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (8, 8), "metrics": ["rel_l1"]}
+    return vc.sweep("cube_on_plane", METHOD, directory=folder, **(given | more))
+
+
+def picture(folder: Path, of: str) -> Path:
+    """The picture of the first frame whose parameters have these words."""
+    with sqlite3.connect(folder / "sweep.sqlite") as db:
+        query = "select file from frames where parameters like ? order by key"
+        return folder / db.execute(query, (f"%{of}%",)).fetchone()[0]
+
+
+def forget_comparisons(folder: Path) -> None:
+    with sqlite3.connect(folder / "sweep.sqlite") as db:
+        db.execute("delete from comparisons")
+
+
+def brighter(path: Path) -> None:
+    frame = vc.Frame.load(path)
+    frame.layers["color"] *= 3
+    frame.save(path)
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-200])
+
+
+@pytest.mark.parametrize("damage", [brighter, cut])
+@pytest.mark.parametrize("of", ['"Exact"', '"Aqvc"'])
+def test_a_picture_that_is_not_the_stored_one_is_rendered_again(
+    tmp_path: Path, damage: Any, of: str
+) -> None:
+    before = swept(tmp_path)
+    target = picture(tmp_path, of)
+    good = vc.Frame.load(target).sha256
+    damage(target)
+    forget_comparisons(tmp_path)
+    after = swept(tmp_path)
+    np.testing.assert_array_equal(after["rel_l1"], before["rel_l1"])
+    assert target.name in after.attrs["mended"] and "\n" not in after.attrs["mended"]
+    assert vc.Frame.load(target).sha256 == good
+    assert "mended" not in swept(tmp_path).attrs
+
+
+def test_the_command_says_in_one_line_what_it_rendered_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    toml = tmp_path / "s.toml"
+    toml.write_text(
+        'scene = "cube_on_plane"\nsize = [8, 8]\nmetrics = ["rel_l1"]\n[over]\nc_e = [4]\n'
+    )
+    command = ["sweep", str(toml), "-o", str(tmp_path / "out")]
+    assert cli.main(command) == 0
+    brighter(picture(tmp_path / "out", '"Exact"'))
+    forget_comparisons(tmp_path / "out")
+    capsys.readouterr()
+    assert cli.main(command) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "rendered again" in line]
+    assert len(lines) == 1 and ".exr" in lines[0]
+
+
+def test_a_report_refuses_another_picture_by_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    swept(tmp_path)
+    target = picture(tmp_path, '"Exact"')
+    brighter(target)
+    assert cli.main(["report", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert str(target) in told and "delete it and run the sweep again" in told
+    with Store(tmp_path) as store, pytest.raises(DamagedPictureError, match=target.name):
+        store.frame(next(k for k in store.finished() if target.name in f"frames/{k[:20]}.exr"))
+
+
+def damaged(data: bytes, start: int, step: int) -> bytes:
+    changed = bytearray(data)
+    for i in range(start, len(changed), step):
+        changed[i] ^= 0xFF
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_damaged_database_is_one_line_with_its_name(
+    tmp_path: Path, seed: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    swept(tmp_path)
+    path = tmp_path / "sweep.sqlite"
+    with sqlite3.connect(path) as db:
+        db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        db.execute("PRAGMA journal_mode=DELETE")
+    rng = np.random.default_rng(seed)
+    good = path.read_bytes()
+    path.write_bytes(damaged(good, int(rng.integers(0, 9000)), int(rng.integers(7, 2000))))
+    try:
+        swept(tmp_path)
+    except (ValueError, OSError) as error:
+        assert "sweep.sqlite" in str(error)
+    path.write_bytes(damaged(good, int(rng.integers(0, 9000)), int(rng.integers(7, 2000))))
+    assert cli.main(["report", str(tmp_path)]) in (0, 1, 2)
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def correlation(folder: Path, **more: Any) -> Any:
+    given: dict[str, Any] = {"n_points": 16, "map_size": 4, "d_edges": 4, "theta_edges_deg": 4}
+    return vc.correlation.measure("cube_on_plane", directory=folder, **(given | more))
+
+
+def blocks(folder: Path) -> list[Path]:
+    return sorted(p for p in folder.rglob("*.npz") if p.name != "points.npz")
+
+
+def short(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:100])
+
+
+def flipped(path: Path) -> None:
+    path.write_bytes(damaged(path.read_bytes(), 150, 500))
+
+
+def exchanged(path: Path) -> None:
+    """A whole file with other numbers."""
+    with np.load(path) as file:
+        arrays = {key: file[key] for key in file.files}
+    key = next(k for k in arrays if arrays[k].dtype.kind in "iuf")
+    np.savez(path, **(arrays | {key: arrays[key] + 1}))
+
+
+@pytest.mark.parametrize("damage", [short, flipped, exchanged])
+def test_a_damaged_block_of_a_correlation_is_computed_again(tmp_path: Path, damage: Any) -> None:
+    good = correlation(tmp_path)
+    assert len(blocks(tmp_path)) >= 2 and "mended" not in good.attrs
+    for path in blocks(tmp_path):
+        damage(path)
+    again = correlation(tmp_path)
+    np.testing.assert_array_equal(again["mean"], good["mean"])
+    lines = again.attrs["mended"].splitlines()
+    assert len(lines) == len(blocks(tmp_path))
+    assert all(p.name in "".join(lines) for p in blocks(tmp_path))
+    assert "mended" not in correlation(tmp_path).attrs
+
+
+def test_damaged_rows_are_traced_again(tmp_path: Path) -> None:
+    good = correlation(tmp_path)
+    path = next(tmp_path.rglob("rows.npy"))
+    path.write_bytes(damaged(path.read_bytes(), 256, 97))
+    again = correlation(tmp_path, theta_edges_deg=3)  # other bins, so that pairs are counted anew
+    assert "rows-0-16.npz" in again.attrs["mended"]
+    np.testing.assert_array_equal(
+        again["mean"], correlation(tmp_path / "new", theta_edges_deg=3)["mean"]
+    )
+    assert good.sizes["theta"] != again.sizes["theta"]
+
+
+def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path) -> None:
+    correlation(tmp_path)
+    next(tmp_path.rglob("rows.npy")).write_bytes(b"no array")
+    with pytest.raises(ValueError, match=r"rows\.npy cannot be read: .*delete it"):
+        correlation(tmp_path)
+
+
+def test_a_damaged_dataset_is_a_value_error_with_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "d.nc"
+    vc.correlation.save_dataset(correlation(tmp_path / "store"), path)
+    good = path.read_bytes()
+    refused = 0
+    for at in range(100, min(len(good), 12_000), 197):
+        path.write_bytes(good[:at] + bytes([good[at] ^ 0xFF]) + good[at + 1 :])
+        try:
+            vc.correlation.load_dataset(path)
+        except ValueError as error:
+            refused += 1
+            assert "d.nc" in str(error)
+    assert refused > 3
