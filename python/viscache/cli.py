@@ -8,6 +8,7 @@ Ctrl-C.
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import sys
 from collections.abc import Sequence
@@ -88,9 +89,31 @@ class _Parser(argparse.ArgumentParser):
 def _reason(error: Exception) -> str:
     if isinstance(error, MemoryError):
         return "there is not enough memory for this (a smaller --size needs less)"
+    told = str(error)
     if isinstance(error, OSError) and error.strerror and error.filename:
-        return f"{error.filename}: {error.strerror}"
-    return str(error)
+        told = f"{error.filename}: {error.strerror}"
+    hint = _what_to_do(error)
+    return f"{told}; {hint}" if hint else told
+
+
+#: What to do about a disk, by the error's number.
+DISK_HINTS = {
+    errno.ENOSPC: "make room and run the same command again: what is finished is kept",
+    errno.EDQUOT: "make room and run the same command again: what is finished is kept",
+    errno.EFBIG: "raise the limit on the size of files (ulimit -f) and run the same command again",
+    errno.EROFS: "choose a folder that can be written to",
+    errno.EACCES: "choose a folder and files that you may read and write",
+    errno.EPERM: "choose a folder and files that you may read and write",
+}
+
+
+def _what_to_do(error: BaseException | None) -> str | None:
+    """The hint for an error of a disk, or for the one that caused it."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in DISK_HINTS:
+            return DISK_HINTS[error.errno]
+        error = error.__cause__
+    return None
 
 
 def _complain(message: str) -> int:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
+import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,15 +18,45 @@ def whole_file(target: Path) -> Iterator[Path]:
     """A path beside the target to write to. At the end that file replaces the target.
 
     If the block raises, the target does not change. Every process and thread has its own path; the
-    last one to finish wins.
+    last one to finish wins. What processes of this machine left when they were killed is removed.
     """
-    partial = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}.part")
-    partial.unlink(missing_ok=True)  # left by a process that was killed
+    for left in _left_over(target):
+        left.unlink(missing_ok=True)
+    partial = target.with_name(
+        f".{target.name}.{_machine()}.{os.getpid()}.{threading.get_ident()}.part"
+    )
     try:
         yield partial
         partial.replace(target)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _machine() -> str:
+    """Short digest of this machine's name, as process numbers are those of a machine."""
+    return hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
+
+
+def _left_over(target: Path) -> list[Path]:
+    """Partial files of a target whose processes have ended."""
+    start = f".{target.name}.{_machine()}."
+    found = []
+    for entry in os.scandir(target.parent):
+        if entry.name.startswith(start) and entry.name.endswith(".part"):
+            pid = entry.name.removeprefix(start).partition(".")[0]
+            if pid.isdecimal() and not _runs(int(pid)):
+                found.append(Path(entry.path))
+    return found
+
+
+def _runs(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass
+    return True
 
 
 def write_whole(target: Path, text: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -35,4 +37,33 @@ def test_two_writers_of_one_file_do_not_share_a_path(tmp_path: Path) -> None:
     with whole_file(target) as one, ThreadPoolExecutor(1) as pool:
         pool.submit(write_whole, target, "other").result()
         one.write_text("one")
+    assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from viscache.files import whole_file
+with whole_file(Path(sys.argv[1])) as partial:
+    partial.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path: Path) -> None:
+    target, other = tmp_path / "state.npz", tmp_path / "state.npz2"
+    for path in (target, other):
+        assert subprocess.run([sys.executable, "-c", KILLED, str(path)]).returncode == -9
+    assert len(list(tmp_path.iterdir())) == 2 and not target.exists()
+    write_whole(target, "whole")
+    left = [p.name for p in tmp_path.iterdir() if p != target]
+    assert len(left) == 1 and left[0].startswith(".state.npz2.")  # of another file
+
+
+def test_what_another_process_is_writing_stays(tmp_path: Path) -> None:
+    target = tmp_path / "a"
+    with whole_file(target) as one:
+        one.write_text("one")
+        code = "import sys; from viscache.files import *; write_whole(Path(sys.argv[1]), 'x')"
+        subprocess.run([sys.executable, "-c", code, str(target)], check=True)
     assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,13 @@ from viscache.commands.shared import (
     size,
 )
 from viscache.frame import checked_suffix
+from viscache.progress import progress_bar
 from viscache.settings import by_name
 from viscache.settings.checks import require
+
+#: Least seconds between two saves of a state, and least work between them as a multiple of a save.
+SAVE_EVERY_S = 10.0
+LEAST_WORK = 20.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -157,15 +163,30 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _in_passes(picture: vc.Progressive, arguments: argparse.Namespace) -> vc.Frame:
-    """Render passes; with a state file, also after an interrupt nothing finished is lost."""
-    state = None if arguments.state is None else Path(arguments.state)
-    if state is not None and state.exists():
+    """Render passes; a state file is saved between passes, so that a kill loses seconds at most."""
+    shown = sys.stderr.isatty()
+    if arguments.state is None:
+        return picture.passes(arguments.passes, progress=shown)
+    state = Path(arguments.state)
+    if state.exists():
         picture.load(state)
-    try:
-        return picture.passes(arguments.passes, progress=sys.stderr.isatty())
-    finally:
-        if state is not None:
+    due = time.monotonic() + SAVE_EVERY_S
+
+    def after_pass(done: int, n: int) -> None:
+        nonlocal due
+        if report:
+            report(done, n)
+        began = time.monotonic()
+        if done < n and began >= due:
             picture.save(state)
+            ended = time.monotonic()
+            due = ended + max(SAVE_EVERY_S, LEAST_WORK * (ended - began))
+
+    try:
+        with progress_bar(shown, unit="pass") as report:
+            return picture.passes(arguments.passes, progress=after_pass)
+    finally:
+        picture.save(state)
 
 
 def _audit(text: str) -> vc.AuditPixels | vc.AuditQueries:

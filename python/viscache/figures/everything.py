@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import time
@@ -17,6 +18,8 @@ from viscache.provenance import code_hash, provenance
 __all__ = ["failing", "finished", "reproduce_all"]
 
 Result = dict[str, Any]
+#: Errors of disks that are full or may not be written to.
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
 
 
 def reproduce_all(
@@ -90,6 +93,8 @@ def _reproduced(
     try:
         return registry.reproduce(name, folder, quick=quick, size=size, progress=progress)
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in NO_ROOM:
+            raise  # the other figures would end in the same way
         result: Result = {
             "figure": name,
             "rows": [],
@@ -105,8 +110,7 @@ def _reproduced(
             "error": f"{type(error).__name__}: {error}",
             "traceback": traceback.format_exc(),
         }
-        record = folder / f"{name}.json"
-        record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
+        write_whole(folder / f"{name}.json", json.dumps(finite(result), indent=2))
         return result
 
 

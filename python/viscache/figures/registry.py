@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from viscache.figures import references
 from viscache.figures.outcome import Outcome, text
-from viscache.files import finite
+from viscache.files import finite, write_whole
 from viscache.provenance import code_hash, provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
@@ -115,7 +115,7 @@ def reproduce(
         outcome = FIGURES[name].function(folder, quick, progress, **given)
     seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"
-    table.write_text(text(name, outcome.rows), encoding="utf-8")
+    write_whole(table, text(name, outcome.rows))
     result = {
         "figure": name,
         "rows": [row.as_dict() for row in outcome.rows],
@@ -130,5 +130,5 @@ def reproduce(
         "seconds": seconds,
         "cpu_s": cpu,
     }
-    record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
+    write_whole(record, json.dumps(finite(result), indent=2))
     return result
