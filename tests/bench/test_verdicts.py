@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache.bench import common, meter, picks, progressive, vismap_variance, which_cache
+from viscache.bench import (
+    common,
+    meter,
+    persistent_bias,
+    picks,
+    progressive,
+    vismap_variance,
+    which_cache,
+)
 
 
 def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
@@ -118,3 +126,24 @@ def test_means_that_are_off_by_more_than_chance_are_found() -> None:
         found: Any = SimpleNamespace(truth=truth, estimates=estimates)
         vismap_variance.check_means(outcome, "x", found)
         assert outcome.answers_hold is holds
+
+
+def test_a_persistent_error_is_told_from_noise() -> None:
+    """A bias of a fifth of one pass' noise, over 64 passes; the first is nearly all noise."""
+    r = np.random.default_rng(5)
+    noise = r.normal(0, 0.5, (64, 64, 64, 3))
+    squared, z = persistent_bias.persistent_z(noise, 2.0)
+    assert abs(z) < 4 and abs(persistent_bias.energy_z(noise)) < 4
+    # Of either sign, so that the energy does not show it
+    bias = 0.1 * np.where(np.arange(64) % 2, 1.0, -1.0)[None, None, :, None]
+    squared, z = persistent_bias.persistent_z(noise + bias, 2.0)
+    assert z > 10 and squared == pytest.approx(0.01 / 4, rel=0.2)
+    assert abs(persistent_bias.energy_z(noise + bias)) < 4
+    assert persistent_bias.energy_z(noise + 0.01) > 10
+
+
+def test_passes_alone_are_those_of_the_running_mean() -> None:
+    passes = np.random.default_rng(6).random((5, 4, 4, 3)).astype(np.float32)
+    means = iter([SimpleNamespace(image=passes[: i + 1].mean(axis=0)) for i in range(5)])
+    picture: Any = SimpleNamespace(passes=lambda n: next(means))
+    np.testing.assert_allclose(persistent_bias.alone(picture, 5), passes, atol=1e-5)

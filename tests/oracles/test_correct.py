@@ -56,7 +56,8 @@ def frames(
 ) -> tuple[list[Any], list[Any]]:
     """Pictures of a coarse cache, corrected where a share is given, and exact ones."""
     caster, view = scene.caster(vc.Embree()), scene.cameras[0]
-    cache, light = vc.Aqvc(c_e=16, refinement="off").core(), core_settings(vc.Direct())
+    cache = vc.Aqvc(c_e=16, refinement="off", exact_groups=("area",)).core()
+    light = core_settings(vc.Direct())
     made: tuple[list[Any], list[Any]] = ([], [])
     for seed in range(seeds):
         parts = (scene._core, caster, view, light, frame_settings(SIZE, 1, seed, None))
@@ -90,12 +91,13 @@ def test_without_weights_the_bias_shows() -> None:
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
     scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
+    cache = vc.Aqvc(c_e=12, exact_groups=("area", "environment"))
     frames = [
         vc.render(
             scene,
             light,
             size=SIZE,
-            visibility=vc.Aqvc(c_e=12),
+            visibility=cache,
             threads=n,
             rays=vc.Bsp(),
             use=vc.Correct(share=0.2),
@@ -107,7 +109,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
     assert frames[0].parameters["use"] == use
     counters = frames[0].counters
     conn = vc.connections(scene, light, size=SIZE, rays=vc.Bsp())
-    cached, exact = conn.answers(vc.Aqvc(c_e=12)), conn.answers(vc.Exact())
+    cached, exact = conn.answers(cache), conn.answers(vc.Exact())
     wrong = sum(
         np.bitwise_count(cached[g].bits ^ exact[g].bits).sum()  # type: ignore[union-attr]
         for g in conn.groups

@@ -88,6 +88,26 @@ def test_few_are_up_to_eight(lights: int) -> None:
     assert (counts["rays"] == counts["queries"]) == (lights == 8)
 
 
+@pytest.mark.parametrize("lights", [32, 33])
+def test_few_are_up_to_32_with_corrections(lights: int) -> None:
+    """The answers of each of few lights would be checked often; the frame tells what it did."""
+    room = q.scene("room", triangles=2000, lights=lights)
+    frame = render(room, vc.Aqvc(), vc.Direct(n_area=2), use="correct")
+    exact = render(room, vc.Exact(), vc.Direct(n_area=2))
+    groups = frame.counters["groups"]
+    own = groups["area"]["queries"] if "area" in groups else 0
+    if lights == 32:
+        assert frame.sha256 == exact.sha256 and frame.counters["corrections"] == 0
+        assert frame.counters["exact_queries"] == exact.counters["queries"]
+    else:
+        assert frame.counters["exact_queries"] == own < frame.counters["queries"]
+        assert frame.counters["corrections"] > 0
+    every = render(room, vc.Aqvc(exact_groups=()), vc.Direct(), use="correct").counters
+    assert every["exact_queries"] == 0 < every["corrections"]
+    paper = render(room, vc.Aqvc(preset="paper"), vc.Direct(), use="correct").counters
+    assert paper["exact_queries"] == 0 < paper["corrections"]
+
+
 @pytest.mark.parametrize("n_vpls", [135, 134])
 def test_a_small_part_of_the_shared_lights_is_exact(n_vpls: int) -> None:
     """Nine lamps are a sixteenth of 9 + 135 lights."""

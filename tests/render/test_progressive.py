@@ -147,7 +147,8 @@ def test_little_room_keeps_fewer_cells_and_nothing_else(room: vc.Scene) -> None:
 
 def test_little_room_changes_no_byte_by_threads_or_stops(room: vc.Scene, tmp_path: Path) -> None:
     """Tiles have equal shares of the room, whoever comes first; what does not fit is traced."""
-    options = {"size": (256, 160), "max_bytes": 1 << 20, "visibility": vc.Aqvc(c_e=4)}
+    cache = vc.Aqvc(c_e=4, exact_groups=("area",))
+    options = {"size": (256, 160), "max_bytes": 1 << 20, "visibility": cache}
     one, three = (picture(room, threads=n, **options) for n in (1, 3))
     want = sha(one.passes(2))
     three.passes(1)

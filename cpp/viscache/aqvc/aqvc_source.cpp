@@ -16,9 +16,11 @@ const AqvcParameters& checked(const AqvcParameters& p) {
 /// A frame whose only shared lights are those of the exact groups.
 class ExactStart final : public FrameStart {
 public:
-    ExactStart(FrameStart& frame, const AqvcParameters& parameters, size_t shared) : frame_(frame) {
+    ExactStart(FrameStart& frame, const AqvcParameters& parameters, size_t shared, size_t few)
+        : frame_(frame) {
         for (const FarEnds* lights : frame.lights())
-            if (answers_exactly(parameters, lights->group, lights->count, shared)) lights_.push_back(lights);
+            if (answers_exactly(parameters, lights->group, lights->count, shared, few))
+                lights_.push_back(lights);
     }
     std::span<const FarEnds* const> lights() const override { return lights_; }
     size_t lights_per_point() const override { return frame_.lights_per_point(); }
@@ -43,7 +45,7 @@ void AqvcSource::prepare(FrameStart& frame, Control& control) {
     shared_in_frame_ = 0;
     for (const FarEnds* lights : frame.lights()) shared_in_frame_ += lights->count;
     if (!exact_) return;
-    ExactStart start(frame, parameters_, shared_in_frame_);
+    ExactStart start(frame, parameters_, shared_in_frame_, few_);
     exact_->prepare(start, control);
 }
 
@@ -58,7 +60,7 @@ int AqvcSource::dealt_tile_edge() const {
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
     const float extent = scene_.offset_extent();
     auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);
-    return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_},
+    return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_, few_},
                                             parameters_, scene_.center(), scene_.radius(), extent, spp_,
                                             table);
 }

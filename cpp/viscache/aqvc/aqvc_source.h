@@ -14,6 +14,7 @@ public:
     AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
                OracleSource* exact = nullptr);
     void prepare(FrameStart& frame, Control& control) override;
+    void expect_corrections() override { few_ = kFewCorrected; }
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
     int dealt_tile_edge() const override;
     void report(Counters& counters, SourceReport& out) const override;
@@ -27,6 +28,7 @@ private:
     const RayCaster& caster_;
     int spp_;
     OracleSource* exact_;
+    size_t few_ = kFewLights;
     size_t shared_in_frame_ = 0;  ///< lights that all eye points share
 };
 

@@ -13,6 +13,7 @@ namespace viscache {
 struct ExactAnswers {
     std::unique_ptr<VisibilityOracle> oracle;
     size_t shared_in_frame = 0;
+    size_t few = kFewLights;  ///< groups of at most so many shared lights are exact unless others are named
 };
 
 class ExactPart {
@@ -27,7 +28,8 @@ public:
 
     /// True if it answers connections with these lights.
     bool answers(const FarEnds& lights) const {
-        return answers_exactly(parameters_, lights.group, lights.count, answers_.shared_in_frame);
+        return answers_exactly(parameters_, lights.group, lights.count, answers_.shared_in_frame,
+                               answers_.few);
     }
     /// True if it answers far ends of single eye points.
     bool answers_own(int group) const { return own_.test(size_t(group)); }

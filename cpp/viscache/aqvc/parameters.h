@@ -134,8 +134,8 @@ inline constexpr std::tuple kAqvcRows{
         "`refinement` of single light groups, with the names of `c_e_groups`."),
     row("exact_groups", &AqvcParameters::exact_groups, kPlain,
         "Light groups whose queries all get a ray, as with `Exact`. \"auto\": samples of area lights and of "
-        "the sky where they are each eye point's own, and groups of at most 8 lights that all share. The "
-        "form \"pairs\" and `Bdpt` have no such group by default."),
+        "the sky where they are each eye point's own, and groups of at most 8 lights that all share "
+        "(32 with `use=\"correct\"`). The form \"pairs\" and `Bdpt` have no such group by default."),
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
         "Ratio between the C_E of one refinement level and that of the next. The first level, C_E itself, "
         "may lie nearer to the second."),
@@ -224,14 +224,19 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && (c_e > p.c_finest || c_e * c_e > spp);
 }
 
+/// Shared lights of a group that are not worth a cache. With corrections it is more, because each of few
+/// lights is a large part of the light of its eye points, and so its answers are checked often.
+constexpr size_t kFewLights = 8, kFewCorrected = 32;
+
 /// True if exact rays answer the queries between eye points and the `shared` lights of this group. Auto:
 /// groups of few lights, because cells cost more than so few rays; and a small part of all lights that the
 /// frame's eye points share, because lamps among virtual lights cause half of the error (docs/aqvc.md has
-/// figures of both).
-inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared, size_t shared_in_frame) {
+/// figures of both). `few`: kFewLights, or kFewCorrected where a share of the answers is traced as well.
+inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared, size_t shared_in_frame,
+                            size_t few = kFewLights) {
     if (p.exact_groups) return p.exact_groups->test(size_t(group));
-    constexpr size_t kFew = 8, kSmallPart = 16;
-    return p.form == Form::kWaves && (shared <= kFew || shared * kSmallPart <= shared_in_frame);
+    constexpr size_t kSmallPart = 16;
+    return p.form == Form::kWaves && (shared <= few || shared * kSmallPart <= shared_in_frame);
 }
 
 /// The same for far ends that are each eye point's own. Auto: samples of area lights and skies. They hardly

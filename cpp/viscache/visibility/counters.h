@@ -64,8 +64,9 @@ struct Counters {
              wrong_fresh = 0;
     uint64_t cells_not_kept = 0;  ///< cells for whose rows there was no room
     // Answers as control variates
-    uint64_t corrections = 0;  ///< queries whose ray was traced as well
-    uint64_t wrong = 0;        ///< of these, those whose answer the ray contradicts
+    uint64_t corrections = 0;    ///< queries whose ray was traced as well
+    uint64_t wrong = 0;          ///< of these, those whose answer the ray contradicts
+    uint64_t exact_queries = 0;  ///< queries that are never corrected, as exact rays answer them
     /// The same by light group and class, for lights that all eye points share
     std::array<std::array<ClassCounters, kAnswerClasses>, kLightGroups> classes{};
     // Product sampling of the environment
@@ -138,6 +139,7 @@ inline void Counters::merge(const Counters& b) {
     cells_not_kept += b.cells_not_kept;
     corrections += b.corrections;
     wrong += b.wrong;
+    exact_queries += b.exact_queries;
     for (size_t g = 0; g < classes.size(); ++g)
         for (size_t k = 0; k < kAnswerClasses; ++k) {
             classes[g][k].queries += b.classes[g][k].queries;

@@ -51,6 +51,8 @@ public:
     virtual void prepare(FrameStart& /*frame*/, Control& /*control*/) {}
     /// The oracle of one worker thread; called from that thread.
     virtual std::unique_ptr<VisibilityOracle> make() = 0;
+    /// Tells the source, before all else, that the answers of its oracles will be corrected.
+    virtual void expect_corrections() {}
     /// Not 0: tiles have this edge in pixels, and tile i belongs to thread i mod threads.
     virtual int dealt_tile_edge() const { return 0; }
     /// True if its oracles correct a random share of their answers.

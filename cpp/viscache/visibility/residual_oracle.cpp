@@ -169,7 +169,12 @@ void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     correction_begin_.clear();
     replaces_ = false;
     inner_->block(eyes, lights, wanted, visible, counters);
-    if (inner_->is_exact(lights)) return;
+    if (inner_->is_exact(lights)) {
+        for (size_t i = 0; i < wanted.rows(); ++i)
+            for (const Word word : wanted.row_span(i))
+                counters.exact_queries += uint64_t(std::popcount(word));
+        return;
+    }
     draw(eyes, lights, wanted, visible, counters);
     seen_.reset(wanted.rows(), lights.count);
     Counters traced;
@@ -214,6 +219,7 @@ void ResidualOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, 
                              Counters& counters) {
     inner_->samples(eyes, samples, visible, counters);
     if (inner_->is_exact_own(samples.group)) {
+        counters.exact_queries += samples.size();
         const std::span<const float> inner = inner_->pair_weights();
         pair_weights_.assign(inner.begin(), inner.end());
         pair_corrections_.clear();
@@ -231,8 +237,11 @@ void ResidualOracle::correct(const EyeBlock& eyes, std::span<const ShadowQuery> 
     std::vector<ShadowQuery> drawn;
     for (uint32_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        if (inner_->is_exact_own(q.group) || !is_drawn(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0))
+        if (inner_->is_exact_own(q.group)) {
+            ++counters.exact_queries;
             continue;
+        }
+        if (!is_drawn(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0)) continue;
         number.push_back(i);
         drawn.push_back(q);
     }

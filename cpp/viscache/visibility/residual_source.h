@@ -22,6 +22,7 @@ public:
             for (const unsigned octaves : group)
                 if (octaves > kMostOctaves)
                     throw std::invalid_argument("octaves must be in [0, 4], got " + std::to_string(octaves));
+        inner_.expect_corrections();
     }
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override {
@@ -38,6 +39,7 @@ public:
         inner_.report(counters, out);
         out.counters.emplace_back("corrections", counters.corrections);
         out.counters.emplace_back("wrong", counters.wrong);
+        out.counters.emplace_back("exact_queries", counters.exact_queries);
     }
 
 private:

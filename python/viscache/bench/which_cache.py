@@ -10,7 +10,9 @@ import numpy.typing as npt
 
 from viscache.bench.aligned import opened
 from viscache.bench.common import Outcome, figure
-from viscache.bench.progressive import FIRST_OF_REFERENCES, Run
+from viscache.bench.pass_runs import Run, take_turns
+from viscache.bench.progressive import FIRST_OF_REFERENCES
+from viscache.oracles.correct import Correct
 from viscache.progressive import Progressive
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
@@ -27,6 +29,8 @@ DARK = 0.05
 #: Edge of the blocks of pixels that a bootstrap draws.
 BLOCK = 16
 BOOTSTRAP = 400
+#: Edge of the Python oracle's cells, as a share of the scene's diagonal.
+EDGE = 1 / 64
 
 
 @dataclass(frozen=True)
@@ -82,8 +86,27 @@ def which_cache(quick: bool = False) -> Outcome:
     return outcome
 
 
-def ways(case: Case) -> dict[str, tuple[Any, Any, Any]]:
-    """(integrator, visibility, use) of each way; the first is the baseline."""
+@dataclass(frozen=True)
+class Cells:
+    """An oracle as users write it: one eye point asks for all in a cell of space."""
+
+    edge: float
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        """The answers of the first eye point of each cell and facing."""
+        facing = np.argmax(np.abs(eyes.normals), axis=1)
+        key = np.column_stack([np.floor(eyes.positions / self.edge), facing])
+        _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        asked = np.zeros((len(first), len(lamps)), dtype=bool)
+        np.logical_or.at(asked, cell.ravel(), wanted)
+        return eyes[first].trace(lamps, asked)[cell.ravel()]
+
+
+def ways(case: Case, edge: float = 1.0) -> dict[str, tuple[Any, Any, Any]]:
+    """(integrator, visibility, use) of each way; the first is the baseline.
+
+    `edge` is that of the cells of the oracle in Python.
+    """
     voxels = {
         "nee++, roulette": (NeePlusPlus(), "replace"),
         "nee++, corrected": (NeePlusPlus(), "correct"),
@@ -101,6 +124,8 @@ def ways(case: Case) -> dict[str, tuple[Any, Any, Any]]:
         "exact": (many, Exact(), None),
         "aqvc, corrected": (many, Aqvc(), "correct"),
         "16 picks": (replace(many, pick=16), Exact(), None),
+        "64 picks, corrected": (replace(many, pick=64), Aqvc(), "correct"),
+        "oracle in Python": (many, Cells(edge), Correct(share=0.1)),
         **{name: (many, *way) for name, way in voxels.items()},
     }
 
@@ -110,12 +135,12 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     runs: dict[str, Run] = {}
     baseline = ways(case)["exact"][0]
     Progressive(scene, baseline, visibility="exact", size=case.size).passes(1)  # builds the trees
-    for name, (light, visibility, use) in ways(case).items():
+    low, high = scene.bounds
+    edge = EDGE * float(np.linalg.norm(np.subtract(high, low)))
+    for name, (light, visibility, use) in ways(case, edge).items():
         made = Progressive(scene, light, visibility=visibility, use=use, size=case.size)
         runs[name] = Run(made)
-    for i in range(case.passes):
-        for run in list(runs.values()) if i % 2 == 0 else list(runs.values())[::-1]:
-            run.add_pass()
+    take_turns(list(runs.values()), case.passes)
     light = ways(case)["exact"][0]
     if case.sky:  # the noise of plain samples of a sky through a window is too large
         light = replace(light, environment="product", n_environment=2 * case.n_environment)

@@ -23,16 +23,17 @@ class Correct:
     The cache answers every query. Rays check a random share q of the answers, and weights correct
     the wrong ones. So the frame is right in expectation for any cache, with noise where the cache
     is wrong. At q = 1 it is the exact frame, byte for byte. Lights that the cache answers exactly
-    (`Aqvc(exact_groups=...)`) need no corrections and get none.
+    (`Aqvc(exact_groups=...)`) need no corrections and get none. Unless others are named, these are
+    own samples of area lights and skies, and up to 32 lights that all eye points share.
 
     `frame.counters` has "corrections", the checked answers, and "wrong", those of them that the ray
-    contradicts. With a number as share, their ratio is an unbiased estimate of the share of wrong
-    answers. "share_by_class" has queries, corrections and wrong ones by light group and class:
-    whether the cache's cells agreed or the answer is doubted, whether it is visible or blocked, and
-    whether a neighbouring light has the other answer. The layer "variance" (H, W, 3) estimates the
-    variance that the corrections add to each pixel: Σ (w·c)²·(1 - q) over the wrong answers found,
-    which has the right expectation where the samples of a pixel are drawn apart, and errs towards
-    more where they take turns.
+    contradicts; "exact_queries" are those of lights that need no corrections. With a number as
+    share, their ratio is an unbiased estimate of the share of wrong answers. "share_by_class" has
+    queries, corrections and wrong ones by light group and class: whether the cache's cells agreed
+    or the answer is doubted, whether it is visible or blocked, and whether a neighbouring light has
+    the other answer. The layer "variance" (H, W, 3) estimates the variance that the corrections add
+    to each pixel: Σ (w·c)²·(1 - q) over the wrong answers found, which has the right expectation
+    where the samples of a pixel are drawn apart, and errs towards more where they take turns.
 
     Parameters
     ----------
