@@ -161,10 +161,11 @@ def bias(outcome: Outcome, case: Case, scene: Scene) -> None:
     of_plain, z_plain = persistent_z(plain, mean)
     outcome.figures.append(
         at_most_figure(
-            f"{case.name}: many passes, persistent nMSE of corrected passes",
-            squared,
+            f"{case.name}: many passes, noise of the corrections of one pass",
+            float(np.square(found).mean() / mean**2),
             "nMSE",
             None,
+            persistent=squared,
             plain=of_plain,
             plain_z=z_plain,
             plain_energy_z=energy_z(plain),
