@@ -11,6 +11,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
+from viscache.correlation import work_store
 from viscache.sweeps.store import DamagedPictureError, Store
 
 METHOD = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
@@ -167,6 +168,18 @@ def test_damaged_rows_are_traced_again(tmp_path: Path) -> None:
         again["mean"], correlation(tmp_path / "new", theta_edges_deg=3)["mean"]
     )
     assert good.sizes["theta"] != again.sizes["theta"]
+
+
+def test_a_process_that_comes_second_takes_the_rows_of_the_first(tmp_path: Path) -> None:
+    """Both saw no file; the second must not put another one over it."""
+    first = work_store.FolderStore(tmp_path, (4, 8))
+    first.bits[:] = 7
+    work_store._create_rows(first.path, (4, 8))
+    second = work_store.FolderStore(tmp_path, (4, 8))
+    assert (second.bits == 7).all()
+    second.bits[1] = 9
+    assert (first.bits[1] == 9).all()
+    assert [p.name for p in tmp_path.iterdir()] == ["rows.npy"]
 
 
 def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path) -> None:

@@ -137,6 +137,29 @@ def test_figures_that_are_killed_go_on_with_the_next_one(tmp_path: Path) -> None
     assert [f["figure"] for f in summary["figures"]] == names
 
 
+CORRELATE = """
+import sys, viscache as vc
+given = {"n_points": 600, "map_size": 16, "d_edges": 6, "theta_edges_deg": 6}
+vc.correlation.measure("cube_on_plane", directory=sys.argv[1], threads=1, **given)
+"""
+
+
+@pytest.mark.slow
+def test_correlations_share_a_folder_and_survive_kills(tmp_path: Path) -> None:
+    given: dict[str, Any] = {"n_points": 600, "map_size": 16, "d_edges": 6, "theta_edges_deg": 6}
+    whole = vc.correlation.measure(SCENE, directory=tmp_path / "whole", **given)
+    folder, rng = tmp_path / "shared", random.Random(6)
+    for _ in range(4):
+        pair = [start(CORRELATE, str(folder)) for _ in range(2)]
+        time.sleep(rng.uniform(0.5, 8))
+        pair[0].send_signal(signal.SIGKILL)
+        assert pair[1].wait() == 0 and pair[0].wait() in (0, -signal.SIGKILL)
+        (next(folder.rglob("pairs-0*.npz"))).unlink()
+    found = vc.correlation.measure(SCENE, directory=folder, **given)
+    for name in ("mean", "sigma", "n"):
+        assert found[name].values.tobytes() == whole[name].values.tobytes()
+
+
 FULL = [
     (errno.ENOSPC, "No space left on device", "make room and run the same command again"),
     (errno.EROFS, "Read-only file system", "choose a folder that can be written to"),

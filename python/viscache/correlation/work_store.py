@@ -13,6 +13,8 @@ hash is computed again, and a line of `FolderStore.mended` says so.
 from __future__ import annotations
 
 import hashlib
+import os
+import uuid
 import zipfile
 import zlib
 from pathlib import Path
@@ -148,6 +150,18 @@ def write_arrays(path: Path, arrays: Arrays) -> None:
 
 
 def _create_rows(path: Path, shape: tuple[int, int]) -> None:
-    """Create a sparse file of zeros atomically; it takes disk space only as rows are written."""
-    with whole_file(path) as partial:
+    """Create a sparse file of zeros atomically; it takes disk space only as rows are written.
+
+    A file that another process has made meanwhile stays, as that process writes its rows there.
+    """
+    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+    try:
         np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()
+        try:
+            os.link(partial, path)
+        except FileExistsError:
+            pass
+        except OSError:  # a disk without links
+            partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
