@@ -88,6 +88,9 @@ class _Parser(argparse.ArgumentParser):
 
 def _reason(error: Exception) -> str:
     if isinstance(error, MemoryError):
+        told = str(error)
+        if told and "bad_alloc" not in told:
+            return told
         return "there is not enough memory for this (a smaller --size needs less)"
     told = str(error)
     if isinstance(error, OSError) and error.strerror and error.filename:

@@ -17,6 +17,7 @@ from viscache.audited import audit_record, error_warnings, nothing_found, watche
 from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, count_broken_pixels
+from viscache.frame_memory import require_memory
 from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.learned import PassMemory
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
@@ -233,7 +234,9 @@ def render_part(
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
-    frame = frame_settings(frame_size(size, view), spp, seed, threads)
+    pixels = frame_size(size, view)
+    require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
+    frame = frame_settings(pixels, spp, seed, threads)
     frame.part, frame.parts = number, parts
     frame.first_sample = int(first_sample)
     if audit is None:

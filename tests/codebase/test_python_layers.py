@@ -18,7 +18,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("array_output", "audit_result", "files", "progress", "provenance", "tonemap", "workers"),
     ("frame_html", "live_view", "settings"),
     ("oracles",),
-    ("emitted_light", "exact_cost", "frame", "scene", "variance"),
+    ("emitted_light", "exact_cost", "frame", "frame_memory", "scene", "variance"),
     ("metrics", "notebook", "scenes", "temporal"),
     ("sources",),
     ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),

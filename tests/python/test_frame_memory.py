@@ -1,0 +1,79 @@
+"""The memory of a frame is known before it is taken."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+import viscache as vc
+from viscache import cli, frame_memory
+
+CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
+    "direct": ("cornell_box", vc.Direct(n_area=1), {}),
+    "corrected": ("cube_on_plane", vc.Direct(), {"use": "correct", "visibility": vc.Aqvc()}),
+    "whitted": ("room?triangles=3000", vc.Whitted(n_vpls=8), {}),
+    "sun and sky": ("courtyard?triangles=5000", vc.Direct(n_environment=1), {}),
+    "ambient occlusion": ("cornell_box", vc.AmbientOcclusion(n_samples=1), {}),
+    "bdpt": ("cornell_box", vc.Bdpt(max_depth=2), {}),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_estimate_has_the_layers_of_the_frame_twice(name: str) -> None:
+    spec, integrator, more = CASES[name]
+    built = vc.scenes.build(spec)
+    scene = built if isinstance(built, vc.Scene) else vc.Scene.from_description(built)
+    frame = vc.render(scene, integrator, size=(48, 32), **more)
+    layers = sum(layer.nbytes for layer in frame.layers.values())
+    told = frame_memory.frame_bytes(scene, integrator, (48, 32), corrects="use" in more)
+    assert told == pytest.approx(2 * layers, rel=0.1)
+
+
+PEAK = """
+import resource, sys
+import viscache as vc
+from viscache import frame_memory
+scene, settings, size = vc.scenes.build("cornell_box"), vc.Direct(n_area=1), (3072, 2048)
+vc.render(scene, settings, size=(16, 16))
+status = open("/proc/self/status").read()
+before = int(status.split("VmRSS:")[1].split()[0]) * 1024
+frame = vc.render(scene, settings, size=size)
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+print((peak - before) / frame_memory.frame_bytes(scene, settings, size))
+"""
+
+
+@pytest.mark.slow
+def test_the_estimate_is_the_measured_peak_within_15_per_cent() -> None:
+    done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
+    assert float(done.stdout) == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_frame_beyond_the_memory_is_refused_before_it_begins(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Any
+) -> None:
+    monkeypatch.setattr(frame_memory, "available_bytes", lambda: 1 << 30)
+    with pytest.raises(MemoryError, match=r"8192x8192 pixels needs about 8\.5 GiB, 1\.0 GiB are"):
+        vc.render("cornell_box", vc.Direct(), size=(8192, 8192))
+    words = ["render", "cornell_box", "--integrator", "direct", "--size", "8192x8192"]
+    assert cli.main([*words, "-o", str(tmp_path / "x.exr")]) == 2
+    assert "a smaller size needs less" in capsys.readouterr().err
+    vc.render("cornell_box", vc.Direct(), size=(64, 64))
+
+
+def test_a_limit_of_the_process_counts() -> None:
+    code = """
+import resource
+import viscache as vc
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+try:
+    vc.render("cornell_box", vc.Direct(), size=(16384, 16384))
+except MemoryError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "needs about 34.0 GiB" in done.stdout
+    assert (frame_memory.available_bytes() or 1) > 0
