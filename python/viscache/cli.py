@@ -19,11 +19,12 @@ from viscache.settings.spelling import nearest
 #: Sub-command → description. The module of the same name in `viscache.commands` implements it.
 COMMANDS = {
     "scenes": "the built-in procedural scenes, their parameters and defaults",
+    "params": "the parameters of integrators, rays and caches, with defaults and ranges",
     "info": "what a scene holds, and what its file asked for that is not modelled",
     "render": "render a scene to an EXR file",
     "diff": "compare an image with a reference",
     "correlate": "Section 4 statistics of a scene's visibility",
-    "sweep": "run or resume a sweep",
+    "sweep": "run or resume a sweep of a file, or of a scene over some parameters",
     "tune": "the quantized cache's C_E for an error target",
     "report": "write the HTML report of a sweep",
     "reproduce": "figures and tables of the papers",

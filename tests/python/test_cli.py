@@ -117,7 +117,7 @@ def test_diff_against_black_prints_null(
         (["info", "/"], "/: is a directory, not a scene file"),
         (["info", ""], "a file or a built-in name, got ''"),
         (["sweep", "none.toml", "-o", "out"], "no such sweep file"),
-        (["sweep", "/", "-o", "out"], "/: Is a directory"),
+        (["sweep", "/", "-o", "out"], "must have --over NAME=VALUE,VALUE, got / alone"),
         (["report", "none"], "no such directory"),
         (["reproduce", "aqvc-fig9"], "unknown figure"),
         (["reproduce", "aqvc-fig3", "--size", "0x4"], "size must be WxH, both >= 1"),

@@ -1,6 +1,7 @@
 #pragma once
 // Lengths and directions whose squares leave the range of single precision: normals of small triangles are
 // products of their edges. Within the range, results have the bits of length and normalize.
+#include <algorithm>
 #include <cmath>
 
 #include "viscache/math/vec.h"
