@@ -40,9 +40,9 @@ class Bias:
     power: float
     """That probability."""
     block: tuple[int, int]
-    """Row and column of the pixel in the middle of the block with the largest |t|."""
+    """Row and column of the pixel in the middle of the block with the t furthest from 0."""
     block_energy: float
-    """Relative difference of that block, in the channel with the largest |t|."""
+    """Relative difference of that block, in the channel with the t furthest from 0."""
     block_t: float
     """Its t."""
     block_detectable: float
