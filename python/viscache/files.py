@@ -65,6 +65,12 @@ def write_whole(target: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
+def about_exr(error: Exception) -> str:
+    """What an error of OpenEXR says to a user; it calls any damage to the header a missing part."""
+    text = str(error)
+    return "it is damaged or incomplete" if text.startswith("Invalid part index") else text
+
+
 def finite(value: Any) -> Any:
     """The value for JSON: arrays as lists, non-finite numbers as null, anything else as text."""
     if isinstance(value, dict):

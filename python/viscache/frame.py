@@ -16,7 +16,7 @@ import numpy.typing as npt
 from viscache import tonemap
 from viscache.array_output import ArrayOutput
 from viscache.audit_result import PixelErrors, QueryErrors, result
-from viscache.files import whole_file
+from viscache.files import about_exr, whole_file
 from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
 from viscache.settings.checks import require
@@ -185,7 +185,7 @@ class Frame(ArrayOutput):
         try:
             return cls._read_exr(source)
         except _UNREADABLE as error:
-            text = str(error)
+            text = about_exr(error)
             told = text if str(source) in text else f"{source} cannot be read: {text}"
             raise ValueError(told) from error
 

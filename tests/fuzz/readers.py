@@ -26,7 +26,8 @@ class Reader:
     """Whole files, and what reads each of them."""
 
     seeds: Callable[[Path], list[Path]]  #: makes whole files in a folder
-    read: Callable[[Path], object]  #: of a file that was changed
+    read: Callable[[Path], object]  #: of a file that was changed, or of its folder
+    in_place: bool = False  #: the file keeps its name in a copy of the folder "whole"
 
 
 def rendered(scene: vc.Scene) -> None:
@@ -92,6 +93,32 @@ def dataset(path: Path) -> None:
     vc.correlation.correlation_lengths(vc.correlation.load_dataset(path))
 
 
+def swept(folder: Path) -> None:
+    """A sweep of two settings in a folder; what is there already is taken."""
+    vc.sweep(
+        "cube_on_plane",
+        DIRECT,
+        over={"c_e": [4, 8]},
+        size=(8, 8),
+        metrics=["rel_l1"],
+        directory=folder,
+        threads=1,
+    )
+
+
+def correlated(folder: Path) -> None:
+    """A correlation that keeps its blocks in a folder."""
+    vc.correlation.measure(
+        "cube_on_plane",
+        n_points=16,
+        map_size=4,
+        d_edges=4,
+        theta_edges_deg=4,
+        directory=folder,
+        threads=1,
+    )
+
+
 def sweep_file(path: Path) -> None:
     """A sweep described in TOML; it does not run."""
     from viscache.sweeps.sweep import SweepFile
@@ -105,6 +132,17 @@ def corpus(kind: str) -> Callable[[Path], list[Path]]:
     def make(folder: Path) -> list[Path]:
         shutil.copytree(CORPUS / kind, folder, dirs_exist_ok=True)
         return sorted(folder.iterdir())
+
+    return make
+
+
+def stored(run: Callable[[Path], object]) -> Callable[[Path], list[Path]]:
+    """The small files of a folder that a run keeps."""
+
+    def make(folder: Path) -> list[Path]:
+        run(folder / "whole")
+        files = sorted(path for path in (folder / "whole").rglob("*") if path.is_file())
+        return [path for path in files if path.stat().st_size < 1 << 16]
 
     return make
 
@@ -156,7 +194,12 @@ READERS = {
     "serialized": Reader(corpus("serialized"), load),
     "mtl": Reader(corpus("mtl"), materials),
     **{kind: Reader(corpus(kind), picture) for kind in ("png", "jpg", "hdr", "bmp", "tga")},
+    "sky.exr": Reader(save_sky, sky),
+    "frame.exr": Reader(save_frame, frame),
     "cache.npz": Reader(save_cache, cache),
+    "dataset.nc": Reader(save_dataset, dataset),
+    "sweep": Reader(stored(swept), swept, in_place=True),
+    "correlation": Reader(stored(correlated), correlated, in_place=True),
     "state.npz": Reader(save_state, state),
     "sweep.toml": Reader(save_sweep, sweep_file),
 }

@@ -6,6 +6,7 @@ Each case changes a whole file in one to eight places and reads it in a child of
 from __future__ import annotations
 
 import random
+import shutil
 import warnings
 from pathlib import Path
 
@@ -33,8 +34,23 @@ TARGETS = {
     "pbrt": ("pbrt",),
     "mitsuba": ("xml", "serialized"),
     "pictures": ("png", "jpg", "hdr", "bmp", "tga"),
-    "saved": tuple(sorted(set(READERS) - CORPUS_KINDS)),
+    "saved": tuple(sorted(set(READERS) - CORPUS_KINDS - {"sweep", "correlation"})),
+    "stores": ("correlation", "sweep"),
 }
+
+
+def changed_file(reader: Reader, path: Path, content: bytes) -> Path:
+    """What to read: a file beside the whole one, or a folder with this file in its place."""
+    if not reader.in_place:
+        changed = path.with_name("changed" + path.suffix)
+        changed.write_bytes(content)
+        return changed
+    whole = next(folder for folder in path.parents if folder.name == "whole")
+    changed = whole.with_name("changed")
+    shutil.rmtree(changed, ignore_errors=True)
+    shutil.copytree(whole, changed)
+    (changed / path.relative_to(whole)).write_bytes(content)
+    return changed
 
 
 def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
@@ -42,8 +58,7 @@ def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
 
     def case(seeded: random.Random) -> None:
         reader, path = seeded.choice(wholes)
-        changed = path.with_name("changed" + path.suffix)
-        changed.write_bytes(mutated(path.read_bytes(), seeded))
+        changed = changed_file(reader, path, mutated(path.read_bytes(), seeded))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
@@ -68,7 +83,7 @@ def test_any_file_is_read_or_refused_by_its_name(
         (tmp_path / kind).mkdir()
         wholes += [(READERS[kind], path) for path in READERS[kind].seeds(tmp_path / kind)]
     for reader, path in wholes:
-        reader.read(path)
+        reader.read(changed_file(reader, path, path.read_bytes()))
     case = target(wholes)
     counts, bad = campaign.run(case, name, tmp_path, seconds=fuzz_seconds, first=fuzz_seed)
     print(f"{name}: {sum(counts.values())} files, {dict(counts)}")

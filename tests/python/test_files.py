@@ -5,10 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import viscache as vc
 from viscache.files import whole_file, write_whole
+from viscache.scene import environments
 
 
 def test_a_file_takes_its_place_at_the_end_alone(tmp_path: Path) -> None:
@@ -67,3 +70,12 @@ def test_what_another_process_is_writing_stays(tmp_path: Path) -> None:
         code = "import sys; from viscache.files import *; write_whole(Path(sys.argv[1]), 'x')"
         subprocess.run([sys.executable, "-c", code, str(target)], check=True)
     assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("read", [vc.Frame.load, environments.read_exr])
+def test_a_picture_without_its_end_is_called_damaged(read: Any, tmp_path: Path) -> None:
+    path = tmp_path / "picture.exr"
+    vc.render("cube_on_plane", "direct", size=(8, 8)).save(path)
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(ValueError, match=r"picture\.exr cannot be read: it is damaged"):
+        read(path)

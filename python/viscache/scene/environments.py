@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
+from viscache.files import about_exr
 from viscache.scene.sky import Sky
 
 
@@ -33,7 +34,7 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     try:
         channels: dict[str, Any] = OpenEXR.File(str(source), separate_channels=True).channels()
     except Exception as error:  # the library raises exceptions of several kinds
-        raise SceneError(f"{source}: {error}") from error
+        raise SceneError(f"{source} cannot be read: {about_exr(error)}") from error
     if all(c in channels for c in "RGB"):
         planes = [channels[c].pixels for c in "RGB"]
     elif "Y" in channels:

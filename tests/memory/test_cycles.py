@@ -1,0 +1,39 @@
+"""Structures that are freed leave no memory behind."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from memory.cycles import STRUCTURES
+
+CYCLES = 1000
+MOST = 1 << 20
+CONTROL = "leak of 2 kB"
+
+
+def growth(structure: str) -> int:
+    """In a process of its own, so that other structures do not blur it."""
+    script = Path(__file__).with_name("cycles.py")
+    done = subprocess.run(
+        [sys.executable, script, structure, str(CYCLES)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return int(done.stdout)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("structure", [name for name in STRUCTURES if name != CONTROL])
+def test_a_thousand_structures_leave_less_than_a_mebibyte(structure: str) -> None:
+    assert growth(structure) < MOST
+
+
+@pytest.mark.slow
+def test_a_leak_is_found() -> None:
+    assert growth(CONTROL) > MOST

@@ -1,0 +1,70 @@
+"""The list of mutants fits the sources, and `scripts/mutants` tells which of them die."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mutants import run
+from viscache import _core
+
+EVERY = run.catalogue()
+#: What issue reports named: each of these once changed nothing that a test noticed.
+NAMED = {
+    "ambient records reach twice as far",
+    "the kd-tree is rebuilt at 30 times its points",
+    "a hit of the field needs no slack",
+    "the walk through the BSP does not end at a hit",
+    "vlf-fig5: the field's seconds over those of the others",
+    "vlf-tab1: the field's seconds over those of the others",
+    "H1 counts settings of any error",
+    "H4 halved",
+}
+
+
+def test_mutants_that_once_lived_are_in_the_list() -> None:
+    names = [mutant.name for mutant in EVERY]
+    assert set(names) >= NAMED and len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("mutant", EVERY, ids=lambda m: m.name)
+def test_a_mutant_fits_its_file(mutant: run.Mutant) -> None:
+    source = (run.ROOT / mutant.file).read_text(encoding="utf-8")
+    changed = mutant.applied(source)
+    assert changed != source and mutant.replacement in changed
+    assert mutant.is_core == (f'mutant("{mutant.name}")' in changed)
+    for test in mutant.tests:
+        assert (run.ROOT / test.partition("::")[0]).is_file(), test
+
+
+def test_a_text_that_is_gone_is_an_error() -> None:
+    with pytest.raises(ValueError, match=r"must hold .* once, got 0"):
+        EVERY[0].applied("int main() {}")
+
+
+def test_mutants_of_one_file_are_built_together() -> None:
+    made = run.mutated_core(EVERY)
+    picks = made["cpp/viscache/render/light_pick.cpp"].decode()
+    assert picks.count("viscache::mutant(") == 2
+    assert picks.count('#include "viscache/mutant.h"') == 1
+
+
+def test_released_code_has_no_trace_of_mutants() -> None:
+    module = Path(_core.__file__).read_bytes()
+    assert b"VISCACHE_MUTANT" not in module
+    assert not [m.name for m in EVERY if m.is_core and m.name.encode() in module]
+
+
+@pytest.mark.parametrize(
+    ("status", "dead"), [(0, False), (1, True), (2, False), (4, False), (5, False), (-11, True)]
+)
+def test_only_tests_that_fail_kill_a_mutant(
+    status: int, dead: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pytest_says(*_: Any) -> tuple[int, str]:
+        return status, "said"
+
+    monkeypatch.setattr(run, "pytest", pytest_says)
+    assert run.dies(EVERY[0]) == (dead, "said")
