@@ -17,36 +17,6 @@ std::optional<PacketOrder> order_for(double share) {
     return share >= kDense ? std::nullopt : std::optional(PacketOrder::kByPixel);
 }
 
-/// The answers to one eye point, by class (counters.h).
-class AnswerRow {
-public:
-    /// `doubts` may be nullptr.
-    AnswerRow(const Word* wanted, const Word* visible, const Word* doubts, size_t words)
-        : wanted_(wanted), visible_(visible), doubts_(doubts), words_(words) {}
-    /// Word w of the queries of each class.
-    std::array<Word, kAnswerClasses> classes(size_t w) const {
-        const Word asked = wanted_[w], seen = visible_[w], doubted = doubts_ ? doubts_[w] : 0;
-        const Word other = differs(w);
-        std::array<Word, kAnswerClasses> out;
-        for (size_t c = 0; c < kAnswerClasses; ++c)
-            out[c] = asked & (c & 4 ? doubted : ~doubted) & (c & 2 ? seen : ~seen) & (c & 1 ? other : ~other);
-        return out;
-    }
-
-private:
-    /// Queries of which a neighbouring light, if it is asked for, has the other answer.
-    Word differs(size_t w) const {
-        const auto at = [&](const Word* row, size_t i) { return i < words_ ? row[i] : Word{0}; };
-        const auto before = [&](const Word* row) { return row[w] << 1 | at(row, w - 1) >> 63; };
-        const auto after = [&](const Word* row) { return row[w] >> 1 | at(row, w + 1) << 63; };
-        return (before(wanted_) & (before(visible_) ^ visible_[w])) |
-               (after(wanted_) & (after(visible_) ^ visible_[w]));
-    }
-
-    const Word *wanted_, *visible_, *doubts_;
-    size_t words_;
-};
-
 }  // namespace
 
 ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
@@ -91,7 +61,7 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
                           const BitMatrix& visible, Counters& counters) {
     drawn_.reset(wanted.rows(), lights.count);
     drawn_as_.clear();
-    if (by_contribution()) bands_.reset(bounds_.size(), lights.count);
+    if (by_contribution()) masks_.reset(bounds_.size() + ResidualSettings::kHalvings + 2, lights.count);
     for (size_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
         if (by_contribution()) {
@@ -105,62 +75,57 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
     }
 }
 
-/// Draws 64 queries at once: each bound that lies above a query's contribution clears it with probability
-/// one half. Samples of a pixel have the same random words in turns of 2^kHalvings, and the bits of a
-/// sample's number say which half is cleared.
+/// Each bound that lies above a query's contribution clears it with probability one half. Samples of a pixel
+/// have the same random words in turns of 2^kHalvings, and the bits of a sample's number say which half is
+/// cleared.
 void ResidualOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group,
                                           const BitMatrix& wanted, const BitMatrix& visible,
                                           Counters& counters) {
     constexpr size_t kBands = ResidualSettings::kHalvings, kOctaves = kMostOctaves;
+    const size_t words = wanted.row_words();
+    const uint64_t asked = kernels_.count(wanted.row(eye), words);
+    if (asked == 0) return;
     const bool lasts = !eyes.place.empty();
     const uint32_t turn = lasts ? eyes.turn[eye] : 0;
     uint64_t key = eye_key(eyes, eye, group);
     if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kBands).next_u64();
     key ^= mix64(uint64_t(group));
 
-    // Bounds that a class of this group uses
+    // Bounds that a class of this group uses. They are shares of the light; contributions are told in means
     const auto& octaves = octaves_[size_t(group)];
     const size_t first = kOctaves - *std::max_element(octaves.begin(), octaves.end());
-    std::array<Word*, kOctaves + kBands> below;
-    for (size_t b = first; b < below.size(); ++b) below[b] = bands_.row(b);
-    // Bounds are shares of the light; contributions are told in means
-    uint64_t asked = 0;
-    for (size_t w = 0; w < words_for(wanted.columns()); ++w)
-        asked += uint64_t(std::popcount(wanted.row(eye)[w]));
-    if (asked == 0) return;
+    std::array<Word*, kOctaves + kBands> below{};
     std::array<float, kOctaves + kBands> bounds;
-    for (size_t b = first; b < bounds.size(); ++b) bounds[b] = bounds_[b] * float(asked);
+    for (size_t b = first; b < below.size(); ++b) {
+        below[b] = masks_.row(b);
+        bounds[b] = bounds_[b] * float(asked);
+    }
     contributions_->at_most(eye, std::span(bounds).subspan(first), std::span(below).subspan(first));
 
+    Word *under = masks_.row(below.size()), *differs = masks_.row(below.size() + kBands);
+    const Word* none = masks_.row(below.size() + kBands + 1);
     const BitMatrix* doubts = inner_->block_doubts();
-    const AnswerRow answers(wanted.row(eye), visible.row(eye), doubts ? doubts->row(eye) : nullptr,
-                            words_for(wanted.columns()));
-    auto& counts = counters.classes[size_t(group)];
-    for (size_t w = 0; w < words_for(wanted.columns()); ++w) {
-        if (!wanted.row(eye)[w]) continue;
-        const std::array<Word, kAnswerClasses> classes = answers.classes(w);
-        std::array<Word, kOctaves + 1> with_octaves{};
-        for (size_t c = 0; c < kAnswerClasses; ++c) {
-            counts[c].queries += uint64_t(std::popcount(classes[c]));
-            with_octaves[octaves[c]] |= classes[c];
-        }
-        std::array<Word, kBands> under{};  // bit b: the query lies below its b-th bound
-        Word left = wanted.row(eye)[w];
-        for (size_t b = 0; b < kBands; ++b) {
-            for (size_t o = 0; o <= kOctaves - first; ++o)
-                under[b] |= with_octaves[o] & bands_.row(kOctaves - o + b)[w];
-            left &= ~under[b] | (mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull) ^
-                                 (turn >> b & 1 ? ~Word{0} : Word{0}));
-        }
-        drawn_.row(eye)[w] = left;
-        for_each_bit({&left, 1}, [&](size_t k) {
-            Drawn d{0, 0};
-            for (const Word word : under) d.halvings += uint8_t(word >> k & 1);
-            for (size_t c = 0; c < kAnswerClasses; ++c)
-                if (classes[c] >> k & 1) d.answer_class = uint8_t(c);
-            drawn_as_.push_back(d);
-        });
-    }
+    kernels_.differs(wanted.row(eye), visible.row(eye), differs, words);
+    DrawRow row{words,
+                wanted.row(eye),
+                visible.row(eye),
+                doubts ? doubts->row(eye) : none,
+                differs,
+                {},
+                &octaves,
+                key,
+                turn};
+    std::copy(below.begin(), below.end(), row.below.begin());
+    std::array<uint64_t, kAnswerClasses> queries{};
+    kernels_.draw(row, drawn_.row(eye), under, queries.data());
+    for (size_t c = 0; c < kAnswerClasses; ++c) counters.classes[size_t(group)][c].queries += queries[c];
+    for_each_bit(drawn_.row_span(eye), [&](size_t k) {
+        Drawn d{0, 0};
+        for (size_t b = 0; b < kBands; ++b) d.halvings += uint8_t(get_bit(under + b * words, k));
+        d.answer_class =
+            uint8_t(4 * get_bit(row.doubts, k) + 2 * get_bit(row.visible, k) + get_bit(differs, k));
+        drawn_as_.push_back(d);
+    });
 }
 
 void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,

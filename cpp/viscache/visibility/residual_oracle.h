@@ -16,13 +16,14 @@
 #include <memory>
 #include <optional>
 
+#include "viscache/visibility/draw_kernels.h"
 #include "viscache/visibility/exact.h"
 
 namespace viscache {
 
 /// By light group and class of answers: where the share of corrections reaches 1, as a power of two.
 using ClassOctaves = std::array<std::array<uint8_t, kAnswerClasses>, kLightGroups>;
-constexpr uint8_t kPlainOctave = 1, kMostOctaves = 4;
+constexpr uint8_t kPlainOctave = 1;
 constexpr ClassOctaves plain_octaves() {
     ClassOctaves octaves{};
     for (auto& group : octaves) group.fill(kPlainOctave);
@@ -47,7 +48,7 @@ struct ResidualSettings {
     /// must detect it.
     bool weighted = true;
     static constexpr double kPlainShare = 0.1;
-    static constexpr size_t kHalvings = 8;
+    static constexpr size_t kHalvings = kMostHalvings;
 };
 
 class ResidualOracle final : public VisibilityOracle {
@@ -118,9 +119,11 @@ private:
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
     float inverse_share_;
     const Contributions* contributions_ = nullptr;
+    const DrawKernels& kernels_ = draw_kernels(active_isa());
     // For `block`
     bool replaces_ = false;  ///< every answer is replaced by the truth, so that none has a weight
-    BitMatrix drawn_, seen_, bands_;
+    BitMatrix drawn_, seen_;
+    BitMatrix masks_;  ///< rows of one eye point: below each bound, below bound h of its class, and two more
     struct Drawn {
         uint8_t halvings, answer_class;
     };
