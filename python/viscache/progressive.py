@@ -386,6 +386,7 @@ class Progressive:
                 sums.layers["variance"] / sums.n,
                 sums.layers["color"] / sums.n,
                 sums.counters,
+                rows_are_kept=self.rows is not None and not self.renew,
             )
         learned = given.classes == "learned"
         octaves = octaves_of(sums.counters["share_by_class"]) if learned else None

@@ -225,26 +225,32 @@ def test_later_passes_use_what_the_first_ones_found() -> None:
     assert same._sums.shares.octaves is None
 
 
-def scale_of(others: float, of_corrections: float, **counters: Any) -> float:
+def scale_of(
+    others: float, of_corrections: float, *, rows_are_kept: bool = False, **counters: Any
+) -> float:
     """The scale for pictures of ones with such noise."""
     ones = np.ones((10, 10, 3))
     given = {"queries": 1000, "rays": 30, "corrections": 20, "groups": {}} | counters
-    return best_scale(ones * (others + of_corrections), ones * of_corrections, ones, given)
+    variance = ones * (others + of_corrections)
+    return best_scale(variance, ones * of_corrections, ones, given, rows_are_kept=rows_are_kept)
 
 
 def test_the_scale_of_shares_balances_noise_and_rays() -> None:
-    # (1/4 + A/s)(40 + 40 s) is least at s = 2 sqrt(A)
-    assert scale_of(1.0, 0.25) == 1.0
-    assert scale_of(1.0, 1.05) == 2.0
-    assert scale_of(1.0, 0.017) == 0.25
+    # (1/2 + A/s)(40 + 40 s) is least at s = sqrt(2 A)
+    assert scale_of(1.0, 0.5) == 1.0
+    assert scale_of(1.0, 2.1) == 2.0
+    assert scale_of(1.0, 0.034) == 0.25
     assert scale_of(1.0, 0.0) == 1.0
-    # Exact rays of 1000 queries cost less: (1/4 + 10/s)(40 + 40 s) is above 250
-    assert scale_of(1.0, 10.0) == np.inf
+    # Exact rays of 1000 queries cost less: (1/2 + 20/s)(40 + 40 s) is above 500
+    assert scale_of(1.0, 20.0) == np.inf
     # Few queries for as many rays: exact ones cost less
     exact = {"point": {"queries": 50, "rays": 50}}
     assert scale_of(1.0, 1.0, queries=100, rays=80, corrections=20, groups=exact) == np.inf
+    # 400 misses in two passes cost more than exact rays, unless later passes have fewer
+    assert scale_of(1.0, 0.5, rays=420) == np.inf
+    assert scale_of(1.0, 0.5, rays=420, rows_are_kept=True) == 2.0
     # Edges of lamps do not hide what corrections add elsewhere
-    variance, of_corrections = np.ones((10, 10, 3)), np.full((10, 10, 3), 0.5)
+    variance, of_corrections = np.ones((10, 10, 3)), np.full((10, 10, 3), 0.6)
     variance[0, :4] = 1e6
     counters = {"queries": 10000, "rays": 300, "corrections": 200, "groups": {}}
     assert best_scale(variance, of_corrections, np.ones((10, 10, 3)), counters) == 2.0
