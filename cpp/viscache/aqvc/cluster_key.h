@@ -107,8 +107,8 @@ public:
     PlacedCell cell(const Anchor& a, const Rung& r) const;
     /// The neighbour at (dx, dy). It follows the tangent plane. With `level`, or with the option off, it
     /// keeps z.
-    // Differs: AQVC keeps z, so neighbours of tilted cells leave the surface. Here v_z' follows the plane:
-    // v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
+    // Differs (A14): AQVC keeps z, so neighbours of tilted cells leave the surface. Here v_z' follows the
+    // plane: v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
     Cell neighbour(const Anchor& a, const PlacedCell& p, int dx, int dy, bool level = false) const {
         Cell c = p.cell;
         c.x += dx;

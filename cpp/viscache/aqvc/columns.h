@@ -18,8 +18,8 @@ inline Semantic key_semantic(Semantic s, int group, const AqvcParameters& p) {
 }
 
 /// R of the far end by Eq. 7 or 9; unused for points and directions.
-// Differs: a cell holds C_L × C_L light samples on average; the paper fixes C_L = 1. If the occluders of the
-// sky are finer than such cells, C_E alone cannot reduce the error.
+// Differs (A46): a cell holds C_L × C_L light samples on average; the paper fixes C_L = 1. If the occluders
+// of the sky are finer than such cells, C_E alone cannot reduce the error.
 inline double far_resolution(Semantic s, double density, double radius, const AqvcParameters& p) {
     if (s == Semantic::kSurface) return resolution_light(density, radius) / p.c_l;
     if (s == Semantic::kSolidAngle) return resolution_environment(density, p.env_rule) / p.c_l;

@@ -37,7 +37,7 @@ private:
 
 /// [AQVC Sec. 4.2] The table that all threads of bidirectional path tracing share. Its keys follow Eq. 6,
 /// without refinement.
-// Differs: the threads of the paper race. Here that is Storage::kShared.
+// Differs (A54): the threads of the paper race. Here that is Storage::kShared.
 class FrameTable {
 public:
     explicit FrameTable(const AqvcParameters& p) {

@@ -45,7 +45,7 @@ inline HashState hash_seed(HashScheme scheme) {
 
 /// [AQVC Eq. 10] One of the two recurrences of the paper over the slots of a key, with our seeds and
 /// constants.
-// Differs: scheme 1 uses the high 31 bits of c. It stays linear: two flipped signs cancel in both
+// Differs (A16): scheme 1 uses the high 31 bits of c. It stays linear: two flipped signs cancel in both
 // recurrences, so lights at (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through
 // a mixer first.
 inline HashState hash_slots(HashState state, std::span<const int32_t> slots, HashScheme scheme) {

@@ -51,8 +51,8 @@ private:
 };
 
 /// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋: the bin of the normal. The axis of the bin is d_z = 2 ω_q/C_N − 1.
-// Differs: the default rounds. Floor gives the corner of the bin, up to 25° off the normal (C_N = 8), and
-// noise in the normals splits axis-aligned walls. Octahedral: nearest point of a square lattice on the
+// Differs (A5): the default rounds. Floor gives the corner of the bin, up to 25° off the normal (C_N = 8),
+// and noise in the normals splits axis-aligned walls. Octahedral: nearest point of a square lattice on the
 // octahedral map; lattice points on its edges occur twice and are merged. Single: one bin with the grid of
 // the world axes.
 inline int32_t NormalBins::of(Vec3 n) const {

@@ -213,8 +213,8 @@ inline void AqvcParameters::validate() const {
 /// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: groups of
 /// lights that all pixels share, unless clusters are smaller than a pixel (AQVC Sec. 3.6) and than those of
 /// the finest level.
-// Differs: AQVC does not refine clusters that are smaller than a pixel. With 64 samples, C_E 8 would then err
-// twice as much as C_E 9.
+// Differs (A48): AQVC does not refine clusters that are smaller than a pixel. With 64 samples, C_E 8 would
+// then err twice as much as C_E 9.
 inline bool refines(const AqvcParameters& p, int group, int spp) {
     const Refinement chosen = p.refinement_groups[size_t(group)].value_or(p.refinement);
     if (chosen != Refinement::kAuto) return chosen == Refinement::kOn;
@@ -250,9 +250,9 @@ inline bool answers_own_exactly(const AqvcParameters& p, int group) {
 /// C_E of every level from coarse to fine, at most kMaxLevels. The first is lift·C_E. The others are
 /// c_finest and its products with powers of level_step, as far as they lie below the first. So a larger C_E
 /// only puts coarser levels in front: its cells trace fewer rays and err more, and neither turns back.
-// Differs: AQVC halves C_E down to 1–2 eye samples. The default stops at 4 with steps of 4, which traces
-// fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper, which gains
-// a level at each power of 2.
+// Differs (A12): AQVC halves C_E down to 1–2 eye samples. The default stops at 4 with steps of 4, which
+// traces fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper, which
+// gains a level at each power of 2.
 inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp, double lift = 1) {
     const double first = lift * p.group_c_e(group);
     std::vector<double> levels = {first};

@@ -23,8 +23,9 @@ struct Dependant {
 /// at once. If fewer than C_W rays are missing, they are postponed; otherwise they are traced at once. If
 /// more than half of the queue is occupied, its first half is processed: the rays are traced, their values
 /// are written to the cache, and the queries that depend on them are answered.
-// Differs: a query whose key is in the queue shares the ray of that entry; the paper traces the ray twice. A
-// warp consists of consecutive queries, not of pixels. Entries left at the end of a call are processed then.
+// Differs (A42): a query whose key is in the queue shares the ray of that entry; the paper traces the ray
+// twice. A warp consists of consecutive queries, not of pixels. Entries left at the end of a call are
+// processed then.
 class PostponedQueue {
 public:
     explicit PostponedQueue(int length) : width_(size_t(length) / 2) {}

@@ -185,8 +185,8 @@ void QuantizedCache::note_doubts(const FarEnds& lights) {
 }
 
 /// Traces rays for connections above `bright` means of their eye point. Their answers take precedence.
-// Differs: goes beyond the paper. Few connections carry most of the squared contributions, and a wrong bit of
-// one of them costs as much as many others.
+// Differs (A50): goes beyond the paper. Few connections carry most of the squared contributions, and a wrong
+// bit of one of them costs as much as many others.
 uint64_t QuantizedCache::trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                       BitMatrix& visible) {
     bright_.reset(1, lights.count);

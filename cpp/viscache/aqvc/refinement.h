@@ -54,8 +54,8 @@ struct Walk {
 /// [AQVC Alg. 2] Looks up a query from coarse to fine. The walk ends at the first empty cluster, whose ray is
 /// then the query's own segment. It also ends at a value with which the four neighbour clusters agree (nil
 /// agrees). The finest value is always used.
-// Differs: neighbours are not probed at the finest level, because the loop of the paper ends there in any
-// case. `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
+// Differs (A53): neighbours are not probed at the finest level, because the loop of the paper ends there in
+// any case. `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
 template <class Table>
 Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std::span<const FarKey> fars,
                  Counters& counters) {

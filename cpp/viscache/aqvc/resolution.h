@@ -31,8 +31,9 @@ inline double patch_area(double resolution, double radius) {
 
 /// [AQVC Eq. 6] One resolution for both ends: R = 2 B_R (P_e P_l N_P / C_E²)^(1/4). It gives the smallest
 /// patches.
-// Differs: the exponent is printed as −4, but Eq. 3 and 5 give (2 B_R / R)⁴ = C_E² / (P_e P_l N_P), a fourth
-// root. P_e P_l N_P = D_e·D_l. Roots are taken before products, so that extreme densities stay in range.
+// Differs (A1): the exponent is printed as −4, but Eq. 3 and 5 give (2 B_R / R)⁴ = C_E² / (P_e P_l N_P), a
+// fourth root. P_e P_l N_P = D_e·D_l. Roots are taken before products, so that extreme densities stay in
+// range.
 inline double resolution_pair(double density_eye, double density_light, double c_e, double radius) {
     return 2 * radius * std::sqrt(std::sqrt(density_eye) * std::sqrt(density_light)) / std::sqrt(c_e);
 }
@@ -48,9 +49,9 @@ inline double resolution_light(double density_light, double radius) {
 
 /// [AQVC Eq. 9] Cells across the octahedral map of directions, one light sample per cell: R(ω) = √(4π P(ω)
 /// M).
-// Differs: printed as √(P(ω) M / 4π). A cell covers 4π/R² and must have size 1/(P(ω) M), so 4π is a factor.
-// For uniform density 1/4π and M = 256 this gives 16 × 16 cells; the printed form gives one cell for the
-// whole sky.
+// Differs (A3): printed as √(P(ω) M / 4π). A cell covers 4π/R² and must have size 1/(P(ω) M), so 4π is a
+// factor. For uniform density 1/4π and M = 256 this gives 16 × 16 cells; the printed form gives one cell for
+// the whole sky.
 inline double resolution_environment(double density, EnvironmentRule rule) {
     constexpr double kFourPi = 12.566370614359172954;
     return rule == EnvironmentRule::kDerived ? std::sqrt(kFourPi * density) : std::sqrt(density / kFourPi);
@@ -70,9 +71,9 @@ struct Rung {
 
 /// [AQVC Eq. 8] R ← ⌊C_R^⌊log_{C_R} R + 0.5⌋⌋ by a table of thresholds C_R^(k − ½). A query needs no pow or
 /// log, and the integers are the same on every machine.
-// Differs: R < 1 becomes 1 (the printed form gives 0 below C_R^(−½)). NaN and infinite R become the finest
-// 32-bit rung. All these cases are counted. Scale-free: the resolution is C_R^k for any integer k, and k is
-// the slot.
+// Differs (A4): R < 1 becomes 1 (the printed form gives 0 below C_R^(−½)). NaN and infinite R become the
+// finest 32-bit rung. All these cases are counted. Scale-free: the resolution is C_R^k for any integer k, and
+// k is the slot.
 class Ladder {
 public:
     Ladder(double c_r, double c_z, bool scale_free = false)

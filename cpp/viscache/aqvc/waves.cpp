@@ -104,8 +104,8 @@ uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& c
 }
 
 /// An eye point whose ray was traced for a cell takes that answer.
-// Differs: in Alg. 2 an eye point that agreed with its neighbours at a coarser level keeps the coarser cell's
-// value, though its own ray may be traced later for others and tell better.
+// Differs (A51): in Alg. 2 an eye point that agreed with its neighbours at a coarser level keeps the coarser
+// cell's value, though its own ray may be traced later for others and tell better.
 void Waves::adopt_own(size_t level, BitMatrix& visible, Counters& counters) {
     RowCounts counts;
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c) {

@@ -2,9 +2,9 @@
 // Level waves: Alg. 2 for all eye points and lights of a block at once, from the coarsest level to the
 // finest.
 //
-// Differs from the pixel order of AQVC: all values of a level are known before anything is refined. So there
-// is no processing order, and almost no neighbour is unknown. The representative of a cell is the eye point
-// nearest its centre. Per level:
+// Differs (A29): AQVC goes pixel by pixel; here all values of a level are known before anything is refined.
+// So there is no processing order, and almost no neighbour is unknown. The representative of a cell is the
+// eye point nearest its centre. Per level:
 //   1. Trace the unknown bits that the representatives want, sorted by light. With contributions, trace only
 //      those that are due (contribution_levels.h).
 //      An eye point takes the answers of its own rays, also for bits that a coarser cell had resolved.

@@ -133,8 +133,8 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
 }
 
 /// Connects the last light vertex with the camera (t = 1). The path can fall on any pixel.
-// Differs: the paper does not mention these connections. Here they use the cache with the camera as a point,
-// or bypass it.
+// Differs (A27): the paper does not mention these connections. Here they use the cache with the camera as a
+// point, or bypass it.
 void Connector::to_camera(const Emission& start, Vertices light) {
     const PathVertex& y = light.back();
     const FilmCamera& film = c_.film;

@@ -25,14 +25,15 @@ inline ProductTerms product_terms(double b_over_b_tilde, double visible, double 
 }
 
 /// [VisMap Eq. 4] Variance of Y = Z − αW.
-// Differs: the paper writes σ²_ZW for the covariance, which is not squared.
+// Differs (M1): the paper writes σ²_ZW for the covariance, which is not squared.
 inline double residual_variance(double var_z, double var_w, double covariance, double alpha) {
     return var_z + alpha * alpha * var_w - 2 * alpha * covariance;
 }
 /// The α of least variance; 0 if W is constant.
 inline double best_alpha(double var_w, double covariance) { return var_w > 0 ? covariance / var_w : 0; }
 /// [VisMap Eq. 5] Variance of Y at the best α.
-// Differs: the paper says that the variance falls "by up to" the factor 1 − ρ²; it falls to that fraction.
+// Differs (M2): the paper says that the variance falls "by up to" the factor 1 − ρ²; it falls to that
+// fraction.
 inline double least_residual_variance(double var_z, double rho) { return var_z * (1 - rho * rho); }
 /// [VisMap Eq. 6] Correlation of Z and W; 0 if one of them is constant.
 inline double correlation(double var_z, double var_w, double covariance) {

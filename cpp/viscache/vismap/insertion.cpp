@@ -27,7 +27,7 @@ void count_inserted(Verdict reason, InsertionStats& stats) {
 }
 
 AmbientRecord clipped(AmbientRecord ambient, float footprint) {
-    // Differs: a hit nearer than a pixel would request new records forever
+    // Differs (M39): a hit nearer than a pixel would request new records forever
     ambient.nearest_hit = std::max(ambient.nearest_hit, footprint);
     return ambient;
 }

@@ -38,8 +38,8 @@ std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point,
         around.search(tree_, point.position, [&](const TreePoint& p) { return similar(p.normal); }, set);
         return set.sorted();
     }
-    // Differs: Fig. 6 shows the test of normals after the search; the text of Sec. 5.1 makes it part of the
-    // search
+    // Differs (M32): Fig. 6 shows the test of normals after the search; the text of Sec. 5.1 makes it part of
+    // the search
     around.search(tree_, point.position, [](const TreePoint&) { return true; }, set);
     return set.sorted_without([&](const NearestSet::Found& f) { return !similar(f.point->normal); });
 }
@@ -97,7 +97,8 @@ Verdict MapCache::judge(const CachePoint& point, const Selection& s) const {
     if (s.tested < w_min_) return unless_duplicate(Verdict::kWeight);
     if (parameters_.criterion == Criterion::kAmbient) return Verdict::kServed;
     if (!(mean_difference(s) > delta_max_)) return Verdict::kServed;
-    // Differs: at a contact shadow the maps never agree, and without this every pixel would get a record
+    // Differs (M36): at a contact shadow the maps never agree, and without this every pixel would get a
+    // record
     if (s.nearest < float(parameters_.r_min_px) * point.footprint) return Verdict::kSuppressed;
     return unless_duplicate(Verdict::kDifference);
 }

@@ -16,7 +16,7 @@ namespace viscache {
 std::vector<Vec3> record_pattern(int m, uint64_t seed);
 
 /// [VisMap Eq. 12] A: the cosine-weighted fraction of the hemisphere that is free in a map.
-// Differs: divided by π, so that an open plane has 1
+// Differs (M3): divided by π, so that an open plane has 1
 float ambient_visibility(std::span<const Word> bits, std::span<const Vec3> pattern, Vec3 normal);
 
 class RecordTracer {

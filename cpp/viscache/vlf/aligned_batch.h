@@ -33,8 +33,8 @@ enum class AlignedOrder { kByAxis, kByPoint };
 /// farther along the axis. No ray is walked and nothing is stored per direction. Blocks of 16 triangles
 /// descend a tree of boxes over packets of 16 points. Watertight for each axis; triangles seen exactly
 /// edge-on are not hit.
-// Differs: the paper looks up its rays point by point in stored subfields, tile by tile. Here points stream
-// past triangles, one axis after the other, which suits the memory and vector units of current CPUs.
+// Differs (V11): the paper looks up its rays point by point in stored subfields, tile by tile. Here points
+// stream past triangles, one axis after the other, which suits the memory and vector units of current CPUs.
 class AlignedBatch {
 public:
     /// Instances are expanded. Alpha masks cut holes, as with Embree.

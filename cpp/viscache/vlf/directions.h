@@ -19,8 +19,8 @@ bool is_direction_count(uint64_t n_directions);
 /// vertex is moved onto the sphere. Axes have no sign, so only one of a vertex on the equator and its
 /// antipode is kept. The axes are in the order of the lattice (i, j), |i| + |j| <= N, by i, then by j. l = 1
 /// is the z axis alone.
-// Differs: the paper says "regular tetrahedron"; its 513 directions are those of a half octahedron (2·16² +
-// 1).
+// Differs (V2): the paper says "regular tetrahedron"; its 513 directions are those of a half octahedron
+// (2·16² + 1).
 class Directions {
 public:
     /// Throws std::invalid_argument unless is_direction_count(n_directions).
@@ -32,13 +32,13 @@ public:
     /// Right-handed orthonormal frames (u, v, w), where w is the axis. to_local gives canonical coordinates.
     std::span<const Frame3> frames() const { return frames_; }
     /// Solid angle of the directions (of one sign) that are nearest to each axis; the sum is 2π.
-    // Differs: the paper weights all directions equally; the solid angles of their cells vary by a factor of
-    // two.
+    // Differs (V3): the paper weights all directions equally; the solid angles of their cells vary by a
+    // factor of two.
     std::span<const float> weights() const { return weights_; }
     /// The axis with the largest |cos| to d; of equal ones, the lowest index. d is finite and of any length
     /// except 0. Exact, in constant time: each cell of an octahedral map lists all axes that are nearest to
     /// some direction in it.
-    // Differs: Slater's map of colour-coded cells is exact only away from the borders of the cells.
+    // Differs (V10): Slater's map of colour-coded cells is exact only away from the borders of the cells.
     uint32_t nearest(Vec3 d) const;
 
 private:

@@ -27,8 +27,8 @@ FieldTriangles::FieldTriangles(std::shared_ptr<const Scene> scene, TriangleKerne
     for (uint32_t m = 0; m < scene_->meshes().size(); ++m) cutouts_ |= scene_->has_cutout(m);
 }
 
-// Differs: the paper encloses the scene in the cube [−1, 1]³, whose corners leave a rotated square; here the
-// bounding sphere is the unit ball.
+// Differs (V1): the paper encloses the scene in the cube [−1, 1]³, whose corners leave a rotated square; here
+// the bounding sphere is the unit ball.
 void FieldTriangles::fit(const std::vector<FlatTriangle>& triangles, const Bounds& bounds, double head_room) {
     if (bounds.empty()) return;
     for (int i = 0; i < 3; ++i) space_.center[i] = 0.5 * (double(bounds.lo[i]) + bounds.hi[i]);

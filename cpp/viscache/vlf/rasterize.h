@@ -87,9 +87,9 @@ struct CutPolygon {
 /// [VLF Sec. 3.2] Calls visit(tile_x, tile_y, z_low, z_high) for every tile whose closed square, dilated by
 /// the slack of the grid, overlaps the triangle. The depth range is that of the part inside the tile,
 /// dilated as well. Proceeds row by row: the part of a convex polygon in a strip covers one run of tiles.
-// Differs: the paper walks edges 8-connected, then fills. A diagonal step that skips a touched tile would
-// lose hits; this is the supercover. Depths are those of the polygon clipped to the tile, as in Section 5 of
-// the paper.
+// Differs (V6): the paper walks edges 8-connected, then fills. A diagonal step that skips a touched tile
+// would lose hits; this is the supercover. Depths are those of the polygon clipped to the tile, as in Section
+// 5 of the paper.
 template <class Visit>
 void cover_tiles(const ProjectedTriangle& t, const TileGrid& grid, Visit visit) {
     using Corner = CutPolygon::Corner;

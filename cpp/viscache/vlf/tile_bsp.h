@@ -23,7 +23,7 @@ constexpr int kMostBspDepthOfTile = 12;
 
 /// Depth of a tile with `count` polygons. It has as many halvings as leave `leaf_target` polygons per leaf
 /// of an evenly filled tile, at most `depth`. A target of 0 always gives `depth`.
-// Differs: the paper uses one depth for all tiles; at 5, 513 subfields of 128² tiles would take 1 GB for
+// Differs (V4): the paper uses one depth for all tiles; at 5, 513 subfields of 128² tiles would take 1 GB for
 // offsets.
 inline int tile_depth(size_t count, int depth, int leaf_target) {
     if (leaf_target == 0) return count ? depth : 0;
@@ -34,7 +34,8 @@ inline int tile_depth(size_t count, int depth, int leaf_target) {
 
 /// [VLF Sec. 4] The 1D partition of one tile. The leaves are in a plain array, ordered by depth, so that a
 /// depth gives its leaf directly.
-// Differs: "median split" and lookup by t exclude each other; slabs are equal unless kObject is requested.
+// Differs (V7): "median split" and lookup by t exclude each other; slabs are equal unless kObject is
+// requested.
 struct TileBsp {
     float z0 = -1, z1 = 1;           ///< depth range
     int leaves = 1;                  ///< a power of two
