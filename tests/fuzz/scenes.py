@@ -55,6 +55,8 @@ def mesh(dice: Dice) -> dict[str, Any]:
         made["normals"] = dice.array((count, 3), unit=True)
     if dice.chance(0.3):
         made["base_color"] = tuple(dice.random.uniform(-0.01, 1.01) for _ in "rgb")
+        if dice.is_wild():
+            made["base_color"] = dice.pick("red", 3, None, (1, 1), {}, (1, "x", 0), (1, None, 0))
     return made
 
 

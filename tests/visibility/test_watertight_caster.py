@@ -213,3 +213,14 @@ def test_matrices_and_oracles_agree_with_pairs() -> None:
     np.testing.assert_array_equal(matrix, scene.visible(x[:, None], y[None], rays=WATERTIGHT))
     with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\)"):
         scene.visible_matrix(x, y, rays=WATERTIGHT, engine="shafts")
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("length", [5e-39, 1e-37, 1.0, 1e15])
+def test_directions_of_any_length_find_their_hit(length: float) -> None:
+    scene = vc.Scene.from_arrays([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
+    down = np.float32([[0, 0, -length]])
+    hit = scene.intersect([[0, 0, 1]], down, rays=vc.Embree(watertight=True))
+    assert hit.triangle[0] == 0 and hit.t[0] == pytest.approx(1 / length, rel=1e-5)
+    behind = scene.intersect([[0, 0, -1]], down, rays=vc.Embree(watertight=True))
+    assert behind.triangle[0] == -1

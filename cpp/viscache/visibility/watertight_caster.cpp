@@ -147,7 +147,9 @@ std::optional<LocalRay> WatertightCaster::Impl::to_local(const Ray& ray) const {
     const float longest = max_abs(ray.d);
     if (longest < 1 / kLongest || longest > kLongest) {
         local.exponent = -std::ilogb(longest);
-        r.d = ray.d * std::ldexp(1.f, local.exponent);
+        // Each by itself: the factor of a direction below 2^-127 is no float
+        const auto scaled = [&](float v) { return std::ldexp(v, local.exponent); };
+        r.d = {scaled(ray.d.x), scaled(ray.d.y), scaled(ray.d.z)};
         r.t_min = std::ldexp(ray.t_min, -local.exponent);
         r.t_max = std::ldexp(ray.t_max, -local.exponent);
     }
