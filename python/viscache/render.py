@@ -235,8 +235,8 @@ def render_part(
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
     pixels = frame_size(size, view)
-    require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
     frame = frame_settings(pixels, spp, seed, threads)
+    require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
     frame.part, frame.parts = number, parts
     frame.first_sample = int(first_sample)
     if audit is None:

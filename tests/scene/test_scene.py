@@ -390,7 +390,7 @@ def test_a_mesh_turned_inside_out_by_its_instance_keeps_its_front() -> None:
 def test_a_scene_too_small_or_too_large_for_single_precision_says_so(
     exponent: int, instanced: bool
 ) -> None:
-    """Scaled by a power of two, rays hit what they hit before, or the scene warns."""
+    """Scaled by a power of two, rays hit what they hit before, or the scene warns or refuses."""
     rng = np.random.default_rng(1)
     vertices = (rng.random((900, 3)) + np.repeat(rng.random((300, 3)) * 9, 3, axis=0)).astype("f4")
     triangles = np.arange(900, dtype=np.uint32).reshape(-1, 3)
@@ -410,6 +410,10 @@ def test_a_scene_too_small_or_too_large_for_single_precision_says_so(
 
     reference, none = answers(1.0)
     assert not any("spans" in text for text in none)
+    if exponent >= 40:  # vertices beyond 1e12
+        with pytest.raises(vc.SceneError, match="1e12 in size"):
+            answers(2.0**exponent)
+        return
     found, warnings = answers(2.0**exponent)
     unlike = float(np.mean(found != reference))
     warned = any("spans" in text for text in warnings)

@@ -202,7 +202,7 @@ def test_points_of_a_convex_body_do_not_block_themselves(scale: float) -> None:
 
 
 @pytest.mark.extreme
-@pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
+@pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e11])
 def test_scale_changes_next_to_nothing(scale: float) -> None:
     """Test 11; a power of two nearby changes nothing at all."""
     two = 2.0 ** round(np.log2(scale))
