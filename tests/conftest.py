@@ -21,6 +21,8 @@ def shared_scenes() -> Path:
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("fuzzing")
     group.addoption("--fuzz-seconds", type=float, default=20, help="of each target; default: 20")
+    group.addoption("--fuzz-cases", type=int, help="of each target at most; default: no limit")
+    group.addoption("--fuzz-runs", type=int, default=-1, help="of each libFuzzer target at most")
     group.addoption("--fuzz-seed", type=int, default=0, help="of each target's first case")
 
 
@@ -28,6 +30,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def fuzz_seconds(request: pytest.FixtureRequest) -> float:
     """How long a target is fuzzed."""
     return float(request.config.getoption("--fuzz-seconds"))
+
+
+@pytest.fixture
+def fuzz_cases(request: pytest.FixtureRequest) -> int | None:
+    """How many cases a target is fuzzed at most; None without a limit."""
+    wish = request.config.getoption("--fuzz-cases")
+    return None if wish is None else int(wish)
+
+
+@pytest.fixture
+def fuzz_runs(request: pytest.FixtureRequest) -> int:
+    """How many inputs a target of libFuzzer runs at most; -1 without a limit."""
+    return int(request.config.getoption("--fuzz-runs"))
 
 
 @pytest.fixture

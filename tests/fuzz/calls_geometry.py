@@ -39,7 +39,14 @@ def built_in(dice: Dice) -> None:
     in_json(vc.scenes.build(spec).info())
 
 
-def _hits(hits: Any, triangles: int) -> None:
+def numbered(scene: vc.Scene) -> int:
+    """How many numbers the triangles of a scene have: instances share theirs, spheres come last."""
+    spheres = sum(light["kind"] == "sphere" for light in scene.lights)
+    return int(scene._core.unique_triangles) + 2208 * spheres
+
+
+def check_hits(hits: Any, triangles: int) -> None:
+    """No hit leaves its triangle, or the triangles that are there."""
     hit = hits.triangle >= 0
     if not hit.any():
         return
@@ -63,7 +70,7 @@ def rays(dice: Dice) -> None:
         t_max = dice.pick(np.inf, dice.number(), dice.array((n,)))
         made.occluded(a, b, t_max, rays=caster, threads=THREADS)
     else:
-        _hits(made.intersect(a, b, rays=caster, threads=THREADS), made.triangles)
+        check_hits(made.intersect(a, b, rays=caster, threads=THREADS), numbered(made))
 
 
 def field(dice: Dice) -> None:
@@ -72,7 +79,8 @@ def field(dice: Dice) -> None:
     vc.VisibilityField.memory_estimate(made, given, threads=THREADS)
     found = vc.VisibilityField(made, settings=given, threads=THREADS)
     n = dice.pick(0, 1, 100)
-    _hits(found.intersect(dice.array((n, 3)), dice.array((n, 3)), threads=THREADS), made.triangles)
+    hits = found.intersect(dice.array((n, 3)), dice.array((n, 3)), threads=THREADS)
+    check_hits(hits, numbered(made))
     found.tile_entries(dice.whole(0, found.n_directions - 1))
 
 

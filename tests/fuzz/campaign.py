@@ -1,4 +1,4 @@
-"""Cases of one target, seed after seed, for some seconds."""
+"""Cases of one target, seed after seed, for some seconds or a number of cases."""
 
 from __future__ import annotations
 
@@ -21,13 +21,23 @@ def one(target: Target, name: str, seed: int, folder: Path) -> Outcome:
 
 
 def run(
-    target: Target, name: str, folder: Path, *, seconds: float, first: int = 0
+    target: Target,
+    name: str,
+    folder: Path,
+    *,
+    seconds: float,
+    cases: int | None = None,
+    first: int = 0,
 ) -> tuple[Counter[str], list[str]]:
-    """How many cases came to what, and a line for each that no user may meet."""
+    """How many cases came to what, and a line for each that no user may meet.
+
+    It ends after the seconds, but not before five cases, or after `cases`, whichever is first.
+    """
     counts: Counter[str] = Counter()
     bad: list[str] = []
     end, seed = time.monotonic() + seconds, first
-    while time.monotonic() < end or seed < first + 5:
+    last = None if cases is None else first + cases
+    while seed != last and (time.monotonic() < end or seed < first + 5):
         found = one(target, name, seed, folder)
         counts[found.kind] += 1
         if not found.allowed:

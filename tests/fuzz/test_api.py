@@ -55,10 +55,15 @@ def target(group: str) -> campaign.Target:
 @pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_any_call_works_or_says_what_must_hold(
-    group: str, fuzz_seconds: float, fuzz_seed: int, tmp_path: Path
+    group: str, fuzz_seconds: float, fuzz_cases: int | None, fuzz_seed: int, tmp_path: Path
 ) -> None:
     counts, bad = campaign.run(
-        target(group), group, tmp_path, seconds=fuzz_seconds, first=fuzz_seed
+        target(group),
+        group,
+        tmp_path,
+        seconds=fuzz_seconds,
+        cases=fuzz_cases,
+        first=fuzz_seed,
     )
     print(f"{group}: {sum(counts.values())} cases, {dict(counts)}")
     assert not bad, "\n".join(bad)

@@ -79,3 +79,10 @@ def test_a_finding_is_named_by_its_seed(tmp_path: Path) -> None:
     assert sum(counts.values()) == 5 and counts["unclean"] == len(bad) > 0
     seed = int(bad[0].split("seed ")[1].split(":")[0])
     assert campaign.one(case, "name", seed, tmp_path).kind == "unclean"
+
+
+def test_a_campaign_ends_after_its_cases(tmp_path: Path) -> None:
+    counts, bad = campaign.run(lambda _: None, "name", tmp_path, seconds=600, cases=7)
+    assert sum(counts.values()) == 7 and not bad
+    few, _ = campaign.run(lambda _: None, "name", tmp_path, seconds=0, cases=2)
+    assert sum(few.values()) == 2

@@ -76,7 +76,7 @@ def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_any_file_is_read_or_refused_by_its_name(
-    name: str, fuzz_seconds: float, fuzz_seed: int, tmp_path: Path
+    name: str, fuzz_seconds: float, fuzz_cases: int | None, fuzz_seed: int, tmp_path: Path
 ) -> None:
     wholes = []
     for kind in TARGETS[name]:
@@ -85,7 +85,9 @@ def test_any_file_is_read_or_refused_by_its_name(
     for reader, path in wholes:
         reader.read(changed_file(reader, path, path.read_bytes()))
     case = target(wholes)
-    counts, bad = campaign.run(case, name, tmp_path, seconds=fuzz_seconds, first=fuzz_seed)
+    counts, bad = campaign.run(
+        case, name, tmp_path, seconds=fuzz_seconds, cases=fuzz_cases, first=fuzz_seed
+    )
     print(f"{name}: {sum(counts.values())} files, {dict(counts)}")
     assert not bad, "\n".join(bad)
 

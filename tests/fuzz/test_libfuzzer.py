@@ -48,7 +48,7 @@ def run(
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_no_input_of_a_loader_is_a_finding(
-    name: str, fuzz_seconds: float, fuzz_seed: int, tmp_path: Path
+    name: str, fuzz_seconds: float, fuzz_runs: int, fuzz_seed: int, tmp_path: Path
 ) -> None:
     target = BUILT / f"fuzz_{name}"
     if not target.exists():
@@ -58,6 +58,7 @@ def test_no_input_of_a_loader_is_a_finding(
         CORPUS / name,
         tmp_path,
         f"-max_total_time={max(1, round(fuzz_seconds))}",
+        f"-runs={fuzz_runs}",
         f"-seed={fuzz_seed + 1}",
     )
     assert found.returncode == 0, found.stderr[-4000:]

@@ -12,7 +12,7 @@ namespace viscache {
 namespace {
 
 constexpr size_t kEmissionSamples = size_t{1} << 25;  // of a mesh, for means of its emissive image
-constexpr int kSphereRings = 24;  // tessellation of a sphere light: 2·24·48 triangles, inscribed
+constexpr int kSphereRings = 24;  // tessellation of a sphere light: 2·23·48 triangles, inscribed
 
 /// Inscribed tessellation: a segment from outside to a point of the analytic sphere does not cross it.
 Mesh tessellate(const SphereLight& light) {

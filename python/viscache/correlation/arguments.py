@@ -13,7 +13,7 @@ from viscache.correlation.bins import Bins, checked_edges, linear_bins, pilot_d_
 from viscache.correlation.pairs import Domain, Undefined
 from viscache.correlation.tasks import PairOptions, Points
 from viscache.correlation.work import tile_size
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import checked_floats, is_whole, require
 
 Edges: TypeAlias = "int | npt.ArrayLike"
 Words: TypeAlias = npt.NDArray[np.uint64]
@@ -59,7 +59,7 @@ def checked_rows(
 ) -> tuple[Words, int, Points]:
     """Rows and points sorted by group, and the number of directions."""
     rows, count = checked_words(bits, "bits", n_directions)
-    places, directions = (np.asarray(v, dtype=np.float32) for v in (positions, normals))
+    places, directions = checked_floats(positions, "positions"), checked_floats(normals, "normals")
     for name, array in (("positions", places), ("normals", directions)):
         fits = array.shape == (len(rows), 3)
         require(fits, f"{name} must have shape ({len(rows)}, 3)", array.shape)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 
 Floats = npt.NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def _linear_end(edges: Floats) -> float:
 
 def checked_edges(value: npt.ArrayLike, name: str) -> Floats:
     """Edges of bins from a list; ValueError unless they increase and are >= 0."""
-    found = np.array(value, dtype=np.float64)
+    found = np.array(checked_floats(value, name, np.float64))
     fits = found.ndim == 1 and found.size >= 2 and found[0] >= 0
     fits = fits and bool((np.diff(found) > 0).all())
     require(fits, f"{name} must be at least two rising numbers >= 0", value)

@@ -23,7 +23,7 @@ from viscache.correlation.pair_tiles import (
     tile_side,
 )
 from viscache.progress import Progress, progress_bar
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import checked_floats, is_whole, require
 
 __all__ = [
     "SCALE",
@@ -307,7 +307,7 @@ def _threads(threads: int | None) -> int:
 
 
 def _edges(edges: npt.ArrayLike, name: str) -> Floats:
-    array = np.array(edges, dtype=np.float64)
+    array = np.array(checked_floats(edges, name, np.float64))
     fits = array.ndim == 1 and len(array) >= 2
     require(fits, f"{name} must be one-dimensional with two edges or more", array.shape)
     return array

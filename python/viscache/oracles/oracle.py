@@ -15,7 +15,7 @@ from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import is_written
 from viscache.settings import by_name
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import checked_floats, is_whole, require
 from viscache.settings.rays import check_rays, is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, VisMaps
@@ -210,7 +210,7 @@ class Oracle:
         eyes, lamps = self._checked(eyes, lamps)
         shape = (len(eyes), len(lamps))
         if contributions is not None:
-            contributions = np.ascontiguousarray(contributions, dtype=np.float32)
+            contributions = checked_floats(contributions, "contributions")
             good = bool(np.isfinite(contributions).all() and (contributions >= 0).all())
             require(good, "contributions must be finite and >= 0", "values that are not")
         kept = clusters if isinstance(clusters, slice) else slice(None if clusters else 0)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["EyePoints", "FarEnds"]
@@ -45,10 +45,7 @@ GROUP_OF_KIND = {
 
 def rows3(values: Any, name: str) -> npt.NDArray[np.float32]:
     """An (N, 3) array of finite floats; the error names what was given."""
-    try:
-        rows: npt.NDArray[np.float32] = np.ascontiguousarray(values, dtype=np.float32)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be numbers of shape (N, 3), got {values!r}") from error
+    rows = checked_floats(values, name)
     require(rows.ndim == 2 and rows.shape[1] == 3, f"{name} must have shape (N, 3)", rows.shape)
     bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if bad.size:
@@ -73,7 +70,7 @@ def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
     """One density per row; a number is for all rows."""
     if values is None:
         return None
-    given = np.asarray(values, dtype=np.float32)
+    given = checked_floats(values, "density")
     require(
         given.shape in ((), (count,)),
         f"density must be a number or have shape ({count},)",

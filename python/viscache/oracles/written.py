@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.oracles.points import EyePoints, FarEnds, ends_of, eyes_of, pack
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.source_context import SourceContext
 
 __all__ = ["Written", "is_written"]
@@ -160,7 +160,7 @@ def _parted(answer: Any) -> tuple[Any, Any]:
 def _weights(weights: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float32] | None:
     if weights is None:
         return None
-    rows: npt.NDArray[np.float32] = np.ascontiguousarray(weights, dtype=np.float32)
+    rows = checked_floats(weights, "weights")
     require(rows.shape == shape, f"weights must have shape {shape}", rows.shape)
     require(bool(np.isfinite(rows).all()), "weights must be finite", "values that are not")
     return rows

@@ -64,5 +64,9 @@ def load_scene(
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)
-    frozen = _core.Scene.freeze(description, checked_threads(threads), take=True)
+    count = checked_threads(threads)
+    try:
+        frozen = _core.Scene.freeze(description, count, take=True)
+    except SceneError as error:  # parts are checked once all are read, and do not know their file
+        raise SceneError(f"{os.fspath(path)}: {error}") from error
     return Scene(frozen, str(Path(path)))

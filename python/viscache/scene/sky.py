@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["Sky"]
@@ -68,7 +68,7 @@ class Sky:
             object.__setattr__(self, name, _unit(getattr(self, name), name))
         ok = 1 <= self.turbidity <= 10
         require(ok, "turbidity must be in [1, 10]", self.turbidity)
-        ground = np.asarray(self.albedo, dtype=float)
+        ground = checked_floats(self.albedo, "albedo", np.float64)
         ok = ground.shape in ((), (3,)) and bool(((ground >= 0) & (ground <= 1)).all())
         require(ok, "albedo must be one or three numbers in [0, 1]", self.albedo)
         for name in ("sky_scale", "sun_scale"):
@@ -169,7 +169,7 @@ class Sky:
 
 
 def _unit(value: Triple, name: str) -> Triple:
-    v = np.asarray(value, dtype=float)
+    v = checked_floats(value, name, np.float64)
     ok = v.shape == (3,) and bool(np.isfinite(v).all()) and bool(np.any(v))
     require(ok, f"{name} must be three finite numbers, not all 0", value)
     x, y, z = (float(c) for c in v / np.linalg.norm(v))

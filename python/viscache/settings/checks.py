@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import reprlib
 import typing
 from dataclasses import fields
 from types import NoneType
@@ -98,6 +99,17 @@ def checked_threads(wish: int | None) -> int:
     fits = wish is None or (is_whole(wish) and 1 <= wish <= 1024)
     require(fits, "threads must be a whole number in [1, 1024]", wish)
     return wish or 0
+
+
+def checked_floats(
+    values: npt.ArrayLike, name: str, dtype: type[Any] = np.float32
+) -> npt.NDArray[Any]:
+    """Numbers of any shape as floats; ValueError where they are none. What overflows is inf."""
+    try:
+        with np.errstate(over="ignore"):
+            return np.asarray(values, dtype=dtype, order="C")
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be numbers, got {reprlib.repr(values)}") from error
 
 
 def checked_points(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["Vpls"]
@@ -44,7 +44,7 @@ class Vpls:
         lengths = np.linalg.norm(self.normals, axis=1, keepdims=True)
         require(bool((lengths > 0).all()), "normals must not be zero", "one that is")
         self.normals = (self.normals / lengths).astype(np.float32)
-        flux = np.asarray(flux, dtype=np.float32)
+        flux = checked_floats(flux, "flux")
         self.flux = _rows(np.repeat(flux[:, None], 3, 1) if flux.ndim == 1 else flux, "flux")
         require(bool((self.flux >= 0).all()), "flux must be >= 0", "a value below")
         count = len(self.positions)
@@ -72,7 +72,7 @@ class Vpls:
 
 
 def _rows(values: Any, name: str) -> np.ndarray[Any, np.dtype[np.float32]]:
-    rows = np.ascontiguousarray(values, dtype=np.float32)
+    rows = np.array(checked_floats(values, name))
     require(rows.ndim == 2 and rows.shape[1] == 3, f"{name} must have shape (M, 3)", rows.shape)
     require(bool(np.isfinite(rows).all()), f"{name} must be finite", "values that are not")
     rows.setflags(write=False)

@@ -16,7 +16,7 @@ from viscache.provenance import provenance
 from viscache.scene import Env, Sky
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image
-from viscache.settings.checks import checked_threads, require
+from viscache.settings.checks import checked_floats, checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
 from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache
@@ -117,7 +117,7 @@ class Relighting:
         require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
         message = "env must not be a Sky: give its image(), which has no sun"
         require(not isinstance(env, Sky), message, env)
-        given = np.asarray(env, np.float32) if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
+        given = checked_floats(env, "env") if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
         if given.ndim < 3:
             require(
                 given.shape in ((), (1,), (3,)),

@@ -11,7 +11,13 @@ import numpy.typing as npt
 from viscache import _core, sources
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene, queries
-from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.checks import (
+    checked_floats,
+    checked_points,
+    checked_threads,
+    is_whole,
+    require,
+)
 from viscache.settings.rays import Vlf, vlf_settings
 from viscache.settings.spelling import spelled
 
@@ -166,7 +172,7 @@ class DynamicField:
             There is no such object, the matrix is invalid, or the object leaves the ball of the
             field.
         """
-        m = np.asarray(matrix, dtype=np.float64)
+        m = checked_floats(matrix, "matrix", np.float64)
         affine = m.shape == (3, 4) or (m.shape == (4, 4) and np.allclose(m[3], [0, 0, 0, 1]))
         require(affine, "matrix must be affine, of shape (3, 4) or (4, 4)", m.shape)
         require(bool(np.isfinite(m).all()), "matrix must be finite", matrix)
