@@ -127,5 +127,6 @@ def described(dice: Dice) -> vc.Scene:
     if dice.chance(0.3):
         d.set_environment([dice.pick(0, 1, share())] * 3)
     if dice.chance(0.2):
-        d.add_instance([0], np.hstack([np.eye(3) * dice.real(0.1, 10), [[share()], [0], [0]]]))
+        size, along = dice.real(0.1, 10), share()
+        d.add_instance([0], [[size, 0, 0, along], [0, size, 0, 0], [0, 0, size, 0]])
     return vc.Scene.from_description(d, threads=1)

@@ -21,7 +21,7 @@ CALLS: dict[str, Callable[[object], object]] = {
 }
 
 
-@pytest.mark.parametrize("bad", ["", "x", b"x", 1j, {}, object(), [[1, 2, 3], [1]]], ids=repr)
+@pytest.mark.parametrize("bad", ["", "x", b"x", 1j, {}, object(), [[1, 2, 3], [1]]])
 @pytest.mark.parametrize("name", CALLS)
 def test_what_is_no_number_is_refused_by_name(name: str, bad: object) -> None:
     with pytest.raises(ValueError, match=f"^{name} must be numbers, got "):
