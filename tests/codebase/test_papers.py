@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import pytest
 
 from codebase.repository import paths, sources, text
+from figures.test_quick_runs import QUICK
+from viscache.figures import FIGURES
 
 STATES = ("here", "later", "text")
 # All numbered items of the papers. The VLF paper does not number equations.
@@ -16,6 +18,13 @@ NUMBERED = {
     "VLF": {"Fig.": 8, "Table": 1},
     "VisMap": {"Eq.": 12, "Fig.": 14, "Table": 3},
 }
+# Constructions that have no number, by their section.
+SECTIONS = {
+    "AQVC": ("3.3", "3.5", "4.1", "4.2", "4.3", "4.4"),
+    "VLF": ("3.1", "3.2", "3.3", "4", "5.1", "7", "8"),
+    "VisMap": ("4.1", "5.1", "5.2", "5.3", "6.1", "6.2"),
+}
+QUICK_RUNS = "tests/figures/test_quick_runs.py"
 TAG = re.compile(r"\[((?:AQVC|VLF|VisMap) (?:Eq\.|Alg\.) \d+)\]")
 NOTHING = "–"
 
@@ -85,7 +94,8 @@ def test_every_numbered_item_of_the_papers_has_one_row() -> None:
         for kind, count in kinds.items()
         for number in range(1, count + 1)
     }
-    assert sorted(item for item in listed if "Sec." not in item) == sorted(expected)
+    expected |= {f"{paper} Sec. {number}" for paper, all_ in SECTIONS.items() for number in all_}
+    assert sorted(listed) == sorted(expected)
     assert len(listed) == len(set(listed))
 
 
@@ -133,6 +143,36 @@ def test_what_is_built_names_an_existing_python_object() -> None:
         except (ImportError, AttributeError):
             missing.append(f"{row.item}: there is no {row.python}")
     assert missing == []
+
+
+def figures_without_their_run(table: list[Row], functions: Mapping[str, str]) -> Iterator[str]:
+    """Rows whose test is not the quick run of their figure; `functions`: Python name to figure."""
+    for row in table:
+        if row.python.startswith("viscache.figures."):
+            name = functions.get(row.python)
+            if name is None or row.test != f"{QUICK_RUNS}::{name}":
+                yield f"{row.item}: the test must be the quick run of {name}, got {row.test}"
+
+
+def test_every_figure_names_the_test_that_runs_it() -> None:
+    functions = {
+        f"{info.function.__module__}.{info.function.__qualname__}": name
+        for name, info in FIGURES.items()
+    }
+    table = built_rows()
+    assert list(figures_without_their_run(table, functions)) == []
+    run = {row.test.partition("::")[2] for row in table if row.test.startswith(QUICK_RUNS)}
+    numbered = {name for name in FIGURES if re.fullmatch(r"\w+-(fig|tab)\d+", name)}
+    assert run == numbered and numbered <= set(QUICK)
+
+
+@pytest.mark.parametrize("test", [f"{QUICK_RUNS}::aqvc-fig3", QUICK_RUNS, "tests/a.py::aqvc-fig2"])
+def test_a_figure_with_another_test_is_reported(test: str) -> None:
+    row = replace(LATER, python="viscache.figures.a.f", test=f"{QUICK_RUNS}::aqvc-fig2")
+    functions = {"viscache.figures.a.f": "aqvc-fig2"}
+    assert list(figures_without_their_run([row], functions)) == []
+    assert len(list(figures_without_their_run([replace(row, test=test)], functions))) == 1
+    assert len(list(figures_without_their_run([row], {}))) == 1
 
 
 LATER = Row(item="AQVC Eq. 8", what="", home="", python=NOTHING, test="", state="later")
