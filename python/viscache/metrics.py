@@ -35,6 +35,7 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache.emitted_light import light_on_surfaces
+from viscache.settings.checks import checked_floats
 from viscache.settings.spelling import nearest
 
 if TYPE_CHECKING:
@@ -325,7 +326,7 @@ def compare(
 
 def _linear(image: Comparable, which: str) -> Image:
     """Pixels as finite float64 (H, W, 1 or 3), without alpha."""
-    pixels = np.asarray(getattr(image, "image", image), dtype=np.float64)
+    pixels = checked_floats(getattr(image, "image", image), which, np.float64)
     if pixels.ndim == 2:
         pixels = pixels[:, :, None]
     if pixels.ndim != 3 or pixels.shape[2] not in (1, 3, 4) or 0 in pixels.shape:

@@ -46,3 +46,8 @@ def test_arrays_given_to_vpls_stay_writable() -> None:
     given = np.float32(POINT)
     vc.Vpls(given, UP, POINT)
     given[0, 0] = 1  # a copy is frozen, not this one
+
+
+def test_pictures_that_are_no_numbers_are_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="must be numbers, got 'x'"):
+        vc.metrics.compare("x", np.zeros((4, 4, 3)))  # type: ignore[arg-type]
