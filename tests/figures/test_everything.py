@@ -44,7 +44,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         CALLS.append("varies")
         if state["raises"] is not None:
             raise state["raises"]
-        band = Band(2.5, 5.0, "the paper")
+        band = Band(2.5, 5.0, "Sec. 1: the paper", claimed=(4.0, 5.0))
         return Outcome(rows=[Row("speed", state["measured"], printed=4, band=band)])
 
     monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
@@ -83,6 +83,11 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     for words in (*rows, "2 figures and tables", "2 of 2 bands hold, 0 do not"):
         assert words in page.text.replace("|", ""), words
     assert "0.75" in page.text  # measured over printed
+    claim = (
+        "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1), at quick sizes."
+    )
+    for words in (claim, "|not found|", "|not stated|"):
+        assert words in page.text, words
     (source,) = page.sources
     assert source.startswith("data:image/webp;base64,") and len(source) < 1_000_000
     assert "http" not in (tmp_path / "index.html").read_text()
@@ -96,6 +101,9 @@ def test_a_band_that_fails_fails_the_command_and_is_named(
     out = capsys.readouterr().out
     assert "1 of 2 bands hold; 1 failures:" in out
     assert "varies: speed: 2 is not in 2.5 … 5" in out
+    assert "found in 0 figures, not found in 1, not stated in 1" in out
+    (missed,) = json.loads((tmp_path / "summary.json").read_text())["claims_not_found"]
+    assert (missed["figure"], missed["measured"], missed["claim"]) == ("varies", 2.0, [4.0, 5.0])
     assert out.splitlines()[-1] == str(tmp_path / "index.html")
     assert "What does not hold" in Page((tmp_path / "index.html").read_text()).text
 
@@ -107,6 +115,8 @@ def test_a_figure_that_raises_fails_the_command_and_the_others_run(
     assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--json"]) == 1
     got = json.loads(capsys.readouterr().out)
     assert got["failing"] == [{"figure": "varies", "error": "RuntimeError: out of luck"}]
+    assert got["claims"] == {"found": 0, "not_found": 0, "not_stated": 1}
+    assert got["figures"][1]["verdicts"] is None
     assert [f["figure"] for f in got["figures"]] == ["holds", "varies"]
     assert "out of luck" in (tmp_path / "index.html").read_text()
     two["raises"] = None  # what raised is tried again

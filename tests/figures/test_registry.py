@@ -91,12 +91,30 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
         "ratio": 1.5,
         "band": [0.8, None],
         "holds": True,
+        "claim": None,
+        "found": None,
         "note": "here; the paper says so",
     }
     assert (second["ratio"], second["band"], second["holds"]) == (None, None, None)
     assert all(Path(file).is_file() for file in got["files"])
     assert {Path(file).suffix for file in got["files"]} == {".png", ".md", ".json"}
     assert json.loads((tmp_path / "new" / "made-up.json").read_text())["rows"] == got["rows"]
+
+
+def test_a_figure_prints_and_records_two_verdicts(
+    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=(8.0, math.inf))
+    made_up.append(Row(what="speed", measured=3.0, band=band))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
+    line = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)."
+    assert line in capsys.readouterr().out.splitlines()
+    got = json.loads((tmp_path / "made-up.json").read_text())
+    assert {kind: part["verdict"] for kind, part in got["verdicts"].items()} == {
+        "claim": "not found",
+        "expectation": "holds",
+    }
+    assert got["rows"][0]["claim"] == [8.0, None] and got["rows"][0]["found"] is False
 
 
 @pytest.mark.parametrize("measured", [0.79, math.nan, None])

@@ -77,6 +77,11 @@ def _all(arguments: argparse.Namespace) -> int:
         print(f"{bands['hold']} of {bands['all']} bands hold; {len(summary['failing'])} failures:")
         for row in summary["failing"]:
             print(f"  {row['figure']}: {row['error'] if 'error' in row else _missed(row)}")
+        claims = summary["claims"]
+        print(
+            f"the papers' claims: found in {claims['found']} figures, not found in "
+            f"{claims['not_found']}, not stated in {claims['not_stated']}"
+        )
         print(summary["page"])
     return 0 if summary["holds"] else 1
 

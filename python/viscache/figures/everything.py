@@ -7,11 +7,13 @@ import json
 import os
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from viscache.figures import page, registry
+from viscache.figures.verdict import claims_not_found, verdicts
 from viscache.files import finite, write_whole
 from viscache.provenance import code_hash, provenance
 
@@ -55,8 +57,10 @@ def reproduce_all(
     Returns
     -------
     dict
-        figures (list of results), page, holds, bands (how many there are, hold and do not), failing
-        (the rows that do not hold and the figures that raised), seconds.
+        figures (list of results; verdicts are None for one that raised), page, holds, bands (how
+        many there are, hold and do not), failing (the rows that do not hold and the figures that
+        raised), claims (in how many figures they are found, not_found and not_stated),
+        claims_not_found (the rows outside the paper's claim), seconds.
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -100,6 +104,7 @@ def _reproduced(
             "rows": [],
             "files": [],
             "holds": False,
+            "verdicts": None,
             "skipped": [],
             "notes": [],
             "quick": quick,
@@ -118,12 +123,18 @@ def _write(folder: Path, results: list[Result]) -> Result:
     """Write the page and the summary of the results so far."""
     banded = [row for result in results for row in result["rows"] if row["holds"] is not None]
     missed = [row for row in banded if not row["holds"]]
+    judged = [result for result in results if "error" not in result]
+    claims = Counter(verdicts(result["rows"])["claim"]["verdict"] for result in judged)
     summary: Result = {
         "figures": results,
         "page": str(folder / "index.html"),
         "holds": all(result["holds"] for result in results),
         "bands": {"all": len(banded), "hold": len(banded) - len(missed), "fail": len(missed)},
         "failing": list(failing(results)),
+        "claims": {
+            word.replace(" ", "_"): claims[word] for word in ("found", "not found", "not stated")
+        },
+        "claims_not_found": claims_not_found(results),
         "seconds": sum(result.get("seconds", 0.0) for result in results),
     }
     write_whole(folder / "summary.json", json.dumps(finite(summary), indent=2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
@@ -19,6 +20,15 @@ class Band:
     high: float
     source: str
     """The paper's sentence, or the expectation, behind the band."""
+    _: KW_ONLY
+    claimed: tuple[float, float] | None = None
+    """Where the paper's claim is found, both ends included, if that is not the band itself."""
+
+    @property
+    def claim(self) -> tuple[float, float] | None:
+        """Where the paper's claim is found; None if the band quotes no paper."""
+        quoted = re.match(r"(Sec|Fig|Tab|Eq)\. ", self.source)
+        return self.claimed or ((self.low, self.high) if quoted else None)
 
     def __contains__(self, value: object) -> bool:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
@@ -49,9 +59,18 @@ class Row:
         """Whether the band holds; None without a band."""
         return None if self.band is None else self.measured in self.band
 
+    @property
+    def found(self) -> bool | None:
+        """Whether the paper's claim is found; None if it states none."""
+        claim = None if self.band is None else self.band.claim
+        if claim is None:
+            return None
+        return self.measured is not None and claim[0] <= self.measured <= claim[1]
+
     def as_dict(self) -> dict[str, Any]:
-        """The row for JSON; an open end of the band is null."""
+        """The row for JSON; an open end of the band or claim is null."""
         band = None if self.band is None else [self.band.low, self.band.high]
+        claim = None if self.band is None or not self.band.claim else list(self.band.claim)
         source = [] if self.band is None else [self.band.source]
         return {
             "what": self.what,
@@ -60,6 +79,8 @@ class Row:
             "ratio": self.ratio,
             "band": band,
             "holds": self.holds,
+            "claim": claim,
+            "found": self.found,
             "note": "; ".join(text for text in (self.note, *source) if text),
         }
 

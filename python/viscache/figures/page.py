@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import registry
+from viscache.figures.verdict import sentence, verdicts
 
 __all__ = ["html"]
 
@@ -69,7 +70,7 @@ def _failing(rows: list[dict[str, Any]]) -> str:
         return "<p id='failing'>Everything that has a band holds it.</p>"
     lines = [
         f"<tr class='failed'><td>{_link(row['figure'])}</td>"
-        + (f"<td colspan='6'>{_text(row['error'])}</td>" if "error" in row else _cells(row))
+        + (f"<td colspan='8'>{_text(row['error'])}</td>" if "error" in row else _cells(row))
         + "</tr>"
         for row in rows
     ]
@@ -84,12 +85,14 @@ def _contents(results: Iterable[Mapping[str, Any]]) -> str:
         held = sum(row["holds"] for row in banded)
         state = "error" if "error" in result else f"{held} of {len(banded)}" if banded else ""
         kind = "yes" if result["holds"] else "no"
+        claim = "" if "error" in result else verdicts(result["rows"])["claim"]["verdict"]
         lines.append(
             f"<tr><td>{_link(name)}</td><td>{_text(_description(name))}</td>"
-            f"<td class='{kind}'>{_text(state)}</td>"
+            f"<td>{_text(claim)}</td><td class='{kind}'>{_text(state)}</td>"
             f"<td class='number'>{result.get('seconds', 0.0):.0f} s</td></tr>"
         )
-    head = "<tr><th>figure</th><th>shows</th><th>bands that hold</th><th>took</th></tr>"
+    names = ("figure", "shows", "the paper's claim", "bands that hold", "took")
+    head = f"<tr>{''.join(f'<th>{name}</th>' for name in names)}</tr>"
     return f"<h2>All of them</h2><table id='contents'>{head}{''.join(lines)}</table>"
 
 
@@ -102,6 +105,8 @@ def _figure(result: Mapping[str, Any]) -> str:
     parts = [f"<section id='{_text(name)}'><h2>{_text(name)}: {_text(_description(name))}</h2>"]
     if "error" in result:
         parts.append(f"<pre>{_text(result.get('traceback', result['error']))}</pre>")
+    else:
+        parts.append(f"<p>{_text(sentence(result['rows'], quick=result['quick']))}</p>")
     if rows:
         parts.append(f"<div class='scroll'><table>{_heading()}{rows}</table></div>")
     for file in result["files"]:
@@ -119,7 +124,7 @@ def _figure(result: Mapping[str, Any]) -> str:
 
 def _heading(first: str = "") -> str:
     names = [first] if first else []
-    names += ["what", "printed", "measured", "ratio", "band", "holds", "note"]
+    names += ["what", "printed", "measured", "ratio", "band", "holds", "claim", "note"]
     return f"<tr>{''.join(f'<th>{name}</th>' for name in names)}</tr>"
 
 
@@ -135,6 +140,7 @@ def _cells(row: Mapping[str, Any]) -> str:
         f"<td>{_text(row['what'])}</td>"
         + "".join(f"<td class='number'>{_text(number)}</td>" for number in numbers)
         + holds[row["holds"]]
+        + f"<td>{ {None: '', True: 'found', False: 'not found'}[row.get('found')] }</td>"
         + f"<td>{_text(row['note'])}</td>"
     )
 

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 from viscache.figures import references
 from viscache.figures.outcome import Outcome, text
+from viscache.figures.verdict import sentence, verdicts
 from viscache.files import finite, write_whole
 from viscache.provenance import code_hash, provenance
 from viscache.settings.checks import require
@@ -95,7 +96,8 @@ def reproduce(
     -------
     dict
         What `viscache reproduce NAME --json` prints: figure, rows (what, printed, measured, ratio,
-        band, holds, note), files; beside them holds, skipped, notes, quick, provenance.
+        band, holds, claim, found, note), files; beside them holds, verdicts (claim and
+        expectation, each with verdict, yes, all), skipped, notes, quick, provenance.
 
     Raises
     ------
@@ -115,12 +117,14 @@ def reproduce(
         outcome = FIGURES[name].function(folder, quick, progress, **given)
     seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"
-    write_whole(table, text(name, outcome.rows))
+    rows = [row.as_dict() for row in outcome.rows]
+    write_whole(table, f"{text(name, outcome.rows)}\n{sentence(rows, quick=quick)}\n")
     result = {
         "figure": name,
-        "rows": [row.as_dict() for row in outcome.rows],
+        "rows": rows,
         "files": [str(path) for path in [*outcome.files, table, record]],
         "holds": all(row.holds is not False for row in outcome.rows),
+        "verdicts": verdicts(rows),
         "skipped": outcome.skipped,
         "notes": outcome.notes,
         "quick": quick,

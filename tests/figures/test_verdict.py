@@ -1,0 +1,100 @@
+"""Two verdicts per figure: the paper's claim and our expectation, on rows made up by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from figures.every_band import all_bands
+from viscache.figures import aqvc_bands, vismap_bands, vlf_bands
+from viscache.figures.outcome import Band, Row
+from viscache.figures.verdict import claims_not_found, sentence, verdicts
+
+#: The paper says 8 and more; we expect 2 and more.
+WIDER = Band(2.0, math.inf, "Sec. 5.2: 8; expected: 2 and more", claimed=(8.0, math.inf))
+QUOTED = Band(1.0, math.inf, "Fig. 6: the field is faster")
+OURS = Band(1.0, math.inf, "expected: more than none")
+
+
+def row(band: Band | None, measured: float | None) -> dict[str, object]:
+    return Row("x", measured, band=band).as_dict()
+
+
+@pytest.mark.parametrize(
+    ("band", "measured", "found", "holds"),
+    [
+        (WIDER, 8.0, True, True),
+        (WIDER, 3.7, False, True),
+        (WIDER, 1.0, False, False),
+        (QUOTED, 1.5, True, True),
+        (QUOTED, 0.5, False, False),
+        (QUOTED, None, False, False),
+        (QUOTED, math.nan, False, False),
+        (OURS, 0.5, None, False),
+        (None, 0.5, None, None),
+    ],
+)
+def test_a_row_tells_the_claim_and_the_band_apart(
+    band: Band | None, measured: float | None, found: bool | None, holds: bool | None
+) -> None:
+    made = row(band, measured)
+    assert (made["found"], made["holds"]) == (found, holds)
+
+
+def test_the_claim_of_a_row_is_data() -> None:
+    assert row(WIDER, 3.0)["claim"] == [8.0, math.inf]
+    assert row(QUOTED, 3.0)["claim"] == [1.0, math.inf]
+    assert row(OURS, 3.0)["claim"] is None and row(None, 3.0)["claim"] is None
+
+
+def test_a_figure_has_one_verdict_of_each_kind() -> None:
+    rows = [row(WIDER, 9.0), row(OURS, 2.0), row(None, 1.0)]
+    assert verdicts(rows) == {
+        "claim": {"verdict": "found", "yes": 1, "all": 1},
+        "expectation": {"verdict": "holds", "yes": 2, "all": 2},
+    }
+    rows.append(row(WIDER, 3.7))
+    assert verdicts(rows)["claim"] == {"verdict": "not found", "yes": 1, "all": 2}
+    assert verdicts(rows)["expectation"]["verdict"] == "holds"
+    assert verdicts([row(OURS, 0.0)]) == {
+        "claim": {"verdict": "not stated", "yes": 0, "all": 0},
+        "expectation": {"verdict": "does not hold", "yes": 0, "all": 1},
+    }
+    assert verdicts([])["expectation"]["verdict"] == "no band"
+
+
+def test_both_verdicts_are_one_line() -> None:
+    rows = [row(WIDER, 3.7)]
+    said = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)"
+    assert sentence(rows, quick=False) == f"{said}."
+    assert sentence(rows, quick=True) == f"{said}, at quick sizes."
+    assert sentence([], quick=False) == "The paper's claim: not stated. Our expectation: no band."
+
+
+def test_claims_not_found_name_their_figure() -> None:
+    results = [{"figure": "a", "rows": [row(WIDER, 3.7), row(WIDER, 9.0), row(OURS, 0.0)]}]
+    assert [(r["figure"], r["measured"]) for r in claims_not_found(results)] == [("a", 3.7)]
+
+
+def test_a_band_that_is_not_the_papers_own_declares_what_the_paper_claims() -> None:
+    found = [all_bands(bands) for bands in (aqvc_bands, vlf_bands, vismap_bands)]
+    every = {name: band for bands in found for name, band in bands.items()}
+    mixed = [n for n, b in every.items() if "; expected" in b.source and b.claimed is None]
+    ours = [n for n, b in every.items() if b.source.startswith("expected") and b.claim is not None]
+    assert (mixed, ours) == ([], [])
+    assert sum(band.claimed is not None for band in every.values()) >= 20
+
+
+@pytest.mark.parametrize(
+    ("band", "measured"),
+    [
+        (aqvc_bands.LARGEST_SPEEDUP, 3.7),
+        (aqvc_bands.H8_FLICKER, 0.54),
+        (aqvc_bands.MAPS_SLOWER, 67.0),
+        (aqvc_bands.H1_RAYS_LEFT, 0.021),
+    ],
+)
+def test_our_band_may_hold_where_the_papers_claim_is_not_found(band: Band, measured: float) -> None:
+    made = Row("x", measured, band=band)
+    assert made.holds and made.found is False
