@@ -1,0 +1,233 @@
+#!/usr/bin/env python3
+"""Pictures at the head of the method pages: scripts/doc_pictures.py [NAME …] [-o FOLDER]
+Each shows how a cache works, step by step, in a built-in scene. pictures.json notes by which text
+of this file each picture was made; tests/docs/test_pictures.py holds pictures and file together."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.patches import Rectangle
+from PIL import Image
+
+import viscache as vc
+from viscache import tonemap
+from viscache._core.vlf import walk_tiles
+from viscache.correlation import plots as correlation_plots
+from viscache.figures.aqvc_clusters import Cells, EyeSamples, eye_samples, false_colors
+from viscache.figures.aqvc_runs import Shot
+from viscache.figures.drawing import draw_image, draw_records, new_figure, project
+from viscache.scene.cameras import find_camera
+
+FOLDER = Path(__file__).resolve().parents[1] / "docs" / "images"
+MANIFEST = "pictures.json"
+DPI = 120
+#: Tiles along the edge of the part that is shown larger.
+ZOOM = 12.0
+FREE, BLOCKED, BELOW = (0.62, 0.80, 0.96), (0.25, 0.22, 0.20), (1.0, 1.0, 1.0)
+
+Floats = npt.NDArray[np.floating[Any]]
+Picture = Callable[[], Any]
+
+
+def aqvc() -> Any:
+    """The room, and its eye samples by cell, for three C_E."""
+    shot = Shot(
+        scene=vc.scenes.room(triangles=20_000),
+        integrator=vc.Whitted(n_vpls=64),
+        size=(360, 225),
+    )
+    samples: EyeSamples = eye_samples(shot)
+    image = shot.frame().image
+    light = tonemap.srgb_curve(image * tonemap.auto_exposure(image, 95.0)).mean(axis=2)
+    figure = new_figure(9.0, 6.1)
+    panels = figure.subplots(2, 2).ravel()
+    draw_image(panels[0], image, "the room")
+    for axes, c_e in zip(panels[1:], (64, 16, 6), strict=True):
+        keys = samples.keys(vc.Aqvc(c_e=c_e))
+        colors = false_colors(samples, keys, light.shape)
+        axes.imshow(colors * (0.4 + 0.6 * light[:, :, None]))
+        count = len(Cells(keys).count)
+        axes.set_title(rf"$C_E$ = {c_e}: {count:,} cells", fontsize=9)
+        axes.set_axis_off()
+    return figure
+
+
+def vismap() -> Any:
+    """Records on a picture; the exact sky at one of them, its map, and the blend there."""
+    scene, size = vc.scenes.build("courtyard?triangles=20000"), (360, 270)
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings())
+    cache.update(size=size)
+    records, view = cache.records(), find_camera(scene, 0)
+    image = vc.render(scene, vc.Direct(n_environment=64), size=size).image
+    ground = np.flatnonzero(records.normals[:, 1] > 0.99)
+    place = project(view, size, records.positions[ground])
+    chosen = ground[np.nanargmin(np.hypot(*(place - [0.55 * size[0], 0.8 * size[1]]).T))]
+    position, normal = records.positions[chosen], records.normals[chosen]
+    directions, inside = dome(normal, 240)
+    cells = cache.cells(directions[inside])
+    bits = records.bits[chosen][cells // 64] >> (cells % 64).astype(np.uint64) & np.uint64(1)
+    start = np.broadcast_to(position + 1e-3 * normal, directions[inside].shape)
+    exact = ~scene.occluded(start, directions[inside])
+    found = cache.lookup(position[None], normal[None])
+    blend = cache.visibility(found, directions[inside])[0]
+    figure = new_figure(11.0, 3.2)
+    first, *domes = figure.subplots(1, 4, width_ratios=(1.33, 1, 1, 1))
+    draw_records(first, image, view, records.positions, f"{len(records.positions):,} records")
+    at = project(view, size, position[None])[0]
+    first.plot(*at, "o", ms=11, mfc="none", mec="yellow", mew=2)
+    edge = 1 << cache.settings.m
+    said = (exact, bits, blend)
+    titles = (
+        "exact: the sky from the ring",
+        f"its record: {edge} × {edge} bits",
+        "blended: Ṽ(x, ω)",
+    )
+    for axes, values, title in zip(domes, said, titles, strict=True):
+        shown = np.full((*inside.shape, 3), BELOW)
+        share = np.asarray(values, float)[:, None]
+        shown[inside] = share * FREE + (1 - share) * np.array(BLOCKED)
+        axes.imshow(shown)
+        axes.set_title(title, fontsize=9)
+        axes.set_axis_off()
+    return figure
+
+
+def dome(normal: Floats, n: int) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """(n, n, 3) directions of an equal-area picture of the hemisphere, and where it is."""
+    x, y = np.meshgrid(*[(np.arange(n) + 0.5) * 2 / n - 1] * 2)
+    r2 = x * x + y * y
+    inside = r2 < 0.999
+    stretch, height = np.sqrt(np.maximum(2 - r2, 0)), 1 - r2
+    side = np.cross(normal, [0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [1.0, 0.0, 0.0])
+    side /= np.linalg.norm(side)
+    axes = np.stack([side, np.cross(normal, side), normal])
+    directions = np.stack([x * stretch, y * stretch, height], axis=-1) @ axes
+    return directions / np.linalg.norm(directions, axis=2, keepdims=True), inside
+
+
+def vlf() -> Any:
+    """The axes; the tiles along one of them; the few tiles that a ray crosses."""
+    scene, axes, n = vc.scenes.room(triangles=20_000), 129, 64
+    field = vc.VisibilityField(scene, settings=vc.Vlf(n_directions=axes, n_tiles=n, lazy=True))
+    low, high = scene.bounds.astype(float)
+    ends = low + np.array([[0.15, 0.75, 0.2], [0.8, 0.2, 0.7]]) * (high - low)
+    ray = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    nearest = int(vc.vlf.nearest_direction(ray[None], axes)[0])
+    entries = field.tile_entries(nearest)
+    frame = vc.vlf.direction_frames(axes)[nearest].astype(float)
+    ball = (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+    seen = in_tiles(vc.correlation.surface_points(scene, 4000).positions, ball, frame, n)
+    assert (entries[tuple(seen[:, 1::-1].astype(int).T)] > 0).all(), "surfaces lie in empty tiles"
+    start, end = ((p - ball[0]) / ball[1] @ frame.T for p in ends)
+    crossed, _ = walk_tiles(start.tolist(), (end - start).tolist(), n, 0.0, 1.0)
+
+    figure = new_figure(11.0, 3.9)
+    first, second, third = figure.subplots(1, 3)
+    draw_axes(first, vc.vlf.directions(axes), nearest, ray)
+    for panel in (second, third):
+        panel.imshow(np.log1p(entries), cmap="Greys", origin="lower", extent=(0, n, 0, n))
+        panel.set(xticks=[], yticks=[])
+    path = in_tiles(ends, ball, frame, n)[:, :2]
+    for tile in crossed:
+        third.add_patch(Rectangle(tuple(tile), 1, 1, fc="tab:orange", alpha=0.6, lw=0))
+    for panel in (second, third):
+        panel.plot(*path.T, "-o", c="tab:blue", ms=4, lw=1.5)
+    corner = path.mean(axis=0) - ZOOM / 2
+    third.set(xlim=corner[0] + np.array([0, ZOOM]), ylim=corner[1] + np.array([0, ZOOM]))
+    second.add_patch(Rectangle(tuple(corner), ZOOM, ZOOM, fill=False, ec="tab:orange", lw=1.5))
+    listed = sum(int(entries[y, x]) for x, y in crossed)
+    first.set_title(rf"$l$ = {axes} axes", fontsize=9)
+    second.set_title(rf"$n$ × $n$ = {n} × {n} tiles of the nearest axis", fontsize=9)
+    third.set_title(f"the ray crosses {len(crossed)} tiles: {listed} entries", fontsize=9)
+    return figure
+
+
+def in_tiles(points: Floats, ball: tuple[Floats, float], frame: Floats, n: int) -> Floats:
+    """(N, 3) points in the axes of a field's direction, in tiles."""
+    return ((points - ball[0]) / ball[1] @ frame.T + 1) * n / 2
+
+
+def draw_axes(panel: Any, axes: Floats, nearest: int, ray: Floats) -> None:
+    """The half sphere of axes from above, equal areas, with the axis that a ray takes."""
+    both = np.concatenate([axes, ray[None]])
+    up = both * np.where(both[:, 1:2] < 0, -1, 1)
+    flat = up[:, [0, 2]] / np.sqrt(1 + up[:, 1:2])
+    panel.scatter(*flat[:-1].T, s=7, c="0.6", lw=0)
+    panel.scatter(*flat[nearest], s=45, c="tab:orange", lw=0, label="nearest axis")
+    panel.plot(*flat[-1], "x", c="tab:blue", ms=7, mew=2, label="the ray")
+    panel.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False)
+    panel.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05))
+    panel.set_axis_off()
+
+
+def correlation() -> Any:
+    """The mean correlation over distance and angle, and of each point with its surroundings."""
+    scene = vc.scenes.build("mushrooms?triangles=20000")
+    data = vc.correlation.measure(scene, n_points=12_000, map_size=32)
+    size = (data.attrs["width"], data.attrs["height"])
+    image = vc.render(scene, vc.Direct(n_environment=64), size=size).image
+    figure = new_figure(11.0, 3.4)
+    picture, map_, table = figure.subplots(1, 3)
+    draw_image(picture, image, "the scene")
+    colors = correlation_plots.draw_map(map_, data)
+    map_.set_title("mean ρ of a point with its surroundings", fontsize=9)
+    correlation_plots.draw_table(table, data)
+    table.set_title("ρ̄(d, θ) of all pairs", fontsize=9)
+    figure.colorbar(colors, ax=table, label="ρ")
+    return figure
+
+
+PICTURES: dict[str, Picture] = {
+    "how-aqvc": aqvc,
+    "how-vlf": vlf,
+    "how-vismap": vismap,
+    "how-correlation": correlation,
+}
+
+
+def recipe() -> str:
+    """SHA-256 of this file, in the first 16 digits."""
+    return digest(Path(__file__).read_bytes())
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 in the first 16 digits."""
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def webp(figure: Any) -> bytes:
+    """The figure on white, as both themes of the site show it."""
+    png, out = io.BytesIO(), io.BytesIO()
+    figure.savefig(png, dpi=DPI, facecolor="white", bbox_inches="tight")
+    Image.open(png).convert("RGB").save(out, "WEBP", quality=75, method=6)
+    return out.getvalue()
+
+
+def main() -> None:
+    """Make the pictures named, or all of them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", choices=[[], *PICTURES], metavar="NAME")
+    parser.add_argument("-o", type=Path, default=FOLDER, metavar="FOLDER")
+    given = parser.parse_args()
+    given.o.mkdir(parents=True, exist_ok=True)
+    path = given.o / MANIFEST
+    made = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    for name in given.names or PICTURES:
+        data = webp(PICTURES[name]())
+        (given.o / f"{name}.webp").write_bytes(data)
+        made[name] = {"recipe": recipe(), "picture": digest(data)}
+        print(name, len(data), "bytes")
+    path.write_text(json.dumps(dict(sorted(made.items())), indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

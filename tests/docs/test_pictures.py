@@ -1,0 +1,97 @@
+"""Pictures of the documentation: made by the present recipes, small, and shown with words."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import json
+import re
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from codebase.repository import ROOT, sources
+
+IMAGES = ROOT / "docs" / "images"
+LARGEST, ALL = 200_000, 3_000_000
+#: Mean difference of pictures in [0, 1] made by the same recipe: rounding, and text of another
+#: matplotlib.
+SAME = 0.02
+SHOWN = re.compile(r"!\[(.*?)\]\((\S+?)\)", re.S)
+
+
+def script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("doc_pictures", ROOT / "scripts/doc_pictures.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def stale(pictures: ModuleType, folder: Path, recipe: str) -> list[str]:
+    """Pictures that are missing, changed by hand, or made by another text of the script."""
+    made = json.loads((folder / pictures.MANIFEST).read_text("utf-8"))
+    fresh = [
+        name
+        for name in pictures.PICTURES
+        if (path := folder / f"{name}.webp").is_file()
+        and made.get(name) == {"recipe": recipe, "picture": pictures.digest(path.read_bytes())}
+    ]
+    return sorted({*pictures.PICTURES, *made} - {*fresh})
+
+
+def difference(one: bytes, other: bytes) -> float:
+    """Mean absolute difference of two pictures in [0, 1]; 1 if their sizes differ."""
+    a, b = (np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float) for data in (one, other))
+    return float(np.abs(a - b).mean() / 255) if a.shape == b.shape else 1.0
+
+
+def test_pictures_were_made_by_the_present_script() -> None:
+    pictures = script()
+    assert stale(pictures, IMAGES, pictures.recipe()) == [], "run scripts/doc_pictures.py"
+
+
+def test_an_old_or_changed_picture_is_found(tmp_path: Path) -> None:
+    pictures = script()
+    assert stale(pictures, IMAGES, "0" * 16) == sorted(pictures.PICTURES)
+    for path in IMAGES.glob("how-*.webp"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / pictures.MANIFEST).write_text((IMAGES / pictures.MANIFEST).read_text("utf-8"))
+    with (tmp_path / "how-vlf.webp").open("ab") as file:
+        file.write(b"0")
+    assert stale(pictures, tmp_path, pictures.recipe()) == ["how-vlf"]
+
+
+def test_every_picture_is_shown_with_words() -> None:
+    shown = {
+        Path(target).name: words
+        for page in sources(".md", under="docs/").values()
+        for words, target in SHOWN.findall(page)
+    }
+    for name in script().PICTURES:
+        assert len(shown.get(f"{name}.webp", "")) > 40, name
+
+
+def test_pictures_are_small() -> None:
+    sizes = {path.name: path.stat().st_size for path in IMAGES.rglob("*.*")}
+    assert [name for name in script().PICTURES if sizes[f"{name}.webp"] > LARGEST] == []
+    assert sum(sizes.values()) < ALL
+
+
+@pytest.mark.slow
+def test_the_script_makes_the_committed_pictures() -> None:
+    pictures = script()
+    for name, make in pictures.PICTURES.items():
+        kept = (IMAGES / f"{name}.webp").read_bytes()
+        assert difference(pictures.webp(make()), kept) < SAME, name
+
+
+def test_another_picture_of_the_same_size_is_told_apart() -> None:
+    kept = (IMAGES / "how-vlf.webp").read_bytes()
+    turned = io.BytesIO()
+    Image.open(io.BytesIO(kept)).rotate(180).save(turned, "WEBP", quality=75)
+    assert difference(kept, kept) == 0
+    assert difference(kept, turned.getvalue()) > SAME
