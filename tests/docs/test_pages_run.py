@@ -22,8 +22,10 @@ from codebase.repository import paths, text
 from viscache import cli
 from viscache.sweeps.sweep import SweepFile
 
-#: Tolerance of printed numbers.
-TOLERANCE = 0.25
+#: Tolerance of printed numbers: rays and errors depend on the instruction set by far less.
+TOLERANCE = 0.05
+#: Pages that print what a search ends at, or statistics of noise; either may jump.
+LOOSER = {"docs/howto/own-cache.md": 0.25, "docs/howto/pytest.md": 0.25}
 #: Pages that take more than a second or two.
 SLOW = {
     "README.md",
@@ -53,7 +55,7 @@ def blocks(source: str) -> Iterator[Block]:
         yield Block(match[1], match[2], source[: match.start()].count("\n") + 2)
 
 
-def alike(said: str, printed: str) -> bool:
+def alike(said: str, printed: str, tolerance: float = TOLERANCE) -> bool:
     """Equal text; numbers with a decimal point, or from 10 on, may differ a little."""
     if re.sub(r"\s", "", NUMBER.sub("#", said)) != re.sub(r"\s", "", NUMBER.sub("#", printed)):
         return False
@@ -62,7 +64,7 @@ def alike(said: str, printed: str) -> bool:
         a == b
         or (
             (float(a) >= 10 or "." in a)
-            and abs(float(a) - float(b)) <= TOLERANCE * max(abs(float(a)), abs(float(b)))
+            and abs(float(a) - float(b)) <= tolerance * max(abs(float(a)), abs(float(b)))
         )
         for a, b in pairs
     )
@@ -81,7 +83,7 @@ def run(source: str, name: str) -> int:
                 exec(compile(tree, name, "exec", dont_inherit=True), space)
             printed, ran = out.getvalue(), ran + 1
         elif block.kind == "text":
-            assert alike(block.text, printed), (
+            assert alike(block.text, printed, LOOSER.get(name, TOLERANCE)), (
                 f"{name}:{block.line} says\n{block.text}\ngot\n{printed}"
             )
         elif block.kind == "toml" and sys.version_info >= (3, 11):
@@ -135,8 +137,9 @@ def test_pages_for_users_have_code() -> None:
 
 def test_a_page_that_says_something_else_is_found() -> None:
     page = "```python\nprint('a', 10.0, 3)\n```\n```text\n{}\n```\n"
-    assert run(page.format("a 11.0 3"), "page") == 1
-    for wrong in ("b 10.0 3", "a 14.0 3", "a 10.0 4", "a 10.0"):
+    assert run(page.format("a 10.4 3"), "page") == 1
+    assert run(page.format("a 12.0 3"), next(iter(LOOSER))) == 1
+    for wrong in ("b 10.0 3", "a 10.6 3", "a 10.0 4", "a 10.0"):
         with pytest.raises(AssertionError, match="page:5 says"):
             run(page.format(wrong), "page")
 
