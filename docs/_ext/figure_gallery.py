@@ -24,10 +24,13 @@ from viscache.figures.registry import FIGURES, FigureInfo
 
 #: Pictures wider than this are shrunk: pages should open at once.
 WIDTH_PX = 1400
+#: Small pictures of a quick run, by scripts/gallery_thumbnails.py.
+THUMBNAILS = Path(__file__).resolve().parents[1] / "gallery" / "thumbnails"
 #: Longer tables are folded, except for the rows that do not hold.
 MOST_ROWS = 8
 NO_RESULTS = (
-    "This copy of the site was built without results, so it only lists the figures. "
+    "This copy of the site was built without results, so it lists the figures with small pictures "
+    "of a quick run. "
     "`scripts/docs --figures DIR` shows results of `viscache reproduce all -o DIR`."
 )
 QUICK_RUN = (
@@ -89,10 +92,22 @@ class FigureCards(SphinxDirective):
             found = result(self.config.viscache_figures, name)
             lines += [f":::{{grid-item-card}} {name}", f":link: {name}", ":link-type: ref"]
             lines.append(f":link-alt: {name}")
-            if files := pictures(found):
-                lines += [f":img-bottom: {picture(self, files[0])}", ":class-img-bottom: thumbnail"]
+            if shown := self._thumbnail(name, pictures(found)):
+                lines += [f":img-bottom: {shown}", ":class-img-bottom: thumbnail"]
+                lines.append(f":img-alt: {name}: {info.description}")
             lines += ["", info.description, ":::", ""]
         return markdown(self, [*lines, "::::"])
+
+    def _thumbnail(self, name: str, files: list[str]) -> str:
+        """The first picture of a result; without results, the small one kept with the pages."""
+        if files:
+            return picture(self, files[0])
+        kept = THUMBNAILS / f"{name}.webp"
+        if not kept.is_file():
+            return ""
+        self.env.note_dependency(str(kept))
+        page = Path(self.env.doc2path(self.env.docname)).parent
+        return Path(os.path.relpath(kept, page)).as_posix()
 
 
 class FigureGallery(SphinxDirective):
