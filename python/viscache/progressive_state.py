@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.aqvc_rows import AqvcRows
-from viscache.files import whole_file
+from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.frame import Frame
 from viscache.oracles.learned import Shares
 from viscache.provenance import VERSION
@@ -202,7 +201,7 @@ def load(
             arrays = {name: archive[name] for name in archive.files}
         records = json.loads(arrays["records"].tobytes())
         found, version = records["identity"], records["version"]
-    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile) as error:
+    except DAMAGED_ARRAYS as error:
         raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
     if version != VERSION:
         raise ValueError(f"{source} must be of viscache {VERSION}, got {version}")

@@ -182,9 +182,12 @@ def test_a_process_that_comes_second_takes_the_rows_of_the_first(tmp_path: Path)
     assert [p.name for p in tmp_path.iterdir()] == ["rows.npy"]
 
 
-def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path) -> None:
+@pytest.mark.parametrize("damage", ["no array", "a header that ends too soon"])
+def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path, damage: str) -> None:
     correlation(tmp_path)
-    next(tmp_path.rglob("rows.npy")).write_bytes(b"no array")
+    path = next(tmp_path.rglob("rows.npy"))
+    whole = path.read_bytes()
+    path.write_bytes(b"no array" if damage == "no array" else whole.replace(b"}", b"(", 1))
     with pytest.raises(ValueError, match=r"rows\.npy cannot be read: .*delete it"):
         correlation(tmp_path)
 

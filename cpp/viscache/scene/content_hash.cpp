@@ -23,7 +23,7 @@ public:
             word(w);
         }
         uint64_t rest = 0;
-        std::memcpy(&rest, p, n);
+        if (n) std::memcpy(&rest, p, n);
         word(rest);
     }
     template <class T>

@@ -15,31 +15,18 @@ from __future__ import annotations
 import hashlib
 import os
 import uuid
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.files import whole_file
+from viscache.files import DAMAGED_ARRAYS, whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
 #: Name of the hash among the arrays of a block.
 DIGEST = "sha256"
-#: What NumPy raises for files that are cut off or changed.
-UNREADABLE = (
-    ValueError,
-    KeyError,
-    EOFError,
-    OSError,
-    NotImplementedError,
-    RuntimeError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 
 
 class WorkStore(Protocol):
@@ -99,7 +86,7 @@ class FolderStore:
             _create_rows(self.path, shape)
         try:
             self.bits = np.load(self.path, mmap_mode="r+")
-        except UNREADABLE as error:
+        except DAMAGED_ARRAYS as error:
             raise ValueError(
                 f"{self.path} cannot be read: {error}; delete it, and its blocks are computed again"
             ) from error
@@ -123,7 +110,7 @@ class FolderStore:
                 arrays = {key: file[key] for key in file.files}
             given = str(arrays.pop(DIGEST, None))
             reason = "its content does not fit its hash"
-        except UNREADABLE as error:
+        except DAMAGED_ARRAYS as error:
             arrays, given = {}, ""
             reason = str(error)
         if given == self._digest(name, arrays, rows):

@@ -6,8 +6,6 @@ measure it again. The name of a file is made of the contents of both frames.
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import metrics
-from viscache.files import whole_file
+from viscache.files import DAMAGED_ARRAYS, whole_file
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
@@ -59,7 +57,7 @@ def kept(frame: Frame, reference: Frame, directory: Path | None) -> FlipMap | No
     try:
         with file.open("rb") as opened, np.load(opened) as found:
             return FlipMap(found["errors"], float(found["mean"]))
-    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile, zlib.error):
+    except DAMAGED_ARRAYS:
         return None  # damaged: measured again
 
 

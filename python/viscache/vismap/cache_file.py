@@ -7,8 +7,6 @@ import io
 import json
 import math
 import os
-import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.files import whole_file
+from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.provenance import VERSION
 from viscache.settings.checks import require
 
@@ -28,20 +26,6 @@ FORMAT = "viscache visibility-map cache"
 FORMAT_VERSION = 1
 #: Settings whose names in older files differ.
 RENAMED = {"settle": "repeat_passes"}
-
-#: Exceptions raised by the readers for files that are not archives of arrays, or damaged.
-DAMAGED = (
-    ValueError,
-    KeyError,
-    EOFError,
-    TypeError,
-    AttributeError,
-    NotImplementedError,
-    RuntimeError,
-    OSError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -160,7 +144,7 @@ def _opened(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, npt
         with np.load(content, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         head = json.loads(str(arrays.pop("head")))
-    except DAMAGED as error:
+    except DAMAGED_ARRAYS as error:
         raise ValueError(f"{path}: must be a file of VisibilityMapCache.save: {error}") from error
     known = isinstance(head, dict) and head.get("format") == FORMAT
     require(known, f"{path}: must be a file of VisibilityMapCache.save", head)
