@@ -39,6 +39,7 @@ SMALL = (
     "tune",
     "notebook-slider",
     "parity",
+    "peers",
 )
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,15 @@ def main() -> None:
         found = scene.run(given["origins"], given["directions"], dists=dists, query="OCCLUDED")
         return {"occluded": np.asarray(found)}
 
-    serve({"flags": "robust", "threads": 1}, {"any_hit": any_hit})
+    def nearest(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
+        dists = np.full(len(given["origins"]), min(float(given["t_max"]), 1e37), np.float32)
+        found = scene.run(given["origins"], given["directions"], dists=dists, output=True)
+        return {"t": np.where(found["primID"] == -1, np.inf, found["tfar"])}
+
+    serve(
+        {"flags": "robust", "threads": 1, "version": metadata.version("embreex")},
+        {"any_hit": any_hit, "nearest": nearest},
+    )
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from viscache.bench.peer_mitsuba_kernels import MitsubaKernels
+from viscache.bench.peer_mitsuba_picture import MitsubaPicture
 from viscache.bench.peer_protocol import serve
 
 
@@ -18,19 +20,32 @@ def main() -> None:
     """Build the scene, then answer."""
     mi: Any = importlib.import_module("mitsuba")
 
+    variant = "scalar_rgb" if sys.argv[2:] == ["mitsuba-scalar"] else "llvm_ad_rgb"
     try:
-        mi.set_variant("llvm_ad_rgb")
+        mi.set_variant(variant)
     except ImportError as error:
-        print(json.dumps({"error": f"Mitsuba's llvm variant does not run: {error}"}), flush=True)
+        print(json.dumps({"error": f"Mitsuba's {variant} does not run: {error}"}), flush=True)
         return
     dr: Any = importlib.import_module("drjit")
 
+    about = {"flags": "robust", "threads": dr.thread_count(), "version": mi.__version__}
+    lit = {"sky": MitsubaPicture(mi, Path(sys.argv[1])).sky}
+    if variant == "scalar_rgb":
+        # Single rays from Python would measure Python
+        serve(about, lit)
+        return
     scene = _scene(mi)
+    pictures = MitsubaKernels(mi, dr, scene)
 
     def any_hit(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
         ray = mi.Ray3f(mi.Point3f(given["origins"].T), mi.Vector3f(given["directions"].T))
         ray.maxt = float(given["t_max"])
         return {"occluded": np.array(scene.ray_test(ray))}
+
+    def nearest(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
+        ray = mi.Ray3f(mi.Point3f(given["origins"].T), mi.Vector3f(given["directions"].T))
+        ray.maxt = float(given["t_max"])
+        return {"t": np.array(scene.ray_intersect_preliminary(ray).t)}
 
     def lights(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
         p, n = mi.Point3f(given["points"].T), mi.Vector3f(given["normals"].T)
@@ -62,10 +77,8 @@ def main() -> None:
             dr.eval(open_, pcg)
         return {"rays": samples * len(given["points"]), "open": np.array(open_).mean() / samples}
 
-    serve(
-        {"flags": "robust", "threads": dr.thread_count(), "version": mi.__version__},
-        {"any_hit": any_hit, "lights": lights, "ambient": ambient},
-    )
+    rays = {"any_hit": any_hit, "nearest": nearest, "lights": lights, "ambient": ambient}
+    serve(about, rays | lit | {"ao": pictures.ao, "points": pictures.points})
 
 
 def _scene(mi: Any) -> Any:

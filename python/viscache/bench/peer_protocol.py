@@ -22,7 +22,7 @@ def serve(about: Mapping[str, Any], jobs: Mapping[str, Job]) -> None:
     folder = Path(sys.argv[1])
     given: dict[str, Any] = {}
     made: dict[str, Any] = {}
-    _say(dict(about))
+    _say({**about, "jobs": list(jobs)})
     for line in sys.stdin:
         fields = json.loads(line)
         wall, cpu = time.perf_counter(), time.process_time()

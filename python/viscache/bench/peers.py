@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import subprocess
@@ -16,13 +17,27 @@ import numpy as np
 from viscache.bench.common import Sample
 from viscache.scene import Scene
 
-__all__ = ["PEERS", "Peer", "missing"]
+__all__ = ["PEERS", "Peer", "PeerError", "missing", "missing_scene"]
 
 #: Name of a peer: (the package it needs, the module that runs it).
 PEERS = {
     "mitsuba": ("mitsuba", "viscache.bench.peer_mitsuba"),
+    "mitsuba-scalar": ("mitsuba", "viscache.bench.peer_mitsuba"),
+    "cycles": ("bpy", "viscache.bench.peer_cycles"),
     "embreex": ("embreex", "viscache.bench.peer_embreex"),
 }
+
+
+#: Starts a module of this package under an interpreter that does not have the package.
+_START = """
+import runpy, sys, types
+for name, folder in (("viscache", sys.argv[1]), ("viscache.bench", sys.argv[1] + "/bench")):
+    sys.modules[name] = types.ModuleType(name)
+    sys.modules[name].__path__ = [folder]
+module = sys.argv[2]
+del sys.argv[1:3]
+runpy.run_module(module, run_name="__main__", alter_sys=True)
+"""
 
 
 class PeerError(RuntimeError):
@@ -34,6 +49,11 @@ def missing(name: str, scene: Scene) -> str | None:
     package = PEERS[name][0]
     if importlib.util.find_spec(package) is None:
         return f"{package} is not installed"
+    return missing_scene(scene)
+
+
+def missing_scene(scene: Scene) -> str | None:
+    """Why a scene cannot be handed over to any peer; None if it can."""
     if scene.info()["instances"]:
         return "the scene has instances, which are not handed over"
     return None
@@ -43,9 +63,24 @@ class Peer:
     """One peer with its scene built; `run(job)` runs one job and returns its duration.
 
     Each job is one line of JSON on standard input; each report is one line of JSON.
+
+    Parameters
+    ----------
+    name : str
+        One of `PEERS`.
+    scene : Scene
+        Its triangles are handed over; see `missing`.
+    python : Path, optional
+        The interpreter that has the peer's package; this package need not be there. The one that
+        runs now by default.
+
+    Raises
+    ------
+    PeerError
+        The peer did not start, ended, or reported an error. Its scene may be built already.
     """
 
-    def __init__(self, name: str, scene: Scene) -> None:
+    def __init__(self, name: str, scene: Scene, python: Path | None = None) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="viscache-bench-")
         self._path = Path(self._folder.name)
         meshes = [m for m in scene.meshes() if m["in_world"]]
@@ -58,18 +93,31 @@ class Peer:
             ).astype(np.uint32),
         )
         self._process = subprocess.Popen(
-            [sys.executable, "-m", PEERS[name][1], str(self._path)],
+            [
+                str(python or sys.executable),
+                "-c",
+                _START,
+                str(Path(__file__).parents[1]),
+                PEERS[name][1],
+                str(self._path),
+                name,
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
         )
-        self.about = self._answer()
+        try:
+            self.about = self._answer()
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
 
     def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
         """Run a job; return its time and the rest of its report."""
         assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(job) + "\n")
-        self._process.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):  # it has ended; the answer says how
+            self._process.stdin.write(json.dumps(job) + "\n")
+            self._process.stdin.flush()
         report = self._answer()
         return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
 
@@ -104,7 +152,8 @@ class Peer:
         trace: TracebackType | None,
     ) -> None:
         assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
         self._process.wait(timeout=60)
         self._process.stdout.close()
         self._folder.cleanup()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from viscache.bench.against_peers import against_peers
 from viscache.bench.aligned import aligned
 from viscache.bench.aqvc_apartment import aqvc_apartment
 from viscache.bench.aqvc_frame import aqvc_frame
@@ -143,6 +144,10 @@ BENCHES: dict[str, BenchInfo] = {
     "parity": BenchInfo(
         description="pictures of a zoo of scene files and of shared scenes against Mitsuba 3",
         function=parity,
+    ),
+    "peers": BenchInfo(
+        description="rays and pictures against other renderers, each in its own environment",
+        function=against_peers,
     ),
 }
 

@@ -18,6 +18,9 @@ def text(result: dict[str, Any]) -> str:
             line += f"  goal {f['goal']:g}: {'holds' if f['holds'] else 'missed'}"
         if f.get("at_most") is not None:
             line += f"  at most {f['at_most']:g}: {'holds' if f['holds'] else 'missed'}"
+        if f.get("equal_error") is not None:
+            low, high = f["equal_error_low"], f["equal_error_high"]
+            line += f"  to equal error {f['equal_error']:.2f}x [{low:.2f}, {high:.2f}]"
         if f.get("rel_l1") is not None:
             line += f"  rel_l1 {f['rel_l1']:.4f}"
         lines.append(line)

@@ -16,23 +16,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME|all|list")
     parser.add_argument("--quick", action="store_true", help="small sizes, few repeats")
     parser.add_argument("--json", action="store_true", help="one JSON object")
+    peers = parser.add_argument_group("peers")
+    peers.add_argument(
+        "--environments", metavar="DIR", help="folder of the peers' virtual environments"
+    )
+    peers.add_argument(
+        "--make-environments",
+        action="store_true",
+        help="make them there with venv and pip, and measure nothing",
+    )
     own = parser.add_argument_group("parity")
     own.add_argument("--only", metavar="GLOB", help="scenes with such names, e.g. 'material/*'")
-    own.add_argument("-o", "--output", metavar="DIR", help="folder of the page and its scene files")
+    own.add_argument("-o", "--output", metavar="DIR", help="folder of the page; of peers too")
     own.add_argument("--threads", type=int, metavar="N", help="all cores by default")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Exit status 0: done; 1: an answer was wrong."""
     from viscache import bench
+    from viscache.bench.peer_page import write_pages
     from viscache.bench.text import text
 
     if arguments.name == "list":
         return _list(arguments.json)
-    own = _parity(arguments)
+    if arguments.make_environments:
+        return _make_environments(arguments)
+    own = _peers(arguments) if arguments.name == "peers" else _parity(arguments)
     results = []
     for name in bench.BENCHES if arguments.name == "all" else [arguments.name]:
         results.append(bench.run(name, arguments.quick, own))
+        if name == "peers" and arguments.output is not None:
+            write_pages(Path(arguments.output), results[-1])
         if not arguments.json:
             print(text(results[-1]), flush=True)
             if arguments.output is not None:
@@ -42,6 +56,36 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if all(r["answers_hold"] for r in results) else 1
 
 
+def _peers(arguments: argparse.Namespace) -> Callable[[bool], Any]:
+    from viscache.bench.against_peers import against_peers
+
+    for name in ("only", "threads"):
+        if getattr(arguments, name) is not None:
+            raise ValueError(f"--{name} is an option of the bench parity alone")
+    return partial(against_peers, environments=_environments(arguments))
+
+
+def _environments(arguments: argparse.Namespace) -> Path:
+    from viscache.bench.peer_environments import default_folder
+
+    return default_folder() if arguments.environments is None else Path(arguments.environments)
+
+
+def _make_environments(arguments: argparse.Namespace) -> int:
+    """Exit status 1: one could not be made."""
+    from viscache.bench.peer_environments import make_environments
+
+    if arguments.name != "peers":
+        raise ValueError("--make-environments is an option of the bench peers alone")
+    made = make_environments(_environments(arguments))
+    if arguments.json:
+        print_json({"environments": made})
+    else:
+        for name, why in made.items():
+            print(f"{name}: {why or 'made'}")
+    return 1 if any(made.values()) else 0
+
+
 def _parity(arguments: argparse.Namespace) -> Callable[[bool], Any] | None:
     """The bench with the options that it alone takes; None without them."""
     from viscache.bench.parity import parity
@@ -49,6 +93,10 @@ def _parity(arguments: argparse.Namespace) -> Callable[[bool], Any] | None:
     given = {"only": arguments.only, "output": arguments.output, "threads": arguments.threads}
     set_ = {name: value for name, value in given.items() if value is not None}
     if arguments.name != "parity":
+        if arguments.environments is not None:
+            raise ValueError("--environments is an option of the bench peers alone")
+        if arguments.output is not None:
+            raise ValueError("--output is an option of the benches parity and peers alone")
         if set_:
             raise ValueError(f"--{next(iter(set_))} is an option of the bench parity alone")
         return None

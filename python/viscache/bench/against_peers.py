@@ -1,0 +1,253 @@
+"""`viscache bench peers`: rays and pictures against other renderers, each in its environment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+from viscache.bench.equal_error import log_interval
+from viscache.bench.peer_cases import PictureCase, picture_cases
+from viscache.bench.peer_environments import default_folder, interpreter
+from viscache.bench.peers import PEERS, Peer, PeerError, missing_scene
+from viscache.bench.ray_sets import make_ray_set
+from viscache.bench.rays import EDGE_TOLERANCE
+from viscache.scene import Scene
+
+__all__ = ["against_peers", "compare_pictures", "compare_rays"]
+
+Array = npt.NDArray[Any]
+
+#: Blocks of this many pixels are compared between converged frames.
+BLOCK = 8
+#: Mean difference of blocks of converged frames, of the mean of the picture.
+AGREEMENT = 0.01
+
+
+class Renderer(Protocol):
+    """What a bench asks of a peer; see `peers.Peer`."""
+
+    about: dict[str, Any]
+
+    def give(self, **arrays: Any) -> None: ...
+    def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]: ...
+    def result(self) -> dict[str, Any]: ...
+
+
+def against_peers(quick: bool = False, *, environments: Path | None = None) -> Outcome:
+    """Every case against every peer that there is; the others are skipped by name.
+
+    Parameters
+    ----------
+    quick : bool
+        Small pictures, few turns.
+    environments : Path, optional
+        The folder of `peer_environments.make_environments`; the default folder if absent. A peer
+        without environment is looked for beside this package.
+    """
+    outcome = Outcome()
+    folder = default_folder() if environments is None else environments
+    turns = 3 if quick else 6
+    for name in ("room", "random_triangles"):
+        scene = build_scene(f"{name}?triangles={5_000 if quick else 200_000}")
+        rays = 20_000 if quick else 500_000
+        _with_peers(
+            outcome,
+            f"rays, {name}",
+            scene,
+            folder,
+            lambda found, name=name, scene=scene, rays=rays: compare_rays(  # type: ignore[misc]
+                outcome, f"rays, {name}", scene, found, rays, turns
+            ),
+        )
+    for case in picture_cases(quick):
+        _with_peers(
+            outcome,
+            case.name,
+            case.scene,
+            folder,
+            lambda found, case=case: compare_pictures(  # type: ignore[misc]
+                outcome, case, found, turns
+            ),
+        )
+    outcome.notes.append(
+        "CPU seconds of all threads, after a warm-up. Converged frames agree, or there is no"
+        " figure. Equal samples: their time over ours. Equal error: their time × squared error"
+        " over ours, the geometric mean of the turns and its 95 % interval. Our frames are exact."
+    )
+    return outcome
+
+
+def _with_peers(
+    outcome: Outcome,
+    name: str,
+    scene: Scene,
+    folder: Path,
+    compare: Callable[[dict[str, Renderer]], None],
+) -> None:
+    """Start all peers that there are with a scene, compare, and end them."""
+    started: dict[str, Peer] = {}
+    try:
+        for peer, (package, _) in PEERS.items():
+            python = interpreter(package, folder)
+            why = f"{package} is not installed" if python is None else missing_scene(scene)
+            if why is None:
+                try:
+                    started[peer] = Peer(peer, scene, python)
+                except PeerError as error:
+                    why = str(error)
+            if why is not None:
+                outcome.skip(f"{name} vs {peer}", why)
+        compare(dict(started))
+    except PeerError as error:  # while sides take turns: the case is lost, the others are not
+        outcome.skip(name, str(error))
+    finally:
+        for running in started.values():
+            running.__exit__(None, None, None)
+
+
+def compare_rays(
+    outcome: Outcome,
+    title: str,
+    scene: Scene,
+    peers: Mapping[str, Renderer],
+    n: int,
+    turns: int,
+) -> None:
+    """Any and nearest hits of `n` camera rays, and between points, from arrays to arrays."""
+    for which in ("camera", "p2p"):
+        r = make_ray_set(scene, which, n)
+        asked: dict[str, Callable[[], Array]] = {
+            "any_hit": lambda r=r: scene.occluded(  # type: ignore[misc]
+                r.origins, r.directions, r.t_max
+            ),
+            "nearest": lambda r=r: (
+                scene.intersect(  # type: ignore[misc]
+                    r.origins, r.directions
+                ).t
+            ),
+        }
+        for job, ask in asked.items():
+            reach = r.t_max if job == "any_hit" else np.inf
+            runs: dict[str, Callable[[], Sample]] = {"ours": lambda ask=ask: timed(ask)[0]}  # type: ignore[misc]
+            able = {k: p for k, p in peers.items() if job in p.about["jobs"]}
+            for name, peer in able.items():
+                peer.give(origins=r.origins, directions=r.directions, t_max=reach)
+                runs[name] = lambda peer=peer, job=job: peer.run(  # type: ignore[misc]
+                    {"job": job}
+                )[0]
+            samples = interleave(runs, turns)
+            truth = ask()
+            hit = truth if truth.dtype == bool else np.isfinite(truth)
+            label = f"{title}, {which}, {job.replace('_', ' ')}"
+            outcome.check(f"{label}: none hit", float(not hit.any()), 0)
+            for name, peer in able.items():
+                differs = float(np.mean(_unlike(truth, peer.result(), name)))
+                outcome.check(f"{label}: share unlike {name}", differs, EDGE_TOLERANCE)
+                if differs <= EDGE_TOLERANCE:
+                    _figure(outcome, f"{label} vs {name}", samples, name, peer, work=len(r))
+
+
+def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
+    """Which rays are answered otherwise; distances may differ by rounding."""
+    if "t" not in theirs:
+        # embreex answers 0 where a ray is blocked, −1 where it is free
+        found = np.asarray(theirs["occluded"])
+        return np.asarray(ours != (found == 0 if name == "embreex" else found.astype(bool)))
+    return np.asarray(~np.isclose(ours, theirs["t"], rtol=1e-3, atol=1e-4))
+
+
+def compare_pictures(
+    outcome: Outcome, case: PictureCase, peers: Mapping[str, Renderer], turns: int
+) -> None:
+    """One case: converged frames agree; then time at equal samples and time to equal error."""
+    able = {k: p for k, p in peers.items() if case.job["job"] in p.about["jobs"]}
+    if not able:
+        return
+    reference = _grey(case.render(case.reference_spp, 10_000).image)
+    for name, peer in list(able.items()):
+        try:
+            peer.give(**case.arrays)
+            peer.run({**case.job, "spp": case.reference_spp, "seed": 10_001})
+        except PeerError as error:  # e.g. Mitsuba with an LLVM that does not suit it
+            outcome.skip(f"{case.name} vs {name}", str(error))
+            del able[name]
+            continue
+        unlike = _difference(reference, peer.result()["image"])
+        outcome.check(f"{case.name}: converged frame unlike {name}'s", unlike, AGREEMENT)
+        if not unlike <= AGREEMENT:
+            del able[name]
+    outcome.check(f"{case.name}: black", float(not reference.mean() > 0), 0)
+    errors: dict[str, list[float]] = {name: [] for name in ("ours", *able)}
+
+    def ours() -> Sample:
+        frame = case.render(case.spp, len(errors["ours"]))
+        errors["ours"].append(_squared_error(reference, _grey(frame.image)))
+        return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+    def theirs(name: str) -> Sample:
+        seed = 5_000 + len(errors[name])
+        time, _ = able[name].run({**case.job, "spp": case.spp, "seed": seed})
+        errors[name].append(_squared_error(reference, able[name].result()["image"]))
+        return time
+
+    runs: dict[str, Callable[[], Sample]] = {"ours": ours}
+    runs |= {name: lambda name=name: theirs(name) for name in able}  # type: ignore[misc]
+    samples = interleave(runs, turns)
+    for name, peer in able.items():
+        # The first error is that of the warm-up
+        pairs = zip(
+            samples["ours"], errors["ours"][1:], samples[name], errors[name][1:], strict=True
+        )
+        mean, low, high = log_interval([b.cpu_s * f / (a.cpu_s * e) for a, e, b, f in pairs])
+        _figure(
+            outcome,
+            f"{case.name} vs {name}",
+            samples,
+            name,
+            peer,
+            equal_error=mean,
+            equal_error_low=low,
+            equal_error_high=high,
+            relative_rmse=float(np.sqrt(np.mean(errors["ours"][1:]))),
+            baseline_relative_rmse=float(np.sqrt(np.mean(errors[name][1:]))),
+            spp=case.spp,
+        )
+
+
+def _figure(
+    outcome: Outcome,
+    label: str,
+    samples: Mapping[str, list[Sample]],
+    name: str,
+    peer: Renderer,
+    **more: Any,
+) -> None:
+    version = str(peer.about.get("version", "unknown"))
+    outcome.figures.append(
+        ratio_figure(label, samples["ours"], samples[name], version=version, **more)
+    )
+
+
+def _grey(image: Array) -> Array:
+    return np.asarray(np.asarray(image, np.float64).reshape(*image.shape[:2], -1).mean(axis=2))
+
+
+def _squared_error(reference: Array, image: Array) -> float:
+    """Mean squared difference, of the squared mean of the reference."""
+    return float(np.mean((image - reference) ** 2) / reference.mean() ** 2)
+
+
+def _difference(reference: Array, image: Array) -> float:
+    """Mean absolute difference of the means of blocks, of the mean of the reference."""
+
+    def blocks(a: Array) -> Array:
+        rows, columns = (s // BLOCK for s in a.shape)
+        cut = a[: rows * BLOCK, : columns * BLOCK]
+        return np.asarray(cut.reshape(rows, BLOCK, columns, BLOCK).mean(axis=(1, 3)))
+
+    return float(np.mean(np.abs(blocks(image) - blocks(reference))) / reference.mean())

@@ -1,0 +1,85 @@
+"""Frames of a grey scene under a sky by Mitsuba's own integrator (see `peer_mitsuba`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["MitsubaPicture"]
+
+
+class MitsubaPicture:
+    """The scene of a folder, its environment of the given arrays; built at the first frame."""
+
+    def __init__(self, mi: Any, folder: Path) -> None:
+        self._mi, self._folder = mi, folder
+        self._scene: Any = None
+        self._sky: Any = None
+
+    def sky(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
+        """Direct light of `sky` (H, W, 3); `samples` of the light and of the surface each."""
+        mi = self._mi
+        if given["sky"] is not self._sky:
+            self._scene, self._sky = self._build(given, fields), given["sky"]
+        image = mi.render(self._scene, spp=int(fields["spp"]), seed=int(fields["seed"]))
+        return {"image": np.array(image, np.float64)[:, :, :3].mean(axis=2)}
+
+    def _build(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> Any:
+        mi, side = self._mi, int(fields["side"])
+        with np.load(self._folder / "scene.npz") as file:
+            _write_ply(self._folder / "scene.ply", file["vertices"], file["triangles"])
+        origin, forward, _, up = np.asarray(given["camera"], np.float64)
+        view = mi.ScalarTransform4f().look_at(
+            origin=origin.tolist(), target=(origin + forward).tolist(), up=up.tolist()
+        )
+        grey = {"type": "rgb", "value": [float(fields["albedo"])] * 3}
+        samples = int(fields["samples"])
+        return mi.load_dict(
+            {
+                "type": "scene",
+                "embree_use_robust_intersections": True,
+                "integrator": {
+                    "type": "direct",
+                    "emitter_samples": samples,
+                    "bsdf_samples": samples,
+                },
+                "sensor": {
+                    "type": "perspective",
+                    "fov": float(np.degrees(fields["fov_rad"])),
+                    "to_world": view,
+                    "film": {
+                        "type": "hdrfilm",
+                        "width": side,
+                        "height": side,
+                        "rfilter": {"type": "box"},
+                        "component_format": "float32",
+                    },
+                    "sampler": {"type": "independent"},
+                },
+                "sky": {"type": "envmap", "bitmap": mi.Bitmap(np.array(given["sky"], np.float32))},
+                "mesh": {
+                    "type": "ply",
+                    "filename": str(self._folder / "scene.ply"),
+                    "face_normals": True,
+                    "bsdf": {
+                        "type": "twosided",
+                        "bsdf": {"type": "diffuse", "reflectance": grey},
+                    },
+                },
+            }
+        )
+
+
+def _write_ply(path: Path, vertices: npt.NDArray[Any], triangles: npt.NDArray[Any]) -> None:
+    head = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    faces = np.empty(len(triangles), [("n", "u1"), ("v", "<i4", 3)])
+    faces["n"], faces["v"] = 3, triangles
+    path.write_bytes(head.encode("ascii") + vertices.astype("<f4").tobytes() + faces.tobytes())
