@@ -174,8 +174,7 @@ def main() -> int:
     if not chosen:
         sys.exit(f"no mutant's name contains {arguments.only!r}")
     copy(every)
-    if any(m.is_core for m in chosen):
-        build(arguments.jobs)
+    build(arguments.jobs)
     status, said = pytest(sorted({test for m in chosen for test in m.tests}))
     print(f"without a mutant: {said}", flush=True)
     if status:
