@@ -69,3 +69,5 @@ pygments_dark_style = "monokai"
 
 # Results of `viscache reproduce all -o DIR` to show in the gallery
 viscache_figures = os.environ.get("VISCACHE_DOCS_FIGURES", "")
+# Notebooks with outputs that `scripts/run_notebooks.py DIR` made
+viscache_notebooks = os.environ.get("VISCACHE_DOCS_NOTEBOOKS", "")
