@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
+from viscache.array_digests import changed_layers, layer_digests, pixels_digest
 from viscache.array_output import ArrayOutput
 from viscache.audit_result import PixelErrors, QueryErrors, result
 from viscache.files import about_exr, whole_file
@@ -99,7 +99,7 @@ class Frame(ArrayOutput):
     @property
     def sha256(self) -> str:
         """Hex digest of the little-endian float32 pixels of the colour layer."""
-        return hashlib.sha256(np.ascontiguousarray(self.image, dtype="<f4").tobytes()).hexdigest()
+        return pixels_digest(self.image)
 
     @property
     def audit(self) -> PixelErrors | QueryErrors | None:
@@ -114,9 +114,10 @@ class Frame(ArrayOutput):
         """Write a file; its suffix determines the format. The file is complete or absent.
 
         `.exr`: all layers, scene-linear; tev shows them, `load` reads them back. The header has the
-        records as JSON. The colour layer is R, G, B at top level. Other layers are `name.R/G/B`,
-        `name.X/Y/Z` (position, normal), `name.V` (one channel) or `name.0, name.1, ...`. `.png`,
-        `.jpg`, `.jpeg`: the colour layer with 8 bits and the sRGB curve.
+        records as JSON, and the SHA-256 of each layer. The colour layer is R, G, B at top level.
+        Other layers are `name.R/G/B`, `name.X/Y/Z` (position, normal), `name.V` (one channel) or
+        `name.0, name.1, ...`. `.png`, `.jpg`, `.jpeg`: the colour layer with 8 bits and the sRGB
+        curve.
 
         Parameters
         ----------
@@ -159,6 +160,7 @@ class Frame(ArrayOutput):
             "compression": OpenEXR.ZIP_COMPRESSION,
             "type": OpenEXR.scanlineimage,
             _PREFIX + "layers": json.dumps(index),
+            _PREFIX + "sha256": json.dumps(layer_digests(self.layers)),
             _PREFIX + "warnings": json.dumps(self.warnings),
         }
         for name in _RECORDS:
@@ -169,12 +171,16 @@ class Frame(ArrayOutput):
     def load(cls, path: str | os.PathLike[str]) -> Frame:
         """Read an EXR: one that `save` wrote, or any other with R, G, B (or Y) at top level.
 
+        A file with hashes of its layers must have the layers that were saved. Files of other
+        programs, and of viscache before it wrote hashes, have none and are not checked.
+
         Raises
         ------
         FileNotFoundError
             There is no such file.
         ValueError
-            Not an EXR file, or one without a colour layer.
+            Not an EXR file, one without a colour layer, or one whose layers do not fit their
+            hashes; the message names the file and the layers.
         """
         source = Path(path)
         if not source.is_file():
@@ -202,6 +208,7 @@ class Frame(ArrayOutput):
         if missing:
             raise ValueError(f"{source} lacks the channels {missing} that its header names")
         layers = {name: np.stack([planes[c] for c in names], 2) for name, names in index.items()}
+        _check_layers(layers, _json_attribute(header, "sha256", None, source), source)
         warnings = _json_attribute(header, "warnings", [], source)
         return cls(layers=layers, warnings=warnings, **records)
 
@@ -300,6 +307,21 @@ def _foreign_layers(planes: Mapping[str, Any], source: Path) -> dict[str, list[s
     if "A" in top:
         layers["alpha"] = ["A"]
     return {**groups, **layers}
+
+
+def _check_layers(layers: Mapping[str, Layer], wanted: Any, source: Path) -> None:
+    """ValueError unless the layers fit the hashes of the header; without hashes all fit."""
+    if wanted is None:
+        return
+    if not isinstance(wanted, dict):
+        raise ValueError(f"{source}: header attribute {_PREFIX}sha256 must be a table of layers")
+    changed = changed_layers(layer_digests(layers), wanted)
+    if changed:
+        raise ValueError(
+            f"{source} is not as it was saved: the hash does not fit for the layers"
+            f" {', '.join(changed)} (a program that changes pixels must drop the header attribute"
+            f" {_PREFIX}sha256)"
+        )
 
 
 def _json_attribute(header: Mapping[str, Any], name: str, default: Any, source: Path) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.aqvc_rows import AqvcRows
+from viscache.array_digests import arrays_digest
 from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.frame import Frame
 from viscache.oracles.learned import Shares
@@ -34,6 +35,8 @@ OF_ONE_PASS = (
     "records",
     "voxel_pairs",
 )
+#: Name of the hash among the records; files of earlier days have none and are not checked.
+DIGEST = "sha256"
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
 
@@ -178,9 +181,14 @@ def save(
             records["rows"].append([tile, group, str(digest), row_words])
             arrays[f"cells {tile} {group}"] = cells
             arrays[f"rows {tile} {group}"] = bits
-    text = json.dumps(records).encode()
+    records = json.loads(json.dumps(records))  # as they will be read
+    text = json.dumps(records | {DIGEST: _digest(records, arrays)}).encode()
     with whole_file(Path(path)) as partial, partial.open("wb") as file:
         np.savez(file, records=np.frombuffer(text, np.uint8), **arrays)
+
+
+def _digest(records: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
+    return arrays_digest(json.dumps(records, sort_keys=True).encode(), arrays)
 
 
 def load(
@@ -200,7 +208,11 @@ def load(
         with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         records = json.loads(arrays["records"].tobytes())
+        whole = records.pop(DIGEST, None)
         found, version = records["identity"], records["version"]
+        rest = {n: a for n, a in arrays.items() if n != "records"}
+        if whole is not None and whole != _digest(records, rest):
+            raise ValueError("its content does not fit its hash")
     except DAMAGED_ARRAYS as error:
         raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
     if version != VERSION:

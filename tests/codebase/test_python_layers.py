@@ -15,7 +15,16 @@ from codebase.repository import sources
 #: rooms of lower floors. `viscache` stands for the package's own names (`import viscache as vc`).
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("_core",),
-    ("array_output", "audit_result", "files", "progress", "provenance", "tonemap", "workers"),
+    (
+        "array_digests",
+        "array_output",
+        "audit_result",
+        "files",
+        "progress",
+        "provenance",
+        "tonemap",
+        "workers",
+    ),
     ("frame_html", "live_view", "settings"),
     ("oracles",),
     ("emitted_light", "exact_cost", "frame", "frame_memory", "scene", "variance"),

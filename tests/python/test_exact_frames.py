@@ -111,7 +111,7 @@ def test_frames_of_other_code_go_when_nobody_uses_them(
     assert not kept[0].exists() and kept[1].exists() and (tmp_path / "mine").exists()
 
 
-@pytest.mark.parametrize("layer", ["color", "normal"])
+@pytest.mark.parametrize("layer", ["color", "normal", "depth", "coverage"])
 def test_a_damaged_frame_is_rendered_again(layer: str, tmp_path: Path, rendered: list[Any]) -> None:
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     good = exact(scene, vc.Direct(), size=SIZE)

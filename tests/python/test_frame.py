@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenEXR
@@ -245,3 +246,36 @@ def test_a_file_that_is_cut_off_or_changed_is_refused_by_name(tmp_path: Path) ->
             refused += 1
             assert "f.exr" in str(error)
     assert refused > len(cuts) // 2
+
+
+def rewritten(path: Path, change: Any, drop: tuple[str, ...] = ()) -> None:
+    """The file with other pixels and the header it had, but for some attributes."""
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        header = {n: v for n, v in file.header().items() if n != "channels" and n not in drop}
+        planes = {n: np.array(c.pixels) for n, c in file.channels().items()}
+    change(planes)
+    OpenEXR.File(header, planes).write(str(path))
+
+
+def test_a_file_with_another_layer_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "f.exr"
+    frame = vc.render(vc.scenes.cube_on_plane(), vc.Direct(n_area=1), size=(8, 8))
+    layers = sorted(frame.layers)
+    assert {"color", "depth", "normal", "albedo"} < set(layers)
+    rewritten_same = tmp_path / "same.exr"
+    frame.save(rewritten_same)
+    rewritten(rewritten_same, lambda planes: None)
+    vc.Frame.load(rewritten_same)
+    for layer in layers:
+        frame.save(path)
+        channel = {"color": "G"}.get(layer, f"{layer}.")
+
+        def change(planes: dict[str, Any], start: str = channel) -> None:
+            name = next(n for n in sorted(planes) if n.startswith(start))
+            planes[name][3, 2] += np.float32(1e-3)
+
+        rewritten(path, change)
+        with pytest.raises(ValueError, match=rf"f\.exr is not as it was saved: .*layers {layer} "):
+            vc.Frame.load(path)
+        rewritten(path, lambda planes: None, drop=("viscache.sha256",))
+        vc.Frame.load(path)  # a file from before there were hashes

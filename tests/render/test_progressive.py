@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -301,3 +302,23 @@ def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) ->
         with pytest.raises(ValueError, match="must be a saved state"):
             p.load(file)
     assert p.n_passes == 1
+
+
+def test_a_state_with_another_array_is_refused(room: vc.Scene, tmp_path: Path) -> None:
+    file = tmp_path / "state.npz"
+    p = picture(room)
+    p.passes(1)
+    p.save(file)
+    with np.load(file) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    np.savez(file, **arrays)
+    p.load(file)  # written by another program, but whole
+    for name in arrays.keys() - {"records"}:
+        np.savez(file, **(arrays | {name: arrays[name] + 1}))
+        with pytest.raises(ValueError, match=r"state\.npz .*does not fit its hash"):
+            p.load(file)
+    records = json.loads(arrays["records"].tobytes())
+    del records["sha256"]  # a file from before there were hashes
+    text = np.frombuffer(json.dumps(records).encode(), np.uint8)
+    np.savez(file, **(arrays | {"records": text, "squares": arrays["squares"] + 1}))
+    p.load(file)

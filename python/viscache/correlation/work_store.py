@@ -12,7 +12,6 @@ hash is computed again, and a line of `FolderStore.mended` says so.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import uuid
 from pathlib import Path
@@ -21,6 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from viscache.array_digests import arrays_digest
 from viscache.files import DAMAGED_ARRAYS, whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -119,14 +119,8 @@ class FolderStore:
         return None
 
     def _digest(self, name: str, arrays: Arrays, rows: slice | None) -> str:
-        h = hashlib.sha256(name.encode())
-        for key in sorted(arrays):
-            array = np.ascontiguousarray(arrays[key])
-            h.update(f"{key} {array.dtype.str} {array.shape}".encode())
-            h.update(array.tobytes())
-        if rows is not None:
-            h.update(np.ascontiguousarray(self.bits[rows]).tobytes())
-        return h.hexdigest()
+        of_rows = b"" if rows is None else np.ascontiguousarray(self.bits[rows]).tobytes()
+        return arrays_digest(name.encode(), arrays, of_rows)
 
 
 def write_arrays(path: Path, arrays: Arrays) -> None:

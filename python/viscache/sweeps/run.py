@@ -284,7 +284,7 @@ class Run:
         frame = render_task(self.plan.tasks[key], self.scene)
         frame.provenance["alone"] = False
         self.mended.append(f"{reason.partition('; delete')[0]}: rendered again")
-        if record is not None and record.sha256 == frame.sha256:
+        if record is not None and not record.changed(frame):
             self.store.replace_picture(record, frame)
         else:  # comparisons with the old picture are void
             self.store.put(key, self.plan.specs[key], frame)

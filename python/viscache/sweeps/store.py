@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache.array_digests import changed_layers, layer_digests
 from viscache.files import whole_file
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ CREATE TABLE IF NOT EXISTS sweep (
 CREATE TABLE IF NOT EXISTS frames (
     key TEXT PRIMARY KEY, spec TEXT NOT NULL, counters TEXT NOT NULL, timings TEXT NOT NULL,
     parameters TEXT NOT NULL, provenance TEXT NOT NULL, sha256 TEXT NOT NULL, file TEXT NOT NULL,
-    finished REAL NOT NULL);
+    finished REAL NOT NULL, layers TEXT);
 CREATE TABLE IF NOT EXISTS comparisons (
     key TEXT NOT NULL, reference TEXT NOT NULL, metric TEXT NOT NULL, value REAL,
     PRIMARY KEY (key, reference, metric));
@@ -63,7 +64,11 @@ class DamagedPictureError(ValueError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Record:
-    """A finished frame without its pixels."""
+    """A finished frame without its pixels.
+
+    `layers` has the hash of each layer; None in rows of older stores, which have that of the colour
+    layer alone.
+    """
 
     key: str
     spec: dict[str, Any]
@@ -73,6 +78,13 @@ class Record:
     provenance: dict[str, Any]
     sha256: str
     file: str
+    layers: dict[str, str] | None
+
+    def changed(self, frame: Frame) -> list[str]:
+        """Names of the layers in which a frame differs from the finished one."""
+        wanted = {"color": self.sha256} if self.layers is None else self.layers
+        names = frame.layers if self.layers is not None else ("color",)
+        return changed_layers(layer_digests({n: frame.layers[n] for n in names}), wanted)
 
 
 class Store:
@@ -105,6 +117,15 @@ class Store:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=NORMAL")
             self._db.executescript(_SCHEMA)
+            self._add_hashes()
+
+    def _add_hashes(self) -> None:
+        """Give a store that was made before layers had hashes their column."""
+        with self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            columns = [row[1] for row in self._db.execute("PRAGMA table_info(frames)")]
+            if "layers" not in columns:
+                self._db.execute("ALTER TABLE frames ADD COLUMN layers TEXT")
 
     @contextmanager
     def _door(self) -> Iterator[None]:
@@ -158,13 +179,14 @@ class Store:
 
     def get(self, key: str) -> Record | None:
         """The finished frame of a key whose picture is there, else None."""
-        columns = "spec, counters, timings, parameters, provenance, sha256, file"
+        columns = "spec, counters, timings, parameters, provenance, sha256, file, layers"
         with self._door():
             row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
         if row is None or (self.directory is not None and not (self.directory / row[6]).is_file()):
             return None
         with self._door():
             parts = [_object(text) for text in row[:5]]
+            layers = None if row[7] is None else _object(row[7])
         return Record(
             key=key,
             spec=parts[0],
@@ -174,10 +196,11 @@ class Store:
             provenance=parts[4],
             sha256=row[5],
             file=row[6],
+            layers=layers,
         )
 
     def frame(self, key: str) -> Frame:
-        """The frame of a key; its pixels are compared with the hash in the store.
+        """The frame of a key; its layers are compared with their hashes in the store.
 
         Raises
         ------
@@ -199,8 +222,11 @@ class Store:
             frame = Frame.load(path)
         except (ValueError, OSError) as error:
             raise DamagedPictureError(f"{error}; {advice}") from error
-        if frame.sha256 != record.sha256:
-            raise DamagedPictureError(f"{path} is not the picture that was stored; {advice}")
+        if changed := record.changed(frame):
+            where = ", ".join(changed)
+            raise DamagedPictureError(
+                f"{path} is not the picture that was stored (layers {where}); {advice}"
+            )
         return frame
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
@@ -222,10 +248,12 @@ class Store:
     ) -> None:
         records = (spec, of.counters, of.timings, of.parameters, of.provenance)
         name = file or getattr(of, "file", "")
-        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time())
+        hashes = of.layers if isinstance(of, Record) else layer_digests(of.layers)
+        layers = None if hashes is None else json.dumps(hashes)
+        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time(), layers)
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
-            self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 9)})", row)
+            self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 10)})", row)
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
             self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import math
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.array_digests import arrays_digest
 from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.provenance import VERSION
 from viscache.settings.checks import require
@@ -44,12 +44,7 @@ class State:
 
 def digest(head: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
     """Hash of scene, settings, version and content."""
-    h = hashlib.sha256(json.dumps(head, sort_keys=True).encode())
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        h.update(f"{name} {array.dtype.str} {array.shape}".encode())
-        h.update(array.tobytes())
-    return h.hexdigest()
+    return arrays_digest(json.dumps(head, sort_keys=True).encode(), arrays)
 
 
 def write(path: str | os.PathLike[str], state: State) -> None:

@@ -1,0 +1,38 @@
+"""SHA-256 of arrays, by which files and stores notice content that is not what was written."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["arrays_digest", "changed_layers", "layer_digests", "pixels_digest"]
+
+
+def pixels_digest(pixels: npt.NDArray[np.float32]) -> str:
+    """Hex digest of little-endian float32 pixels."""
+    return hashlib.sha256(np.ascontiguousarray(pixels, dtype="<f4").tobytes()).hexdigest()
+
+
+def layer_digests(layers: Mapping[str, npt.NDArray[np.float32]]) -> dict[str, str]:
+    """The digest of each layer of a frame, by name."""
+    return {name: pixels_digest(pixels) for name, pixels in layers.items()}
+
+
+def changed_layers(found: Mapping[str, str], wanted: Mapping[str, str]) -> list[str]:
+    """Names of layers whose digests differ, and of those that only one side has; sorted."""
+    return sorted(n for n in {*found, *wanted} if found.get(n) != wanted.get(n))
+
+
+def arrays_digest(start: bytes, arrays: Mapping[str, npt.NDArray[Any]], end: bytes = b"") -> str:
+    """Hex digest of some bytes, of named arrays, their types and shapes, and of more bytes."""
+    h = hashlib.sha256(start)
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        h.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        h.update(array.tobytes())
+    h.update(end)
+    return h.hexdigest()
