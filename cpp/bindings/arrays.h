@@ -1,19 +1,19 @@
 #pragma once
 // Conversions between NumPy arrays and C++. Errors name the argument.
-#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <string>
 #include <vector>
 
+#include "real_numbers.h"
 #include "viscache/math/vec.h"
 
 namespace viscache::bindings {
 
 namespace py = pybind11;
-using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
-using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using UintArray = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
+using FloatArray = RealArray<float, py::array::c_style | py::array::forcecast>;
+using DoubleArray = RealArray<double, py::array::c_style | py::array::forcecast>;
+using UintArray = RealArray<uint32_t, py::array::c_style | py::array::forcecast>;
 
 inline std::string shape_text(const py::array& a) {
     std::string s = "(";

@@ -1,9 +1,9 @@
 // Parameters of the quantized cache, bound row by row from their table.
-#include <pybind11/stl.h>
 
 #include <map>
 
 #include "bind_rows.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/parameters.h"
 
 namespace viscache::bindings {

@@ -1,8 +1,8 @@
 // The numbered equations of the quantized cache, vectorised. Most serve tests.
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/bit_table.h"
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/pixel_order.h"

@@ -1,8 +1,8 @@
 // Keys of four levels, hashed one by one or all at once, for tests and `viscache bench aqvc-lookup`.
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/key_levels.h"
 #include "viscache/render/stage_clock.h"
 

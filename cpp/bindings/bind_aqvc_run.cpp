@@ -1,11 +1,11 @@
 // The quantized cache over given eye points and lights without a renderer, for tests.
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 
 #include <numeric>
 
 #include "analytic_caster.h"
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/quantized_cache.h"
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/given_contributions.h"

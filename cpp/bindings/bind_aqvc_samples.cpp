@@ -1,9 +1,9 @@
 // Light cells of samples, for tests.
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/light_cells.h"
 #include "viscache/aqvc/octahedral_batch.h"
 

@@ -1,10 +1,10 @@
 // Caches as modules: the oracles of a source answer queries between arrays of eye points and far ends.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "frame_dict.h"
 #include "interrupt.h"
 #include "oracle_arrays.h"
+#include "real_numbers.h"
 #include "viscache/visibility/ask.h"
 
 namespace viscache::bindings {

@@ -1,9 +1,9 @@
 // Statistics of pairs of bit rows.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "interrupt.h"
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "viscache/correlation/neighbourhood.h"
 
 namespace viscache::bindings {

@@ -1,10 +1,10 @@
 // Surface points and their rows of visibility bits.
-#include <pybind11/stl.h>
 
 #include "checked_rows.h"
 #include "interrupt.h"
 #include "isa_argument.h"
 #include "oracle_arrays.h"
+#include "real_numbers.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
 #include "viscache/scene/check.h"

@@ -1,9 +1,9 @@
 // The choice among area lights and the picks of shared lights, for tests.
-#include <pybind11/stl.h>
 
 #include <tuple>
 
 #include "checked_rows.h"
+#include "real_numbers.h"
 #include "viscache/render/emitter_rays.h"
 #include "viscache/render/light_choice.h"
 #include "viscache/render/light_pick.h"

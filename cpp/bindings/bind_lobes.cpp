@@ -1,8 +1,8 @@
 // Batched kernels of reflection, directions and places in images, each with a chosen instruction set; for
 // tests.
-#include <pybind11/stl.h>
 
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "rows.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/sampling/sphere_batch.h"

@@ -1,7 +1,7 @@
 // Next Event Estimation++: its settings, and its voxel map for tests.
-#include <pybind11/stl.h>
 
 #include "caster_queries.h"
+#include "real_numbers.h"
 #include "viscache/visibility/kept_voxels.h"
 
 namespace viscache::bindings {

@@ -1,8 +1,8 @@
 // Batches, orders and ways of rays in arrays, for tests.
-#include <pybind11/stl.h>
 
 #include "caster_queries.h"
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "viscache/visibility/ray_batch.h"
 #include "viscache/visibility/ray_order.h"
 

@@ -1,9 +1,9 @@
 // Relighting: images under new environments without new rays.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "interrupt.h"
 #include "pixel_maps.h"
+#include "real_numbers.h"
 #include "viscache/render/relighting.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/ray_caster.h"

@@ -1,11 +1,11 @@
 // Settings and cameras of frames.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
 #include <tuple>
 
 #include "arrays.h"
 #include "checked_rows.h"
+#include "real_numbers.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"

@@ -1,7 +1,7 @@
 // Ambient occlusion from bit rows along shared directions.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/render/aligned_ambient.h"
 #include "viscache/vlf/directions.h"
 

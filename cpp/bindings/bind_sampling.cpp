@@ -1,7 +1,7 @@
 // Random numbers, low-discrepancy points, discrete distributions and octahedral maps.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
+#include "real_numbers.h"
 #include "rows.h"
 #include "viscache/math/octahedral.h"
 #include "viscache/sampling/direction_pattern.h"

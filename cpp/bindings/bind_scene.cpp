@@ -1,8 +1,8 @@
 // Scene and its exact rays.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
 #include "caster_queries.h"
+#include "real_numbers.h"
 #include "viscache/visibility/block_tracer.h"
 #include "viscache/visibility/embree_caster.h"
 

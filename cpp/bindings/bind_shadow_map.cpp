@@ -1,7 +1,7 @@
 // Shadow maps: their settings, and look-ups of one light for tests.
-#include <pybind11/stl.h>
 
 #include "caster_queries.h"
+#include "real_numbers.h"
 #include "viscache/render/shared_lights.h"
 #include "viscache/visibility/shadow_map.h"
 

@@ -1,9 +1,9 @@
 // Exact visibility by shafts.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "caster_queries.h"
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "viscache/visibility/shaft_matrix.h"
 #include "viscache/visibility/shaft_source.h"
 

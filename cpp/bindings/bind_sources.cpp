@@ -1,7 +1,7 @@
 // Sources of oracles.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/aqvc/aqvc_source.h"
 #include "viscache/visibility/exact_source.h"
 #include "viscache/visibility/kept_voxels.h"

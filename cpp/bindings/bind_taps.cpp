@@ -1,10 +1,10 @@
 // The queries of a frame as arrays, and frames from given answers.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "frame_dict.h"
 #include "interrupt.h"
 #include "oracle_arrays.h"
+#include "real_numbers.h"
 #include "viscache/render/frame.h"
 #include "viscache/render/taps.h"
 #include "viscache/visibility/ask.h"

@@ -1,9 +1,9 @@
 // The visibility-map cache: insertion, look-up, temporal removal, ambient occlusion.
-#include <pybind11/stl.h>
 
 #include "bind_rows.h"
 #include "cache_points.h"
 #include "interrupt.h"
+#include "real_numbers.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/ambient.h"

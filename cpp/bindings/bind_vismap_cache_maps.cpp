@@ -1,7 +1,7 @@
 // Parts of the visibility-map cache: maps, weights and the tree of records.
-#include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "real_numbers.h"
 #include "viscache/math/morton.h"
 #include "viscache/vismap/dilation.h"
 #include "viscache/vismap/map_difference.h"

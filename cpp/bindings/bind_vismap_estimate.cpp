@@ -1,9 +1,9 @@
 // Control variates, and estimates at one point with tabulated light, reflection and maps; for tests.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
 #include "bound_maps.h"
 #include "interrupt.h"
+#include "real_numbers.h"
 #include "table_reflection.h"
 #include "viscache/visibility/coherence_trial.h"
 #include "viscache/vismap/point_estimate.h"

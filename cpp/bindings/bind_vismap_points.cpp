@@ -1,8 +1,8 @@
 // Query points of a visibility-map cache: from arrays, or the first hits of a camera's pixels.
-#include <pybind11/stl.h>
 
 #include "cache_points.h"
 #include "interrupt.h"
+#include "real_numbers.h"
 #include "viscache/math/morton.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/ray_caster.h"

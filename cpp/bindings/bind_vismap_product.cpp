@@ -1,6 +1,6 @@
 // Product importance sampling of the environment.
-#include <pybind11/stl.h>
 
+#include "real_numbers.h"
 #include "rows.h"
 #include "table_reflection.h"
 #include "viscache/visibility/coherence_trial.h"

@@ -1,7 +1,6 @@
 // Visibility maps for the environment light of frames.
 #include "frame_maps.h"
-
-#include <pybind11/stl.h>
+#include "real_numbers.h"
 
 #include "bound_maps.h"
 #include "pixel_maps.h"

@@ -1,9 +1,9 @@
 // Aligned rays: visibility of points along shared axes.
-#include <pybind11/stl.h>
 
 #include "checked_rows.h"
 #include "interrupt.h"
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "viscache/vlf/engine_choice.h"
 #include "viscache/vlf/field_rows.h"
 

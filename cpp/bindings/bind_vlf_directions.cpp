@@ -1,7 +1,7 @@
 // Directions of the visibility field.
-#include <pybind11/stl.h>
 
 #include "checked_rows.h"
+#include "real_numbers.h"
 #include "rows.h"
 #include "viscache/vlf/direction_axes.h"
 #include "viscache/vlf/directions.h"

@@ -1,8 +1,8 @@
 // A visibility field with moving objects.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
 #include "caster_queries.h"
+#include "real_numbers.h"
 #include "viscache/vlf/dynamic.h"
 
 namespace viscache::bindings {

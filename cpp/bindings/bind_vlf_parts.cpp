@@ -1,9 +1,9 @@
 // Parts of the visibility field: tiles of triangles, tiles along rays, leaves of depth ranges; predicted
 // cost.
-#include <pybind11/stl.h>
 
 #include "bind_rows.h"
 #include "caster_queries.h"
+#include "real_numbers.h"
 #include "viscache/vlf/auto_settings.h"
 #include "viscache/vlf/rasterize.h"
 #include "viscache/vlf/tile_bsp.h"

@@ -1,9 +1,9 @@
 // Warps of the unit square and microfacet distributions, evaluated for rows of arrays.
-#include <pybind11/stl.h>
 
 #include <limits>
 
 #include "isa_argument.h"
+#include "real_numbers.h"
 #include "rows.h"
 #include "viscache/sampling/hemisphere_batch.h"
 #include "viscache/sampling/warp.h"

@@ -34,6 +34,7 @@ inline void require_same_rows(const py::array& a, const py::array& b, const char
 
 /// t_max as an array: one number for all rays, or one per ray. Its values are not checked yet.
 inline FloatArray distances_of_shape(const py::object& t_max, size_t n) {
+    require_real(t_max);
     auto a = FloatArray::ensure(t_max);
     if (!a) PyErr_Clear();
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))

@@ -1,6 +1,5 @@
 #pragma once
 // Parts of a scene description to and from plain Python objects.
-#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <cstring>
@@ -8,6 +7,7 @@
 
 #include "arrays.h"
 #include "gil.h"
+#include "real_numbers.h"
 #include "viscache/scene/description.h"
 
 namespace viscache::bindings {

@@ -1,7 +1,6 @@
 // A finished frame as Python objects.
 #include "frame_dict.h"
-
-#include <pybind11/stl.h>
+#include "real_numbers.h"
 
 #include "arrays.h"
 

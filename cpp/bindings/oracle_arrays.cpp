@@ -1,6 +1,5 @@
 #include "oracle_arrays.h"
-
-#include <pybind11/stl.h>
+#include "real_numbers.h"
 
 #include "arrays.h"
 #include "caster_queries.h"

@@ -1,6 +1,5 @@
 #include "python_oracle.h"
-
-#include <pybind11/stl.h>
+#include "real_numbers.h"
 
 #include <map>
 

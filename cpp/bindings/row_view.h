@@ -6,7 +6,7 @@
 namespace viscache::bindings {
 
 /// Of any layout.
-using AnyFloatArray = py::array_t<float, py::array::forcecast>;
+using AnyFloatArray = RealArray<float, py::array::forcecast>;
 
 /// Rows of an (N, 3) array, read in place where the three numbers of a row lie side by side.
 class RowView {

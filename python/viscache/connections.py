@@ -19,7 +19,7 @@ from viscache.render import frame_settings
 from viscache.scene import Env, Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
     Direct,
@@ -277,7 +277,7 @@ class Connections:
 def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
     if weights is None:
         return None
-    rows: npt.NDArray[np.float32] = np.ascontiguousarray(weights, dtype=np.float32)
+    rows: npt.NDArray[np.float32] = checked_floats(weights, f"weights of {group!r}")
     good = bool(np.isfinite(rows).all())
     require(good, f"weights of answers[{group!r}] must be finite", "values that are not")
     return rows

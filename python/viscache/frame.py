@@ -19,6 +19,7 @@ from viscache.audit_result import PixelErrors, QueryErrors, result
 from viscache.files import about_exr, whole_file
 from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
+from viscache.real_numbers import real_array
 from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
 
@@ -252,7 +253,7 @@ def checked_suffix(path: Path) -> Literal["exr", "png", "jpeg"]:
 
 
 def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
-    layer = np.asarray(pixels)
+    layer = real_array(pixels, f"layer {name}")
     if layer.ndim == 2:
         layer = layer[:, :, None]
     if layer.ndim != 3 or 0 in layer.shape:

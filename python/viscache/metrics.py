@@ -134,7 +134,7 @@ def confidence_interval(samples: Sequence[float], level: float = 0.95) -> tuple[
         raise ValueError(f"level must lie in (0, 1), got {level}")
     from scipy.stats import t  # type: ignore[import-untyped,unused-ignore]
 
-    values = np.asarray(samples, dtype=np.float64)
+    values = checked_floats(samples, "samples", np.float64)
     half = float(t.ppf(0.5 + level / 2, n - 1)) * float(values.std(ddof=1)) / math.sqrt(n)
     mean = float(values.mean())
     return (mean - half, mean + half)

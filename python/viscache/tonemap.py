@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.real_numbers import real_array
+
 FloatImage = npt.NDArray[np.floating[Any]]
 
 #: Rec. 709 luminance weights of linear R, G, B.
@@ -16,7 +18,7 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 def luminance(image: FloatImage) -> npt.NDArray[np.float64]:
     """Rec. 709 luminance, shape (H, W) float64, of a linear image (H, W, 1) or (H, W, >= 3)."""
-    pixels = np.asarray(image, dtype=np.float64)
+    pixels = real_array(image, "image").astype(np.float64, copy=False)
     if pixels.shape[2] < 3:
         return pixels[:, :, 0]
     return np.asarray(pixels[:, :, :3] @ np.asarray(LUMINANCE))
@@ -24,7 +26,7 @@ def luminance(image: FloatImage) -> npt.NDArray[np.float64]:
 
 def srgb_curve(linear: FloatImage) -> npt.NDArray[np.float64]:
     """The sRGB transfer curve (IEC 61966-2-1) of values clipped to [0, 1]."""
-    x = np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0)
+    x = np.clip(real_array(linear, "linear").astype(np.float64), 0.0, 1.0)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)
 
 
@@ -72,7 +74,7 @@ def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np
     (H, W, 3) uint8
         NaN pixels are magenta.
     """
-    pixels = np.asarray(image)
+    pixels = real_array(image, "image")
     if pixels.ndim != 3 or pixels.shape[2] in (0, 2):
         raise ValueError(f"image must have shape (H, W, 1) or (H, W, >= 3), got {pixels.shape}")
     factor = display_exposure(pixels) if exposure is None else float(exposure)
@@ -94,7 +96,7 @@ def difference8(
     Where a is brighter than the reference b, the result is brighter than grey. The exposure is
     `display_exposure(b)` by default. The shape is (H, W, 3) uint8.
     """
-    delta = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
+    delta = real_array(a, "a").astype(np.float64) - real_array(b, "b").astype(np.float64)
     if delta.shape[2] == 1:
         delta = np.repeat(delta, 3, axis=2)
     factor = display_exposure(b) if exposure is None else float(exposure)

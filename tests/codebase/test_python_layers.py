@@ -14,7 +14,7 @@ from codebase.repository import sources
 #: Rooms from the ground up: a folder or a file of python/viscache. A room may import itself and
 #: rooms of lower floors. `viscache` stands for the package's own names (`import viscache as vc`).
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("_core",),
+    ("_core", "real_numbers"),
     (
         "array_digests",
         "array_output",

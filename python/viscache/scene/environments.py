@@ -13,6 +13,7 @@ from viscache import _core
 from viscache._core import SceneDescription, SceneError
 from viscache.files import about_exr
 from viscache.scene.sky import Sky
+from viscache.settings.checks import checked_floats
 
 
 def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
@@ -72,8 +73,8 @@ def apply_environment(description: SceneDescription, env: Any) -> None:
         pixels = read_image(env)
     else:
         try:
-            pixels = np.asarray(env, dtype=np.float32)
-        except (TypeError, ValueError):
+            pixels = checked_floats(env, "env")
+        except ValueError:
             what = "env must be a Sky, a path, a number or pixels"
             raise ValueError(f"{what}, got {env!r}") from None
     if pixels.ndim == 3:

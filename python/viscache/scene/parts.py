@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.settings.checks import require
+from viscache.real_numbers import real_array
+from viscache.settings.checks import checked_floats, require
 
 __all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes"]
 
@@ -73,7 +74,7 @@ def _add_material(description: SceneDescription, material: Any) -> int:
         coat = _named(_core.CoatKind, "coat", given.pop("coat", _core.CoatKind.NONE))
         return description.add_material(kind, coat=coat, **given)
     try:
-        rgb = tuple(float(v) for v in material)
+        rgb = tuple(float(v) for v in real_array(material, "base_color"))
     except (TypeError, ValueError):
         raise ValueError(f"base_color must be 3 numbers, got {material!r}") from None
     require(len(rgb) == 3, "base_color must have 3 values", len(rgb))
@@ -97,7 +98,7 @@ def add_trimesh(description: SceneDescription, given: Any) -> None:
             raise SceneError(
                 f"meshes must be triangle meshes of trimesh, got {name or kind}: {kind}"
             )
-        vertices = np.asarray(mesh.vertices, dtype=np.float64)
+        vertices = checked_floats(mesh.vertices, "vertices", np.float64)
         vertices = vertices @ to_world[:3, :3].T + to_world[:3, 3]
         triangles = np.asarray(mesh.faces)
         if np.linalg.det(to_world[:3, :3]) < 0:  # a mirrored mesh keeps its orientation

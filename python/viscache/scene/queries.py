@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.progress import progress_bar
-from viscache.settings.checks import checked_points, checked_threads, require
+from viscache.settings.checks import checked_floats, checked_points, checked_threads, require
 from viscache.settings.rays import Caster
 
 __all__ = [
@@ -68,7 +68,7 @@ def occluded(
         rays, shape = together(origins=origins, directions=directions)
         ends = t_max
     else:
-        ends = np.asarray(t_max)
+        ends = checked_floats(t_max, "t_max")
         rays, shape = together(ends.shape, origins=origins, directions=directions)
         ends = np.broadcast_to(ends, shape).reshape(-1)
     found: npt.NDArray[np.bool_] = caster.occluded(*rays, ends, checked_threads(threads))

@@ -124,7 +124,7 @@ class Sky:
 
     def radiance(self, directions: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Radiance of the sky without its sun from directions (N, 3); (N, 3) float32."""
-        local = np.asarray(directions, dtype=np.float32) @ self._to_world()
+        local = checked_floats(directions, "directions") @ self._to_world()
         found = _core.sky_radiance(self._local_sun(), self.turbidity, self._ground(), local)
         return found * np.float32(self.sky_scale)
 

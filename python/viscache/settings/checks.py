@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from viscache.real_numbers import real_array
 from viscache.settings.not_given import NotGiven
 
 
@@ -107,7 +108,7 @@ def checked_floats(
     """Numbers of any shape as floats; ValueError where they are none. What overflows is inf."""
     try:
         with np.errstate(over="ignore"):
-            return np.asarray(values, dtype=dtype, order="C")
+            return np.asarray(real_array(values, name), dtype=dtype, order="C")
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} must be numbers, got {reprlib.repr(values)}") from error
 

@@ -18,6 +18,7 @@ from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.scene.cameras import camera_in_words
 from viscache.scene.sky import Sky
 from viscache.settings import by_name
+from viscache.settings.checks import checked_floats
 from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.store import content_key
@@ -323,4 +324,4 @@ def env_hash(env: Any) -> str | None:
         return hashlib.sha256(Path(env).read_bytes()).hexdigest()
     if isinstance(env, Sky):
         return hashlib.sha256(repr(env).encode()).hexdigest()
-    return hashlib.sha256(np.asarray(env, dtype="<f8").tobytes()).hexdigest()
+    return hashlib.sha256(checked_floats(env, "env", np.float64).tobytes()).hexdigest()
