@@ -82,6 +82,36 @@ def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):
     assert outcome.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
 
 
+def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(case, monkeypatch):
+    class EndsLater(Fake):
+        left = 3
+
+        def run(self, job):
+            self.left -= 1
+            if self.left < 0:
+                raise peers.PeerError("the other program ended with status -6", "mitsuba")
+            return super().run(job)
+
+        def __exit__(self, *_):
+            pass
+
+    monkeypatch.setattr(against_peers, "PEERS", {"mitsuba": ("a", ""), "cycles": ("b", "")})
+    monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: sys.executable)
+    made = {"mitsuba": EndsLater, "cycles": type("Whole", (Fake,), {"__exit__": lambda *_: None})}
+    monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
+    outcome = common.Outcome()
+    against_peers._with_peers(
+        outcome,
+        case.name,
+        case.scene,
+        None,
+        lambda found, able: against_peers.compare_pictures(found, case, able, 4),
+    )
+    assert [f["name"] for f in outcome.figures] == [f"{case.name} vs cycles"]
+    why = "the other program ended with status -6"
+    assert outcome.skipped == [{"what": f"{case.name} vs mitsuba", "reason": why}]
+
+
 @pytest.mark.parametrize("factor", [0.97, 1.03, float("nan")])
 def test_a_peer_whose_frames_differ_is_refused(case, factor):
     outcome = compared(case, factor=factor)

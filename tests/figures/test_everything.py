@@ -86,7 +86,7 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     claim = (
         "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1), at quick sizes."
     )
-    for words in (claim, "|not found|", "|not stated|"):
+    for words in (claim, "|not found|", "|not judged|"):
         assert words in page.text, words
     (source,) = page.sources
     assert source.startswith("data:image/webp;base64,") and len(source) < 1_000_000
@@ -101,7 +101,7 @@ def test_a_band_that_fails_fails_the_command_and_is_named(
     out = capsys.readouterr().out
     assert "1 of 2 bands hold; 1 failures:" in out
     assert "varies: speed: 2 is not in 2.5 … 5" in out
-    assert "found in 0 figures, not found in 1, not stated in 1" in out
+    assert "found in 0 figures, not found in 1, not stated in 1, not judged" in out
     (missed,) = json.loads((tmp_path / "summary.json").read_text())["claims_not_found"]
     assert (missed["figure"], missed["measured"], missed["claim"]) == ("varies", 2.0, [4.0, 5.0])
     assert out.splitlines()[-1] == str(tmp_path / "index.html")
@@ -115,7 +115,7 @@ def test_a_figure_that_raises_fails_the_command_and_the_others_run(
     assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--json"]) == 1
     got = json.loads(capsys.readouterr().out)
     assert got["failing"] == [{"figure": "varies", "error": "RuntimeError: out of luck"}]
-    assert got["claims"] == {"found": 0, "not_found": 0, "not_stated": 1}
+    assert got["claims"] == {"found": 0, "not_found": 0, "not_stated": 1, "not_judged": 0}
     assert got["figures"][1]["verdicts"] is None
     assert [f["figure"] for f in got["figures"]] == ["holds", "varies"]
     assert "out of luck" in (tmp_path / "index.html").read_text()

@@ -50,18 +50,18 @@ def test_the_claim_of_a_row_is_data() -> None:
 
 def test_a_figure_has_one_verdict_of_each_kind() -> None:
     rows = [row(WIDER, 9.0), row(OURS, 2.0), row(None, 1.0)]
-    assert verdicts(rows) == {
+    assert verdicts(rows, quick=False) == {
         "claim": {"verdict": "found", "yes": 1, "all": 1},
         "expectation": {"verdict": "holds", "yes": 2, "all": 2},
     }
     rows.append(row(WIDER, 3.7))
-    assert verdicts(rows)["claim"] == {"verdict": "not found", "yes": 1, "all": 2}
-    assert verdicts(rows)["expectation"]["verdict"] == "holds"
-    assert verdicts([row(OURS, 0.0)]) == {
+    assert verdicts(rows, quick=False)["claim"] == {"verdict": "not found", "yes": 1, "all": 2}
+    assert verdicts(rows, quick=False)["expectation"]["verdict"] == "holds"
+    assert verdicts([row(OURS, 0.0)], quick=False) == {
         "claim": {"verdict": "not stated", "yes": 0, "all": 0},
         "expectation": {"verdict": "does not hold", "yes": 0, "all": 1},
     }
-    assert verdicts([])["expectation"]["verdict"] == "no band"
+    assert verdicts([], quick=False)["expectation"]["verdict"] == "no band"
 
 
 def test_both_verdicts_are_one_line() -> None:
@@ -69,6 +69,7 @@ def test_both_verdicts_are_one_line() -> None:
     said = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)"
     assert sentence(rows, quick=False) == f"{said}."
     assert sentence(rows, quick=True) == f"{said}, at quick sizes."
+    assert sentence([], quick=True).startswith("The paper's claim: not judged.")
     assert sentence([], quick=False) == "The paper's claim: not stated. Our expectation: no band."
 
 

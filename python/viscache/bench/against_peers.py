@@ -60,8 +60,8 @@ def against_peers(quick: bool = False, *, environments: Path | None = None) -> O
             f"rays, {name}",
             scene,
             folder,
-            lambda found, name=name, scene=scene, rays=rays: compare_rays(  # type: ignore[misc]
-                outcome, f"rays, {name}", scene, found, rays, turns
+            lambda made, found, name=name, scene=scene, rays=rays: compare_rays(  # type: ignore[misc]
+                made, f"rays, {name}", scene, found, rays, turns
             ),
         )
     for case in picture_cases(quick):
@@ -70,8 +70,8 @@ def against_peers(quick: bool = False, *, environments: Path | None = None) -> O
             case.name,
             case.scene,
             folder,
-            lambda found, case=case: compare_pictures(  # type: ignore[misc]
-                outcome, case, found, turns
+            lambda made, found, case=case: compare_pictures(  # type: ignore[misc]
+                made, case, found, turns
             ),
         )
     outcome.notes.append(
@@ -87,9 +87,12 @@ def _with_peers(
     name: str,
     scene: Scene,
     folder: Path,
-    compare: Callable[[dict[str, Renderer]], None],
+    compare: Callable[[Outcome, dict[str, Renderer]], None],
 ) -> None:
-    """Start all peers that there are with a scene, compare, and end them."""
+    """Start all peers that there are with a scene, compare, and end them.
+
+    A peer that fails while sides take turns is left out, and the others are compared anew.
+    """
     started: dict[str, Peer] = {}
     try:
         for peer, (package, _) in PEERS.items():
@@ -102,9 +105,16 @@ def _with_peers(
                     why = str(error)
             if why is not None:
                 outcome.skip(f"{name} vs {peer}", why)
-        compare(dict(started))
-    except PeerError as error:  # while sides take turns: the case is lost, the others are not
-        outcome.skip(name, str(error))
+        able: dict[str, Renderer] = dict(started)
+        while True:
+            made = Outcome()
+            try:
+                compare(made, able)
+                break
+            except PeerError as error:
+                del able[error.peer]
+                outcome.skip(f"{name} vs {error.peer}", str(error))
+        outcome.extend(made)
     finally:
         for running in started.values():
             running.__exit__(None, None, None)

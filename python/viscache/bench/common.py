@@ -58,6 +58,13 @@ class Outcome:
         """Record what was left out, and why."""
         self.skipped.append({"what": what, "reason": reason})
 
+    def extend(self, other: Outcome) -> None:
+        """Append all that another outcome has."""
+        self.figures += other.figures
+        self.answers += other.answers
+        self.skipped += other.skipped
+        self.notes += other.notes
+
     @property
     def answers_hold(self) -> bool:
         """True if every answer that was checked is right."""

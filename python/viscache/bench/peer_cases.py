@@ -56,17 +56,27 @@ class PictureCase:
 
 
 def picture_cases(quick: bool = False) -> list[PictureCase]:
-    """Ambient occlusion, many lights, a sky over open ground, and a room with a window."""
+    """Ambient occlusion, many lights, a sky over five scenes, and a room with a window."""
     triangles = 5_000 if quick else 200_000
     side = 32 if quick else 256
     room, camera = _grey(f"room?triangles={triangles}")
     sky = _sky()
-    open_, view = _grey("bumpy_spheres", env=sky)
+    grown = 5_000 if quick else 100_000
+    under = {
+        "bumpy spheres": "bumpy_spheres",
+        "stairs": "stairs",
+        "dynamics": "dynamics",
+        "mushrooms": f"mushrooms?triangles={grown}",
+        "hairball": f"hairball?triangles={grown}",
+    }
     window = Scene.from_arrays(_window_room(), base_color=(ALBEDO,) * 3, env=sky)
     return [
         _ambient(room, camera, side, quick),
         _lights(room, camera, side if quick else side // 2, 20 if quick else 500, quick),
-        _lit_by(sky, open_, view, side, quick, "environment, bumpy spheres"),
+        *(
+            _lit_by(sky, *_grey(spec, env=sky), side, quick, f"environment, {name}")
+            for name, spec in under.items()
+        ),
         _lit_by(sky, window, _window_camera(), side, quick, "environment, room with a window"),
     ]
 

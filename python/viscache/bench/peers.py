@@ -41,7 +41,11 @@ runpy.run_module(module, run_name="__main__", alter_sys=True)
 
 
 class PeerError(RuntimeError):
-    """The other program failed; the message is its own."""
+    """The other program failed; the message is its own, `peer` says which one it is."""
+
+    def __init__(self, message: str, peer: str = "") -> None:
+        super().__init__(message)
+        self.peer = peer
 
 
 def missing(name: str, scene: Scene) -> str | None:
@@ -81,6 +85,7 @@ class Peer:
     """
 
     def __init__(self, name: str, scene: Scene, python: Path | None = None) -> None:
+        self._name = name
         self._folder = tempfile.TemporaryDirectory(prefix="viscache-bench-")
         self._path = Path(self._folder.name)
         meshes = [m for m in scene.meshes() if m["in_world"]]
@@ -136,10 +141,11 @@ class Peer:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
-            raise PeerError(f"the other program ended with status {self._process.wait()}")
+            status = self._process.wait()
+            raise PeerError(f"the other program ended with status {status}", self._name)
         report: dict[str, Any] = json.loads(line)
         if "error" in report:
-            raise PeerError(report["error"])
+            raise PeerError(report["error"], self._name)
         return report
 
     def __enter__(self) -> Peer:

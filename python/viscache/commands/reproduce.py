@@ -80,7 +80,8 @@ def _all(arguments: argparse.Namespace) -> int:
         claims = summary["claims"]
         print(
             f"the papers' claims: found in {claims['found']} figures, not found in "
-            f"{claims['not_found']}, not stated in {claims['not_stated']}"
+            f"{claims['not_found']}, not stated in {claims['not_stated']}, "
+            f"not judged by quick runs in {claims['not_judged']}"
         )
         print(summary["page"])
     return 0 if summary["holds"] else 1

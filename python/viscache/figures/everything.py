@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import page, registry
-from viscache.figures.verdict import claims_not_found, verdicts
+from viscache.figures.verdict import claim_of, claims_not_found
 from viscache.files import finite, write_whole
 from viscache.provenance import code_hash, provenance
 
@@ -59,7 +59,8 @@ def reproduce_all(
     dict
         figures (list of results; verdicts are None for one that raised), page, holds, bands (how
         many there are, hold and do not), failing (the rows that do not hold and the figures that
-        raised), claims (in how many figures they are found, not_found and not_stated),
+        raised), claims (in how many figures they are found, not_found, not_stated and, where runs
+        are quick, not_judged),
         claims_not_found (the rows outside the paper's claim), seconds.
     """
     folder = Path(directory)
@@ -124,7 +125,7 @@ def _write(folder: Path, results: list[Result]) -> Result:
     banded = [row for result in results for row in result["rows"] if row["holds"] is not None]
     missed = [row for row in banded if not row["holds"]]
     judged = [result for result in results if "error" not in result]
-    claims = Counter(verdicts(result["rows"])["claim"]["verdict"] for result in judged)
+    claims = Counter(claim_of(result) for result in judged)
     summary: Result = {
         "figures": results,
         "page": str(folder / "index.html"),
@@ -132,7 +133,8 @@ def _write(folder: Path, results: list[Result]) -> Result:
         "bands": {"all": len(banded), "hold": len(banded) - len(missed), "fail": len(missed)},
         "failing": list(failing(results)),
         "claims": {
-            word.replace(" ", "_"): claims[word] for word in ("found", "not found", "not stated")
+            word.replace(" ", "_"): claims[word]
+            for word in ("found", "not found", "not stated", "not judged")
         },
         "claims_not_found": claims_not_found(results),
         "seconds": sum(result.get("seconds", 0.0) for result in results),

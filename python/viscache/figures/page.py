@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import registry
-from viscache.figures.verdict import sentence, verdicts
+from viscache.figures.verdict import claim_of, sentence
 
 __all__ = ["html"]
 
@@ -85,7 +85,7 @@ def _contents(results: Iterable[Mapping[str, Any]]) -> str:
         held = sum(row["holds"] for row in banded)
         state = "error" if "error" in result else f"{held} of {len(banded)}" if banded else ""
         kind = "yes" if result["holds"] else "no"
-        claim = "" if "error" in result else verdicts(result["rows"])["claim"]["verdict"]
+        claim = "" if "error" in result else claim_of(result)
         lines.append(
             f"<tr><td>{_link(name)}</td><td>{_text(_description(name))}</td>"
             f"<td>{_text(claim)}</td><td class='{kind}'>{_text(state)}</td>"

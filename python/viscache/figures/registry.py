@@ -124,7 +124,7 @@ def reproduce(
         "rows": rows,
         "files": [str(path) for path in [*outcome.files, table, record]],
         "holds": all(row.holds is not False for row in outcome.rows),
-        "verdicts": verdicts(rows),
+        "verdicts": verdicts(rows, quick=quick),
         "skipped": outcome.skipped,
         "notes": outcome.notes,
         "quick": quick,

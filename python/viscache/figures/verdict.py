@@ -5,31 +5,35 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
-__all__ = ["claims_not_found", "sentence", "verdicts"]
+__all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
 
 Result: TypeAlias = Mapping[str, Any]
-#: Words for none, all, and some or none of the rows.
+#: Words for none, all, and some or none of the rows. Some rows are judged at full size only.
 CLAIM = ("not stated", "found", "not found")
+QUICK_CLAIM = ("not judged", "found", "not found")
 EXPECTATION = ("no band", "holds", "does not hold")
 
 
-def verdicts(rows: Sequence[Result]) -> dict[str, Any]:
+def verdicts(rows: Sequence[Result], *, quick: bool) -> dict[str, Any]:
     """The verdicts on a figure.
 
     Parameters
     ----------
     rows : sequence of mapping
         Rows of the figure as `Row.as_dict` gives them.
+    quick : bool
+        Whether the run was quick.
 
     Returns
     -------
     dict
         claim and expectation: each a dict of verdict, yes and all. `verdict` of the claim is
-        "found" if it is in every row that can judge it, "not found", or "not stated" without such
-        rows; of the expectation "holds", "does not hold", or "no band". `yes` and `all` count rows.
+        "found" if it is in every row that can judge it, "not found", or without such rows "not
+        stated", of quick runs "not judged"; of the expectation "holds", "does not hold", or "no
+        band". `yes` and `all` count rows.
     """
     return {
-        "claim": _counted([row.get("found") for row in rows], CLAIM),
+        "claim": _counted([row.get("found") for row in rows], QUICK_CLAIM if quick else CLAIM),
         "expectation": _counted([row["holds"] for row in rows], EXPECTATION),
     }
 
@@ -40,9 +44,15 @@ def _counted(answers: Iterable[bool | None], words: tuple[str, str, str]) -> dic
     return {"verdict": verdict, "yes": sum(known), "all": len(known)}
 
 
+def claim_of(result: Result) -> str:
+    """The verdict on the claim of a figure's result."""
+    verdict: str = verdicts(result["rows"], quick=result["quick"])["claim"]["verdict"]
+    return verdict
+
+
 def sentence(rows: Sequence[Result], *, quick: bool) -> str:
     """Both verdicts in one line; those of a quick run say so, as claims are about full sizes."""
-    found = verdicts(rows)
+    found = verdicts(rows, quick=quick)
     words = [
         f"{name}: {part['verdict']}" + (f" ({part['yes']} of {part['all']})" if part["all"] else "")
         for name, part in (

@@ -18,6 +18,7 @@ from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_fi
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import (
+    FAST_EMBREE,
     MAX_BYTES,
     QUICK_DIRECTIONS,
     QUICK_TILES,
@@ -43,6 +44,8 @@ EDGE_FACTOR = 1.0
 STATIONS = ((1.6, 1.3, 2.0), (1.1, 0.9, 1.4), (0.6, 0.55, 0.9))
 #: Interval of the frames taken from the walk's 420.
 STRIDE = 6
+#: Of the walk.
+METHODS = ("CRT", "VLF-RT", "Embree", FAST_EMBREE)
 QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
 
@@ -81,7 +84,7 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     size = QUICK_SIZE if quick else printed.RANDOM_SIZE
     counts = QUICK_COUNTS if quick else COUNTS
     outcome, table = Outcome(), []
-    times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": []}
+    times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": [], FAST_EMBREE: []}
     steps = []
     for count in counts:
         scene = _random(count)
@@ -90,6 +93,7 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
             "CRT": best_bsp(scene, beams, quick),
             "VLF-RT": best_field(scene, beams, quick, lazy=True),
             "Embree": embree(scene),
+            FAST_EMBREE: embree(scene, robust=False),
         }
         runs: dict[str, Callable[[], Any]] = {
             name: partial(beams.trace, t.caster) for name, t in tuned.items()
@@ -149,6 +153,10 @@ def _count_rows(
             ahead,
             band=None if quick else bands.EMBREE_AHEAD,
         ),
+        Row(
+            f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
+            found["VLF-RT"] / found[FAST_EMBREE],
+        ),
     ]
 
 
@@ -198,13 +206,14 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
     # One scene per tracer: a scene keeps only one caster besides Embree's
-    rooms = {name: _classroom(quick) for name in ("CRT", "VLF-RT", "Embree")}
+    rooms = {name: _classroom(quick) for name in METHODS}
     views = [scenes.classroom_camera(k) for k in frames]
     trial = camera_rays(views[len(views) // 2], size)
     tuned = {
         "CRT": best_bsp(rooms["CRT"], trial, quick),
         "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
         "Embree": embree(rooms["Embree"]),
+        FAST_EMBREE: embree(rooms[FAST_EMBREE], robust=False),
     }
     table, more_rays = [], []
     for k, view in zip(frames, views, strict=True):
@@ -254,7 +263,7 @@ def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[n
 def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> list[Row]:
     rows = []
     for shading, band in bands.WALK_SPEEDUP.items():
-        crt, field, packets = (_ms(table, n, shading) for n in ("CRT", "VLF-RT", "Embree"))
+        crt, field, packets, fast = (_ms(table, n, shading) for n in METHODS)
         gain = crt / field
         rows += [
             Row(
@@ -267,6 +276,10 @@ def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool
                 f"{shading}: speed-up of Embree over VLF-RT, median",
                 _median(field / packets),
                 band=None if quick else bands.EMBREE_AHEAD,
+            ),
+            Row(
+                f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
+                _median(field / fast),
             ),
         ]
     cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
@@ -292,7 +305,7 @@ def _median(values: npt.NDArray[np.float64]) -> float:
 def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
     lines = {}
     for shading in bands.WALK_SPEEDUP:
-        for method in ("CRT", "VLF-RT", "Embree"):
+        for method in METHODS:
             at = [r["frame"] for r in table if (r["method"], r["shading"]) == (method, shading)]
             lines[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
     return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
