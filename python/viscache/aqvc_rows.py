@@ -29,8 +29,9 @@ class AqvcRows:
     Parameters
     ----------
     max_bytes : int in [2^20, 2^44]
-        Room for all rows. Each tile has its share; cells that do not fit are answered as without
-        rows and counted ("cells_not_kept").
+        Room for all rows between frames. Tiles keep all of their rows or none, those of earlier
+        frames and smaller ones first. The others are answered as without rows and counted
+        ("tiles_not_kept").
 
     Examples
     --------

@@ -31,6 +31,7 @@ OF_ONE_PASS = (
     "lost_throughput",
     "kept_cells",
     "kept_bytes",
+    "tiles_not_kept",
     "map_bytes",
     "records",
     "voxel_pairs",

@@ -137,30 +137,44 @@ def test_lights_are_renewed(room: vc.Scene) -> None:
     assert rays[2] > 1.5 * rays[1]
 
 
-def test_little_room_keeps_fewer_cells_and_nothing_else(room: vc.Scene) -> None:
-    size = (256, 160)
-    small = picture(room, max_bytes=1 << 20, size=size, use="replace", visibility=vc.Aqvc(c_e=4))
-    frame = small.passes(2)
+LITTLE_ROOM: dict[str, Any] = {"size": (512, 320), "max_bytes": 5 << 18}
+
+
+def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
+    """What is saved is the share of the rows that have room."""
+    cache = {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",)), "use": "replace"}
+    small, whole = picture(room, **LITTLE_ROOM, **cache), picture(room, size=(512, 320), **cache)
+    saved = []
+    for p in (small, whole):
+        first = p.passes(1).counters["rays"]
+        saved.append(2 * first - p.passes(1).counters["rays"])
     assert small.rows is not None
-    assert frame.counters["cells_not_kept"] > 0
-    assert small.rows.bytes <= 1 << 20
+    assert whole.rows is not None
+    assert 0 < small.frame.counters["tiles_not_kept"] < 4
+    assert whole.frame.counters["tiles_not_kept"] == 0
+    assert 0 < small.rows.bytes <= small.rows.max_bytes < whole.rows.bytes
+    kept = small.rows.cells / whole.rows.cells
+    assert saved[0] / saved[1] == pytest.approx(kept, rel=0.2)
+    tiles = [{tile for tile, _, _ in p.rows._state()} for p in (small, whole) if p.rows]
+    assert len(tiles[1] - tiles[0]) == small.frame.counters["tiles_not_kept"]
 
 
 def test_little_room_changes_no_byte_by_threads_or_stops(room: vc.Scene, tmp_path: Path) -> None:
-    """Tiles have equal shares of the room, whoever comes first; what does not fit is traced."""
-    cache = vc.Aqvc(c_e=4, exact_groups=("area",))
-    options = {"size": (256, 160), "max_bytes": 1 << 20, "visibility": cache}
+    """The same tiles keep their rows, whoever comes first; what has no room is traced."""
+    options = LITTLE_ROOM | {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",))}
     one, three = (picture(room, threads=n, **options) for n in (1, 3))
-    want = sha(one.passes(2))
+    want = sha(one.passes(3))
     three.passes(1)
     three.save(tmp_path / "state.npz")
     resumed = picture(room, threads=2, **options)
     resumed.load(tmp_path / "state.npz")
-    assert sha(three.passes(1)) == sha(resumed.passes(1)) == want
+    assert sha(three.passes(2)) == sha(resumed.passes(2)) == want
     for p in (three, resumed):
-        assert p.frame.counters["cells_not_kept"] == one.frame.counters["cells_not_kept"] > 0
-    whole = picture(room, **(options | {"max_bytes": 1 << 30}))
-    assert whole.passes(2).counters["rays"] < one.frame.counters["rays"]
+        assert p.frame.counters["tiles_not_kept"] == one.frame.counters["tiles_not_kept"] > 0
+        assert p.frame.counters["rays"] == one.frame.counters["rays"]
+        assert p.rows is not None
+        assert one.rows is not None
+        assert p.rows.bytes == one.rows.bytes > 0
 
 
 @pytest.mark.stat

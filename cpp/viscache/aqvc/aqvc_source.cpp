@@ -87,7 +87,7 @@ void AqvcRowsSource::report(Counters& counters, SourceReport& out) const {
     AqvcSource::report(counters, out);
     out.counters.emplace_back("kept_cells", rows_.cells());
     out.counters.emplace_back("kept_bytes", rows_.bytes());
-    out.counters.emplace_back("cells_not_kept", counters.cells_not_kept);
+    out.counters.emplace_back("tiles_not_kept", rows_.tiles_not_kept());
 }
 
 }  // namespace viscache

@@ -78,6 +78,7 @@ public:
         : AqvcSource(scene, caster, parameters, spp, exact), rows_(rows) {}
     std::unique_ptr<VisibilityOracle> make() override;
     void begin_round(size_t tiles) override { rows_.begin_frame(tiles); }
+    void end_item(VisibilityOracle&, size_t item) override { rows_.end_tile(item); }
     void report(Counters& counters, SourceReport& out) const override;
 
 private:

@@ -1,5 +1,6 @@
 #include "viscache/aqvc/kept_rows.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <stdexcept>
@@ -59,19 +60,13 @@ void KeptRows::load(const TileCells& cells, BitMatrix& known, BitMatrix& value) 
         }
 }
 
-uint64_t KeptRows::store(const TileCells& cells, const BitMatrix& known, const BitMatrix& value,
-                         uint64_t most_bytes) {
-    const size_t bytes = row_words_ * sizeof(Word), most_cells = most_bytes / bytes_per_cell();
-    uint64_t left_out = 0;
+void KeptRows::store(const TileCells& cells, const BitMatrix& known, const BitMatrix& value) {
+    const size_t bytes = row_words_ * sizeof(Word);
     if (numbers_.size() == 0) numbers_.clear();
     for (size_t level = 0; level < cells.levels(); ++level)
         for (uint32_t c = cells.begin(level); c < cells.begin(level + 1); ++c) {
             uint32_t kept = kept_of_[c];
             if (kept == kNoCell) {
-                if (numbers_.size() >= most_cells) {
-                    ++left_out;
-                    continue;
-                }
                 kept = numbers_.number(cells.cell(c), uint32_t(level));
                 rows_.resize(2 * row_words_ * numbers_.size());
             } else {
@@ -85,7 +80,6 @@ uint64_t KeptRows::store(const TileCells& cells, const BitMatrix& known, const B
             std::memcpy(row(kept), known.row(c), bytes);
             std::memcpy(row(kept) + row_words_, value.row(c), bytes);
         }
-    return left_out;
 }
 
 void KeptRows::commit() {
@@ -95,6 +89,10 @@ void KeptRows::commit() {
 }
 
 void KeptRows::roll_back() {
+    if (committed_ == 0) {  // frees its memory, too
+        numbers_ = {};
+        rows_ = {};
+    }
     for (size_t i = 0; i < changed_.size(); ++i)
         std::memcpy(row(changed_[i]), before_.data() + i * 2 * row_words_, 2 * row_words_ * sizeof(Word));
     numbers_.truncate(committed_);
@@ -130,44 +128,83 @@ void KeptRows::restore(const State& s) {
     committed_ = n;
 }
 
+void AqvcRows::clear() {
+    tiles_.clear();
+    begin_room();
+}
+
+void AqvcRows::begin_room() {
+    with_room_.clear();
+    first_left_out_.reset();
+    left_out_.assign(tiles_.size(), false);
+    bytes_with_room_ = tiles_not_kept_ = 0;
+}
+
 void AqvcRows::begin_frame(size_t tiles) {
     if (tiles != tiles_.size()) tiles_.clear();
     tiles_.resize(tiles);
     for (Tile& tile : tiles_)
         for (KeptRows& rows : tile) rows.roll_back();
+    begin_room();
+}
+
+uint64_t AqvcRows::bytes_of(const Tile& tile) {
+    uint64_t n = 0;
+    for (const KeptRows& rows : tile) n += rows.bytes();
+    return n;
+}
+
+void AqvcRows::end_tile(size_t tile) {
+    const std::lock_guard lock(mutex_);
+    const Tile& rows = tiles_.at(tile);
+    const bool is_new =
+        std::none_of(rows.begin(), rows.end(), [](const KeptRows& r) { return r.has_committed(); });
+    const Ended ended{is_new, bytes_of(rows), tile};
+    if (first_left_out_ && *first_left_out_ < ended) return leave_out(ended);
+    with_room_.insert(ended);
+    bytes_with_room_ += ended.bytes;
+    // The last one goes: with those before it that are still to end, it exceeds the room all the more
+    while (bytes_with_room_ > max_bytes_) {
+        first_left_out_ = *with_room_.rbegin();
+        with_room_.erase(*first_left_out_);
+        bytes_with_room_ -= first_left_out_->bytes;
+        leave_out(*first_left_out_);
+    }
+}
+
+/// Takes back what a tile stored in this frame.
+void AqvcRows::leave_out(const Ended& ended) {
+    left_out_[ended.tile] = true;
+    tiles_not_kept_ += ended.bytes > 0;
+    for (KeptRows& rows : tiles_[ended.tile]) rows.roll_back();
 }
 
 void AqvcRows::commit() {
-    for (Tile& tile : tiles_)
-        for (KeptRows& rows : tile) rows.commit();
+    for (size_t i = 0; i < tiles_.size(); ++i)
+        if (left_out_[i])
+            tiles_[i] = {};
+        else
+            for (KeptRows& rows : tiles_[i]) rows.commit();
     ++frames_;
-}
-
-uint64_t AqvcRows::most_bytes(size_t tile, int group) const {
-    uint64_t others = 0;
-    for (size_t g = 0; g < kLightGroups; ++g)
-        if (int(g) != group) others += tiles_.at(tile)[g].bytes();
-    const uint64_t share = max_bytes_ / tiles_.size();
-    return share > others ? share - others : 0;
 }
 
 uint64_t AqvcRows::cells() const {
     uint64_t n = 0;
-    for (const Tile& tile : tiles_)
-        for (const KeptRows& rows : tile) n += rows.cells();
+    for (size_t i = 0; i < tiles_.size(); ++i)
+        for (const KeptRows& rows : tiles_[i]) n += left_out_[i] ? 0 : rows.cells();
     return n;
 }
 
 uint64_t AqvcRows::bytes() const {
     uint64_t n = 0;
-    for (const Tile& tile : tiles_)
-        for (const KeptRows& rows : tile) n += rows.bytes();
+    for (size_t i = 0; i < tiles_.size(); ++i) n += left_out_[i] ? 0 : bytes_of(tiles_[i]);
     return n;
 }
 
 void AqvcRows::begin_restore(size_t tiles, uint64_t frames) {
     tiles_.clear();
     tiles_.resize(tiles);
+    begin_room();
     frames_ = frames;
 }
 

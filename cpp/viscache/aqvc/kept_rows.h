@@ -5,8 +5,12 @@
 // differ. What one frame traced answers the next. A frame starts from the rows that the last finished frame
 // left; what a frame that did not finish wrote is taken back. So its bytes do not depend on interrupts.
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <deque>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -23,16 +27,15 @@ public:
     void begin(const Columns& columns, const std::vector<double>& levels);
     /// Copies what is known to the rows of the tile's cells.
     void load(const TileCells& cells, BitMatrix& known, BitMatrix& value);
-    /// Keeps the rows of the cells that `load` was given. New cells are kept as long as the rows take at
-    /// most `most_bytes`. Returns the number of cells that did not fit.
-    uint64_t store(const TileCells& cells, const BitMatrix& known, const BitMatrix& value,
-                   uint64_t most_bytes);
+    /// Keeps the rows of the cells that `load` was given.
+    void store(const TileCells& cells, const BitMatrix& known, const BitMatrix& value);
     /// Ends a frame.
     void commit();
     /// Takes back what was stored since the last `commit`.
     void roll_back();
 
     size_t cells() const { return numbers_.size(); }
+    bool has_committed() const { return committed_ > 0; }
     /// Approximate memory in use.
     uint64_t bytes() const { return cells() * bytes_per_cell(); }
 
@@ -65,25 +68,32 @@ private:
 };
 
 /// The rows of all tiles and light groups. They belong to one grid of tiles.
+///
+/// Room is for whole tiles: first for those with rows of earlier frames, then for others, the smaller ones
+/// first each time, until the first that would exceed it. This one and all after it keep no rows. So in
+/// whatever order threads finish tiles, the same ones keep their rows. Each frame decides anew.
 class AqvcRows {
 public:
     explicit AqvcRows(uint64_t max_bytes) : max_bytes_(max_bytes) {}
     AqvcRows(const AqvcRows&) = delete;
 
     /// Forgets all rows.
-    void clear() { tiles_.clear(); }
+    void clear();
     /// Starts from the rows of the last commit.
     void begin_frame(size_t tiles);
     /// Ends a frame that is finished and in its caller's hands.
     void commit();
     /// Threads may call this at once for different tiles.
     KeptRows& rows(size_t tile, int group) { return tiles_.at(tile)[size_t(group)]; }
-    /// The most that the rows of one tile and group may take.
-    uint64_t most_bytes(size_t tile, int group) const;
+    /// Ends a tile of the frame: it has room, or it or others lose their rows. Threads may call this
+    /// at once. Rows of earlier frames stay until `commit`, for frames that do not finish.
+    void end_tile(size_t tile);
 
     uint64_t frames() const { return frames_; }
     uint64_t cells() const;
     uint64_t bytes() const;
+    /// Tiles of the last frame whose rows had no room.
+    uint64_t tiles_not_kept() const { return tiles_not_kept_; }
     size_t tiles() const { return tiles_.size(); }
 
     KeptRows::State state(size_t tile, int group) const { return tiles_.at(tile)[size_t(group)].state(); }
@@ -95,9 +105,27 @@ public:
 
 private:
     using Tile = std::array<KeptRows, kLightGroups>;
+    /// A tile that ended, in the order in which tiles get room.
+    struct Ended {
+        bool is_new;  ///< without rows of earlier frames
+        uint64_t bytes;
+        size_t tile;
+        auto operator<=>(const Ended&) const = default;
+    };
+    static uint64_t bytes_of(const Tile& tile);
+    void leave_out(const Ended& ended);
+    void begin_room();
+
     uint64_t max_bytes_;
     uint64_t frames_ = 0;  ///< number of commits
     std::deque<Tile> tiles_;
+    // Of the frame in progress
+    std::mutex mutex_;
+    std::set<Ended> with_room_;
+    uint64_t bytes_with_room_ = 0;
+    std::optional<Ended> first_left_out_;
+    std::vector<bool> left_out_;  ///< per tile
+    uint64_t tiles_not_kept_ = 0;
 };
 
 }  // namespace viscache

@@ -164,9 +164,7 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
         if (kept) kept->begin(columns_, levels);
         rays +=
             waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, kept, *answer, counters, log_);
-        if (kept)
-            counters.cells_not_kept += kept->store(cells, waves_.known(), waves_.value(),
-                                                   rows_->most_bytes(eyes.tile, lights.group));
+        if (kept) kept->store(cells, waves_.known(), waves_.value());
         if (columns_.merged()) columns_.spread(by_column_, visible);
         note_doubts(lights);
         if (parameters_.bright > 0 && contributions_) rays += trace_bright(eyes, lights, wanted, visible);

@@ -62,7 +62,6 @@ struct Counters {
     // these, answers that were also traced, and those that the ray contradicted
     uint64_t reused_kept = 0, reused_fresh = 0, checked_kept = 0, checked_fresh = 0, wrong_kept = 0,
              wrong_fresh = 0;
-    uint64_t cells_not_kept = 0;  ///< cells for whose rows there was no room
     // Answers as control variates
     uint64_t corrections = 0;    ///< queries whose ray was traced as well
     uint64_t wrong = 0;          ///< of these, those whose answer the ray contradicts
@@ -136,7 +135,6 @@ inline void Counters::merge(const Counters& b) {
     checked_fresh += b.checked_fresh;
     wrong_kept += b.wrong_kept;
     wrong_fresh += b.wrong_fresh;
-    cells_not_kept += b.cells_not_kept;
     corrections += b.corrections;
     wrong += b.wrong;
     exact_queries += b.exact_queries;
