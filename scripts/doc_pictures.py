@@ -186,11 +186,83 @@ def correlation() -> Any:
     return figure
 
 
+def passes() -> Any:
+    """Exact, plain and corrected passes over 1, 4 and 16 passes, as error per pixel."""
+    scene, lights = vc.scenes.room(triangles=20_000), vc.Whitted(n_vpls=256)
+    cache = vc.Aqvc(c_e=10)
+    kinds = {
+        "exact": {"visibility": vc.Exact()},
+        "the cache alone": {"visibility": cache, "use": "replace"},
+        "corrected": {"visibility": cache, "use": "correct"},
+    }
+    size, counts = (160, 100), (1, 4, 16)
+    truth = vc.Progressive(scene, lights, visibility=vc.Exact(), size=size).passes(96)
+    figure = new_figure(9.0, 6.2)
+    panels = figure.subplots(3, 3)
+    for row, (name, kind) in zip(panels, kinds.items(), strict=True):
+        shown = vc.Progressive(scene, lights, size=size, **kind)
+        for axes, before, count in zip(row, (0, *counts), counts, strict=False):
+            frame = shown.passes(count - before)
+            error = np.abs(frame.image - truth.image).mean(axis=2) / truth.image.mean()
+            axes.imshow(error, cmap="magma", vmin=0, vmax=0.3)
+            plural = "es" if count > 1 else ""
+            rays = frame.counters["rays"] / 1e6
+            axes.set_title(
+                f"{name}, {count} pass{plural}: {100 * error.mean():.1f} %, {rays:.1f} M rays",
+                fontsize=8,
+            )
+            axes.set_axis_off()
+    return figure
+
+
+def lights() -> Any:
+    """The falloffs of the formats' spot lights, and mushrooms under clear skies."""
+    figure = new_figure(11.0, 2.6)
+    first, *skies = figure.subplots(1, 4)
+    t = np.linspace(0, 1, 200)
+    for name, factor in (
+        ("Mitsuba", t),
+        ("pbrt-v3", t**4),
+        ("pbrt-v4", t * t * (3 - 2 * t)),
+        ("glTF", t * t),
+    ):
+        first.plot(t, factor, label=name)
+    first.set(xlabel="t", ylabel="factor", xticks=(0, 1), yticks=(0, 1))
+    first.set_title("from the outer to the inner angle", fontsize=9)
+    first.legend(fontsize=8)
+    for axes, elevation in zip(skies, (5, 30, 70), strict=True):
+        angle = np.radians(elevation)
+        sky = vc.Sky(sun_direction=(0.8 * np.cos(angle), np.sin(angle), 0.6 * np.cos(angle)))
+        scene = vc.scenes.mushrooms(triangles=20_000).with_environment(sky)
+        frame = vc.render(scene, vc.Direct(n_environment=16), size=(200, 150), spp=4)
+        draw_image(axes, frame.image, f"a clear sky, the sun at {elevation}°")
+    return figure
+
+
+def ambient() -> Any:
+    """Directions of each point's own, and those that all points share."""
+    scene, size = vc.scenes.courtyard(triangles=20_000), (240, 150)
+    kinds = {
+        "64 directions of each point's own": vc.AmbientOcclusion(n_samples=64),
+        "129 directions that all points share": vc.AmbientOcclusion(
+            n_samples=129, directions="shared"
+        ),
+        "1024 of each point's own": vc.AmbientOcclusion(n_samples=1024),
+    }
+    figure = new_figure(11.0, 2.6)
+    for axes, (title, kind) in zip(figure.subplots(1, 3), kinds.items(), strict=True):
+        draw_image(axes, vc.render(scene, kind, size=size, spp=4).image, title, exposure=0.8)
+    return figure
+
+
 PICTURES: dict[str, Picture] = {
     "how-aqvc": aqvc,
     "how-vlf": vlf,
     "how-vismap": vismap,
     "how-correlation": correlation,
+    "how-passes": passes,
+    "how-lights": lights,
+    "how-ambient": ambient,
 }
 
 
