@@ -35,6 +35,7 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache.emitted_light import light_on_surfaces
+from viscache.progress import Progress, progress_bar
 from viscache.settings.checks import checked_floats
 from viscache.settings.spelling import nearest
 
@@ -275,6 +276,7 @@ def compare(
     b: Comparable | Sequence[Comparable],
     *,
     metrics: Iterable[str] | None = None,
+    progress: Progress = False,
 ) -> Metrics:
     """Compare an image with its reference, or repeats of one with repeats of the other.
 
@@ -285,6 +287,8 @@ def compare(
         by pair; a single `b` serves every repeat of `a`.
     metrics : iterable of str, optional
         Which ones (see the module's table); all by default.
+    progress : bool or callable
+        True shows a bar. A callable gets (done, total) after each metric of each pair.
 
     Returns
     -------
@@ -310,17 +314,22 @@ def compare(
             f"a and b must have the same number of repeats, got {len(images)} and {len(references)}"
         )
     samples: dict[str, list[float | None]] = {name: [] for name in names}
-    for image, reference in zip(images, references, strict=True):
-        pair = (_linear(image, "a"), _linear(reference, "b"))
-        if pair[0].shape != pair[1].shape:
-            raise ValueError(
-                f"a and b must have one shape, got {pair[0].shape} and {pair[1].shape}"
-            )
-        sides = [light_on_surfaces(side) for side in (image, reference)]
-        known = [_linear(side, w) for side, w in zip(sides, "ab", strict=True) if side is not None]
-        for name in names:
-            of = pair if name not in ON_SURFACES else known
-            samples[name].append(METRICS[name](of[0], of[1]) if len(of) == 2 else None)
+    with progress_bar(progress, unit="metric") as report:
+        done, total = 0, len(images) * len(names)
+        for image, reference in zip(images, references, strict=True):
+            pair = (_linear(image, "a"), _linear(reference, "b"))
+            if pair[0].shape != pair[1].shape:
+                raise ValueError(
+                    f"a and b must have one shape, got {pair[0].shape} and {pair[1].shape}"
+                )
+            sides = [light_on_surfaces(side) for side in (image, reference)]
+            known = [_linear(s, w) for s, w in zip(sides, "ab", strict=True) if s is not None]
+            for name in names:
+                of = pair if name not in ON_SURFACES else known
+                samples[name].append(METRICS[name](of[0], of[1]) if len(of) == 2 else None)
+                done += 1
+                if report is not None:
+                    report(done, total)
     return Metrics(samples)
 
 

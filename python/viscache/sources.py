@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from viscache import scenes
+from viscache.progress import Progress
 from viscache.scene import Scene, load_scene
 from viscache.settings.checks import require
 
@@ -52,6 +53,7 @@ def open_scene(
     missing: Literal["error", "skip"] = "error",
     allow_outside: bool = False,
     env: str | None = None,
+    progress: Progress = False,
 ) -> Scene:
     """The scene of a spec; `load_scene` explains the options.
 
@@ -66,7 +68,14 @@ def open_scene(
     if is_builtin(spec):
         made: Scene = scenes.build(spec)
         return made
-    return load_scene(spec, strict=strict, missing=missing, allow_outside=allow_outside, env=env)
+    return load_scene(
+        spec,
+        strict=strict,
+        missing=missing,
+        allow_outside=allow_outside,
+        env=env,
+        progress=progress,
+    )
 
 
 def opened(scene: Any) -> Scene:

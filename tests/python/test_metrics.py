@@ -163,3 +163,15 @@ def test_a_change_of_one_percent_is_seen_by_every_metric() -> None:
     got = compare(B * 1.01, B)
     assert got.energy == pytest.approx(0.01) and got.rel_l1 == pytest.approx(0.01)
     assert got.rel_mse > 0 and got.flip > 1e-3 and got.ssim < 1 - 1e-6
+
+
+def test_progress_counts_the_metrics_of_all_pairs() -> None:
+    told: list[tuple[int, int]] = []
+    image = np.ones((8, 8, 3))
+    compare(
+        [image, image],
+        image,
+        metrics=["rmse", "rel_l1"],
+        progress=lambda done, total: told.append((done, total)),
+    )
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]

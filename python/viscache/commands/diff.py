@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Exit status 0: all limits are met; 1: one is not."""
     image, reference = Frame.load(arguments.image), Frame.load(arguments.reference)
-    result = metrics.compare(image, reference)
+    result = metrics.compare(image, reference, progress=sys.stderr.isatty())
     if arguments.png is not None:
         pixels = tonemap.difference8(image.image, reference.image)
         Path(arguments.png).write_bytes(tonemap.encode(pixels))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
@@ -89,7 +90,10 @@ def add_loading(parser: argparse.ArgumentParser) -> None:
 def chosen_scene(arguments: argparse.Namespace) -> Scene:
     """The scene chosen by the options of `add_scene`."""
     return open_scene(
-        arguments.scene, missing=arguments.missing, allow_outside=arguments.allow_outside
+        arguments.scene,
+        missing=arguments.missing,
+        allow_outside=arguments.allow_outside,
+        progress=sys.stderr.isatty(),
     )
 
 

@@ -54,14 +54,18 @@ def read_image(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     return _core.read_image(os.fspath(path))
 
 
-def decode_images(description: SceneDescription, *, strict: bool) -> None:
-    """Decode the EXR images that a loader left pending."""
-    for i, image in enumerate(description.images):
-        if image["width"] == 0:
-            try:
-                description.set_image(i, read_exr(image["path"]))
-            except SceneError as error:
-                raise SceneError(f"{image['where']}: {error}") from error
+def pending_images(description: SceneDescription) -> list[int]:
+    """Indices of the EXR images that a loader left pending."""
+    return [i for i, image in enumerate(description.images) if image["width"] == 0]
+
+
+def decode_image(description: SceneDescription, index: int) -> None:
+    """Decode a pending image."""
+    image = description.images[index]
+    try:
+        description.set_image(index, read_exr(image["path"]))
+    except SceneError as error:
+        raise SceneError(f"{image['where']}: {error}") from error
 
 
 def apply_environment(description: SceneDescription, env: Any) -> None:

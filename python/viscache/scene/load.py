@@ -8,7 +8,8 @@ from typing import Literal
 
 from viscache import _core
 from viscache._core import SceneError
-from viscache.scene.environments import apply_environment, decode_images
+from viscache.progress import Progress, progress_bar
+from viscache.scene.environments import apply_environment, decode_image, pending_images
 from viscache.scene.scene import Env, Scene
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.spelling import spelled
@@ -25,6 +26,7 @@ def load_scene(
     allow_outside: bool = False,
     env: Env | None = None,
     threads: int | None = None,
+    progress: Progress = False,
 ) -> Scene:
     """Load a scene file.
 
@@ -46,6 +48,9 @@ def load_scene(
         Environment light that replaces the file's.
     threads : int, optional
         All cores by default.
+    progress : bool or callable
+        True shows a bar. A callable gets (done, total) after each step: the file, its EXR images
+        one by one, and Embree's structure.
 
     Raises
     ------
@@ -55,18 +60,27 @@ def load_scene(
     if str(path) and Path(path).is_dir():
         raise SceneError(f"{path}: is a directory, not a scene file")
     require(missing in ("error", "skip"), 'missing must be "error" or "skip"', missing)
-    description = _core.load_scene_file(
-        os.fspath(path),
-        strict=strict,
-        skip_missing=missing == "skip",
-        allow_outside=allow_outside,
-    )
-    decode_images(description, strict=strict)
-    if env is not None:
-        apply_environment(description, env)
     count = checked_threads(threads)
-    try:
-        frozen = _core.Scene.freeze(description, count, take=True)
-    except SceneError as error:  # parts are checked once all are read, and do not know their file
-        raise SceneError(f"{os.fspath(path)}: {error}") from error
+    with progress_bar(progress, unit="step") as report:
+        told = report or (lambda done, total: None)
+        told(0, 2)
+        description = _core.load_scene_file(
+            os.fspath(path),
+            strict=strict,
+            skip_missing=missing == "skip",
+            allow_outside=allow_outside,
+        )
+        images = pending_images(description)
+        steps = len(images) + 2
+        told(1, steps)
+        for done, image in enumerate(images, 2):
+            decode_image(description, image)
+            told(done, steps)
+        if env is not None:
+            apply_environment(description, env)
+        try:
+            frozen = _core.Scene.freeze(description, count, take=True)
+        except SceneError as error:  # parts are checked once all are read; they know no file
+            raise SceneError(f"{os.fspath(path)}: {error}") from error
+        told(steps, steps)
     return Scene(frozen, str(Path(path)))
