@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib.util
 import json
 import sys
@@ -67,6 +68,21 @@ def test_a_peer_that_agrees_has_a_figure_with_an_interval(case):
     assert figure["equal_error_low"] < figure["equal_error"] < figure["equal_error_high"]
     # The same renderer with other seeds
     assert figure["relative_rmse"] == pytest.approx(figure["baseline_relative_rmse"], rel=0.1)
+
+
+def test_a_cache_takes_turns_with_its_error(case):
+    darker = dataclasses.replace(
+        case, cached=("half", lambda spp, seed: halved(case.render(spp, seed)))
+    )
+    first, second = compared(darker).figures
+    assert (first["name"], second["name"]) == (f"{case.name} vs fake", f"{case.name}, half vs fake")
+    assert second["rel_l1"] == pytest.approx(0.5, rel=1e-3)
+    assert "equal_error" not in second
+
+
+def halved(frame):
+    frame.layers["color"] *= 0.5
+    return frame
 
 
 def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):

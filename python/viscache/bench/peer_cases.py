@@ -15,6 +15,7 @@ from viscache.bench.common import build_scene
 from viscache.frame import Frame
 from viscache.render import render
 from viscache.scene import Scene
+from viscache.settings.aqvc import Aqvc
 from viscache.settings.integrators import AmbientOcclusion, Direct
 
 __all__ = ["ALBEDO", "PictureCase", "picture_cases"]
@@ -24,6 +25,8 @@ Array = npt.NDArray[Any]
 #: Of every surface, in all pictures.
 ALBEDO = 0.6
 INTENSITY = 4.0
+#: Of the quantized cache, where lights are many.
+C_E = 8
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -44,6 +47,8 @@ class PictureCase:
         Given to the peers before the job.
     spp, reference_spp : int >= 1
         Samples per pixel that are compared, and those of converged frames.
+    cached : (str, callable), optional
+        A cache that takes turns as well: its setting, and its frame like `render`.
     """
 
     name: str
@@ -53,6 +58,7 @@ class PictureCase:
     arrays: dict[str, Array]
     spp: int
     reference_spp: int
+    cached: tuple[str, Callable[[int, int], Frame]] | None = None
 
 
 def picture_cases(quick: bool = False) -> list[PictureCase]:
@@ -137,6 +143,18 @@ def _lights(room: Scene, camera: _core.Camera, side: int, count: int, quick: boo
         arrays={"camera": _axes(camera), "lights": positions},
         spp=1,
         reference_spp=64 if quick else 16,
+        cached=(
+            f"Aqvc(c_e={C_E})",
+            lambda spp, seed: render(
+                lit,
+                Direct(),
+                size=(side, side),
+                spp=spp,
+                seed=seed,
+                camera=camera,
+                visibility=Aqvc(c_e=C_E),
+            ),
+        ),
     )
 
 

@@ -59,6 +59,8 @@ def _row(f: Mapping[str, Any]) -> str:
     equal = ""
     if f.get("equal_error") is not None:
         equal = _times(f["equal_error"], f["equal_error_low"], f["equal_error_high"])
+    elif f.get("rel_l1") is not None:
+        equal = f"rel_l1 {f['rel_l1']:.4f}"
     numbers = f"{f['value']:.4g}", f"{f['baseline']:.4g}"
     name = html.escape(f"{f['name']} {f.get('version', '')}".rstrip())
     cells = "".join(f'<td class="n">{n}</td>' for n in numbers)
