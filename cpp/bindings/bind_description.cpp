@@ -8,6 +8,26 @@ namespace viscache::bindings {
 
 namespace {
 
+/// A point of the world in the coordinates of the scene, rounded once.
+Vec3 relative(const SceneDescription& d, const Point& p) {
+    return {float(p[0] - d.origin[0]), float(p[1] - d.origin[1]), float(p[2] - d.origin[2])};
+}
+
+/// The same for an array (N, 3), which keeps its precision until then.
+std::vector<Vec3> relative(const SceneDescription& d, const DoubleArray& points, const char* name) {
+    require_rows(points, 3, name);
+    std::vector<Vec3> out(size_t(points.shape(0)));
+    const double* row = points.data();
+    for (size_t i = 0; i < out.size(); ++i, row += 3) out[i] = relative(d, {row[0], row[1], row[2]});
+    return out;
+}
+
+/// A transform to the coordinates of the scene.
+Affine relative(const SceneDescription& d, Affine to_world) {
+    for (size_t i = 0; i < 3; ++i) to_world.m[i][3] -= d.origin[i];
+    return to_world;
+}
+
 Affine affine_from(const DoubleArray& a) {
     if (a.ndim() != 2 || a.shape(1) != 4 || (a.shape(0) != 3 && a.shape(0) != 4))
         throw py::value_error("to_world must have shape (3, 4) or (4, 4), got " + shape_text(a));
@@ -17,7 +37,7 @@ Affine affine_from(const DoubleArray& a) {
     return t;
 }
 
-int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& triangles, int material,
+int add_mesh(SceneDescription& d, const DoubleArray& vertices, const UintArray& triangles, int material,
              const std::optional<FloatArray>& normals, const std::optional<FloatArray>& uvs, Float3 emission,
              bool emits_two_sided, bool in_world, const std::string& name, int emission_texture) {
     Mesh mesh;
@@ -27,7 +47,10 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
     mesh.emission_texture = emission_texture;
     mesh.emits_two_sided = emits_two_sided;
     mesh.in_world = in_world;
-    mesh.vertices = vec3s(vertices, "vertices");
+    if (in_world)
+        mesh.vertices = relative(d, vertices, "vertices");
+    else
+        mesh.vertices = relative({}, vertices, "vertices");  // its instances are placed
     require_rows(triangles, 3, "triangles");
     const auto* t = reinterpret_cast<const Vec3u*>(triangles.data());
     mesh.triangles.assign(t, t + triangles.shape(0));
@@ -101,8 +124,18 @@ void bind_description(py::module_& m) {
     py::class_<SceneDescription>(
         m, "SceneDescription",
         "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
-        "Vectors are three numbers, lengths are in scene units, light is in linear RGB.")
-        .def(py::init<>())
+        "Vectors are three numbers, lengths are in scene units, light is in linear RGB. Positions and\n"
+        "transforms are given in the world. `origin` is subtracted from them in double precision, before\n"
+        "they become floats: scenes far from the origin keep their digits.")
+        .def(py::init([](Point origin) {
+                 if (!std::isfinite(origin[0] + origin[1] + origin[2]))
+                     throw py::value_error("origin must be finite");
+                 SceneDescription d;
+                 d.origin = origin;
+                 return d;
+             }),
+             py::arg("origin") = Point{})
+        .def_readonly("origin", &SceneDescription::origin, "The point of the world at (0, 0, 0).")
         .def_readwrite("name", &SceneDescription::name, "Name that is shown with the scene.")
         .def(
             "add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
@@ -168,7 +201,7 @@ void bind_description(py::module_& m) {
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
-                d.instances.push_back({std::move(meshes), affine_from(to_world)});
+                d.instances.push_back({std::move(meshes), relative(d, affine_from(to_world))});
                 return int(d.instances.size()) - 1;
             },
             py::arg("meshes"), py::arg("to_world"),
@@ -177,9 +210,9 @@ void bind_description(py::module_& m) {
             "its index.")
         .def(
             "add_point_light",
-            [](SceneDescription& d, Float3 position, Float3 intensity, const std::optional<Float3>& axis,
+            [](SceneDescription& d, Point position, Float3 intensity, const std::optional<Float3>& axis,
                std::array<float, 2> cone_deg, const std::string& falloff) {
-                d.point_lights.push_back({vec3(position), vec3(intensity),
+                d.point_lights.push_back({relative(d, position), vec3(intensity),
                                           axis ? cone_from(*axis, cone_deg, falloff) : SpotCone{}});
             },
             py::arg("position"), py::arg("intensity"), py::kw_only(), py::arg("axis") = py::none(),
@@ -192,12 +225,13 @@ void bind_description(py::module_& m) {
             "t²(3 - 2t) (\"smooth\") with t linear in the cosine.")
         .def(
             "add_point_lights",
-            [](SceneDescription& d, const FloatArray& positions, const FloatArray& intensities) {
-                const Vec3 *p = rows3(positions, "positions"), *i = rows3(intensities, "intensities");
+            [](SceneDescription& d, const DoubleArray& positions, const FloatArray& intensities) {
+                const std::vector<Vec3> p = relative(d, positions, "positions");
+                const Vec3* i = rows3(intensities, "intensities");
                 if (positions.shape(0) != intensities.shape(0))
                     throw py::value_error("positions and intensities must have equal numbers of rows, got " +
                                           shape_text(positions) + " and " + shape_text(intensities));
-                for (py::ssize_t k = 0; k < positions.shape(0); ++k) d.point_lights.push_back({p[k], i[k]});
+                for (size_t k = 0; k < p.size(); ++k) d.point_lights.push_back({p[k], i[k]});
             },
             py::arg("positions"), py::arg("intensities"),
             "Add point lights, (M, 3) each; intensities in W/sr.")
@@ -210,8 +244,8 @@ void bind_description(py::module_& m) {
             "Add a directional light: `direction` points towards it, irradiance in W/m² across it.")
         .def(
             "add_sphere_light",
-            [](SceneDescription& d, Float3 center, float radius, Float3 radiance) {
-                d.sphere_lights.push_back({vec3(center), radius, vec3(radiance)});
+            [](SceneDescription& d, Point center, float radius, Float3 radiance) {
+                d.sphere_lights.push_back({relative(d, center), radius, vec3(radiance)});
             },
             py::arg("center"), py::arg("radius"), py::arg("radiance"),
             "Add a sphere that emits; radiance in W/(m²·sr).")
@@ -251,9 +285,9 @@ void bind_description(py::module_& m) {
             "Remove the environment.")
         .def(
             "add_camera",
-            [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
+            [](SceneDescription& d, Point origin, Point target, Float3 up, float fov_deg, int width,
                int height, bool horizontal, float view_height, const std::string& name) {
-                Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
+                Camera c = look_at(relative(d, origin), relative(d, target), vec3(up), fov_deg * kPi / 180.f);
                 c.width = width;
                 c.height = height;
                 c.fov_is_horizontal = horizontal;

@@ -54,11 +54,11 @@ py::list camera_list(const SceneDescription& d) {
 void bind_loaders(py::module_& m) {
     m.def(
         "load_scene_file",
-        [](const std::string& path, bool strict, bool skip_missing, bool allow_outside) {
-            return load_scene_file(path, {strict, skip_missing, allow_outside});
+        [](const std::string& path, bool strict, bool skip_missing, bool allow_outside, Point origin) {
+            return load_scene_file(path, {strict, skip_missing, allow_outside, origin});
         },
         py::arg("path"), py::arg("strict") = false, py::arg("skip_missing") = false,
-        py::arg("allow_outside") = false, py::call_guard<WithoutGil>(),
+        py::arg("allow_outside") = false, py::arg("origin") = Point{}, py::call_guard<WithoutGil>(),
         "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
         "used.");
 

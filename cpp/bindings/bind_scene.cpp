@@ -104,6 +104,7 @@ void bind_scene(py::module_& m) {
             py::arg("description"), py::arg("threads") = 0, py::arg("take") = false,
             "Validate and freeze a description. `take` leaves it empty, without a copy.")
         .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
+        .def_property_readonly("origin", [](const Scene& s) { return s.description().origin; })
         .def_property_readonly("triangles", &Scene::placed_triangles)
         .def_property_readonly("unique_triangles", &Scene::unique_triangles)
         .def_property_readonly("instances", [](const Scene& s) { return s.description().instances.size(); })

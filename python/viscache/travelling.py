@@ -23,7 +23,8 @@ _REOPENS: WeakKeyDictionary[Scene, bool] = WeakKeyDictionary()
 def reduced(scene: Scene) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
     """How a scene is made again: what `copyreg.pickle` takes."""
     if scene not in _REOPENS:
-        _REOPENS[scene] = scene.spec is not None and _reopens(scene.spec, scene.content_hash)
+        named = scene.spec is not None and not scene.origin.any()
+        _REOPENS[scene] = named and _reopens(str(scene.spec), scene.content_hash)
     if _REOPENS[scene]:
         spec = str(scene.spec)
         return _from_spec, (sources.absolute(spec, Path.cwd()), spec, scene.content_hash)

@@ -428,6 +428,7 @@ def test_scenes_far_from_the_origin_are_warned_of() -> None:
         scene = vc.Scene.from_arrays(vertices + np.float32(offset), CARD[1])
         assert any("times its size from the origin" in w for w in scene.warnings) == warned
     assert "leaves it 16 steps across" in scene.warnings[-1]
-    assert not any(
-        "origin" in w for w in vc.Scene.from_arrays([[1e6] * 3] * 3, [[0, 1, 2]]).warnings
-    )
+    point = vc.Scene.from_arrays([[1e6] * 3] * 3, [[0, 1, 2]])
+    assert any("all vertices are one point" in w for w in point.warnings)
+    at_home = vc.Scene.from_arrays([[0.0] * 3] * 3, [[0, 1, 2]])
+    assert not any("point" in w for w in at_home.warnings)

@@ -1,5 +1,6 @@
 #pragma once
 // The mutable description of a scene, as loaders and programs fill it before it is frozen into a `Scene`.
+#include <array>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -69,8 +70,12 @@ struct Warning {
     std::string text;   ///< what is not modelled, and what replaces it
 };
 
+/// A point in double precision.
+using Point = std::array<double, 3>;
+
 struct SceneDescription {
     std::string name;
+    Point origin{};  ///< point of the world that lies at (0, 0, 0); all other coordinates are relative to it
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<Material> materials;

@@ -67,9 +67,11 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
     SceneDescription scene;
     scene.name = std::filesystem::path(path).stem().string();
     loading::Loading state(scene, options.strict, options.skip_missing);
+    state.origin = options.origin;
     const loading::AllowedFiles allowed(path, options.allow_outside);
     try {
         reader_for(path)(path, state);
+        set_origin(scene, options.origin);
         check_lights(scene, path);
         check_cameras(scene, path);
         loading::decode_images(state);
@@ -84,6 +86,21 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
         loading::fail(path, std::string("the file is broken (") + error.what() + ")");
     }
     return scene;
+}
+
+void set_origin(SceneDescription& scene, const Point& origin) {
+    const Point by{origin[0] - scene.origin[0], origin[1] - scene.origin[1], origin[2] - scene.origin[2]};
+    if (by == Point{}) return;
+    const auto move = [&](Vec3& p) { p = {float(p.x - by[0]), float(p.y - by[1]), float(p.z - by[2])}; };
+    for (Instance& instance : scene.instances)
+        for (size_t i = 0; i < 3; ++i) instance.to_world.m[i][3] -= by[i];
+    for (Mesh& mesh : scene.meshes)
+        if (mesh.in_world)
+            for (Vec3& p : mesh.vertices) move(p);
+    for (PointLight& light : scene.point_lights) move(light.position);
+    for (SphereLight& light : scene.sphere_lights) move(light.center);
+    for (Camera& camera : scene.cameras) move(camera.origin);
+    scene.origin = origin;
 }
 
 uint64_t count_placed_triangles(const SceneDescription& scene) {

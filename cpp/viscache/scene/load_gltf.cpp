@@ -262,6 +262,8 @@ void GltfReader::place_all() {
 void GltfReader::read_scene() {
     parse();
     check_extensions();
+    const Point& origin = loading_.scene.origin = loading_.origin;
+    const Affine to_scene = translation(-origin[0], -origin[1], -origin[2]);
     visited_.assign(model_.nodes.size(), 0);
     if (model_.scenes.empty()) {
         // A file without scenes: every node without a parent is a root.
@@ -270,13 +272,13 @@ void GltfReader::read_scene() {
             for (int child : node.children)
                 if (child >= 0 && size_t(child) < is_child.size()) is_child[size_t(child)] = 1;
         for (size_t i = 0; i < is_child.size(); ++i)
-            if (!is_child[i]) visit(int(i), Affine{}, 0);
+            if (!is_child[i]) visit(int(i), to_scene, 0);
     } else {
         const int chosen = std::max(model_.defaultScene, 0);
         if (size_t(chosen) >= model_.scenes.size())
             fail(path_, "scene " + std::to_string(chosen) + ", the file has " +
                             std::to_string(model_.scenes.size()));
-        for (int root : model_.scenes[size_t(chosen)].nodes) visit(root, Affine{}, 0);
+        for (int root : model_.scenes[size_t(chosen)].nodes) visit(root, to_scene, 0);
     }
     place_all();
 }

@@ -75,6 +75,7 @@ public:
 
     SceneDescription& scene;
     const bool strict, skip_missing;
+    Point origin{};  ///< what the caller wants as origin; a loader may place everything relative to it
 
     /// Reports something that is not modelled; an error when strict.
     void warn(const std::string& where, const std::string& text);

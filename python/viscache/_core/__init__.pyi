@@ -44,11 +44,13 @@ class SceneDescription:
     """
     A scene that can still be changed; `viscache.Scene.from_description` freezes it.
     
-    Vectors are three numbers, lengths are in scene units, light is in linear RGB.
+    Vectors are three numbers, lengths are in scene units, light is in linear RGB. Positions and
+    transforms are given in the world. `origin` is subtracted from them in double precision, before
+    they become floats: scenes far from the origin keep their digits.
     """
     def __getstate__(self) -> bytes:
         ...
-    def __init__(self) -> None:
+    def __init__(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0]) -> None:
         ...
     def __setstate__(self, arg0: bytes) -> None:
         ...
@@ -87,7 +89,7 @@ class SceneDescription:
         its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with
         beckmann=True; those of a rough coat are named by its kind.
         """
-    def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
+    def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
         """
         Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, 2),
         emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.
@@ -100,7 +102,7 @@ class SceneDescription:
         `falloff` is t ("angle", t linear in the angle), or t² ("quadratic"), t⁴ ("quartic") or
         t²(3 - 2t) ("smooth") with t linear in the cosine.
         """
-    def add_point_lights(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], intensities: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+    def add_point_lights(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], intensities: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
         Add point lights, (M, 3) each; intensities in W/sr.
         """
@@ -185,6 +187,11 @@ class SceneDescription:
     def name(self, arg0: str) -> None:
         ...
     @property
+    def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        The point of the world at (0, 0, 0).
+        """
+    @property
     def triangle_count(self) -> int:
         """
         Placed triangles.
@@ -220,6 +227,9 @@ class Scene:
         ...
     @property
     def offset_extent(self) -> float:
+        ...
+    @property
+    def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         ...
     @property
     def radius(self) -> float:
@@ -979,7 +989,7 @@ def embree_version() -> str:
     ...
 def geometry_hash(scene: Scene) -> str:
     ...
-def load_scene_file(path: str, strict: bool = False, skip_missing: bool = False, allow_outside: bool = False) -> SceneDescription:
+def load_scene_file(path: str, strict: bool = False, skip_missing: bool = False, allow_outside: bool = False, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0]) -> SceneDescription:
     """
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
     """

@@ -23,6 +23,7 @@ def description_of(
     rotation: npt.ArrayLike | None = None,
     shift: npt.ArrayLike = (0.0, 0.0, 0.0),
     noise: float = 0.0,
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> SceneDescription:
     """A scene rotated, then scaled, then moved. Point lights have `scale²` times their intensity.
 
@@ -37,6 +38,8 @@ def description_of(
         Scene units.
     noise : float >= 0
         Shakes the vertices: scene units before `scale`, uniform, fixed seed.
+    origin : (3,) float
+        Of the new scene.
     """
     turn: Array = np.eye(3) if rotation is None else np.asarray(rotation, float)
     rng = np.random.default_rng(5)
@@ -48,7 +51,7 @@ def description_of(
         moved_to: list[float] = point(p).tolist()
         return moved_to
 
-    old, new = _core.description_of(made._core), SceneDescription()
+    old, new = _core.description_of(made._core), SceneDescription(origin)
     for material in old.materials:
         new.add_material(material.pop("kind"), **material)
     for mesh in made.meshes():

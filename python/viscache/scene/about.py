@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.scene.coplanar import coplanar_share
 
-__all__ = ["far_away", "info", "lit_coats", "placed_coplanar_share"]
+__all__ = ["far_away", "info", "lit_coats", "placed_coplanar_share", "problems"]
 
 MOST_COUNTED_TRIANGLES = 5_000_000
 #: Distance from the origin, in sizes of the scene, that causes a warning.
@@ -22,16 +23,36 @@ def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
     """A warning if the distance from the origin costs precision."""
     low, high = bounds.astype(float)
     size = float(np.max(high - low))
-    if not (np.isfinite(size) and size > 0):
+    if not np.isfinite(size):
         return []
+    if size == 0:
+        where = ", ".join(f"{v:g}" for v in low)
+        text = (
+            f"all vertices are one point in single precision: give origin=({where}) if they differ"
+        )
+        return [text] if low.any() else []
     away = float(np.max(np.abs(low + high))) / 2 / size
     if away <= FAR_AWAY:
         return []
     steps = size / np.spacing(np.float32(away * size))
+    digits = -math.floor(math.log10(size))
+    near = ", ".join(f"{round(float(v), digits):g}" for v in (low + high) / 2)
     return [
         f"the scene lies {away:.3g} times its size from the origin, where single precision "
-        f"leaves it {steps:.3g} steps across"
+        f"leaves it {steps:.3g} steps across: give origin=({near}) to what makes it"
     ]
+
+
+def problems(scene: Any) -> list[str]:
+    """See `Scene.warnings`."""
+    texts = [
+        f"{where}: {text}" if where else text for where, text in _core.scene_warnings(scene._core)
+    ]
+    if scene.triangles == 0:
+        texts.append("the scene has no triangles; rays hit nothing")
+    if not scene.lights:
+        texts.append("the scene has no light; give it one with env=")
+    return texts + far_away(scene.bounds)
 
 
 def lit_coats(core: _core.Scene) -> list[str]:

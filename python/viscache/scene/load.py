@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -10,6 +11,7 @@ from viscache import _core
 from viscache._core import SceneError
 from viscache.progress import Progress, progress_bar
 from viscache.scene.environments import apply_environment, decode_image, pending_images
+from viscache.scene.parts import origin_of
 from viscache.scene.scene import Env, Scene
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.spelling import spelled
@@ -25,6 +27,7 @@ def load_scene(
     missing: Literal["error", "skip"] = "error",
     allow_outside: bool = False,
     env: Env | None = None,
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
     threads: int | None = None,
     progress: Progress = False,
 ) -> Scene:
@@ -46,6 +49,10 @@ def load_scene(
         higher, are no outside: `../textures`, `../hdr`, `../../common`.
     env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
+    origin : (3,) float
+        The point of the file's world that becomes (0, 0, 0) of the scene, as in
+        `Scene.from_arrays`. glTF files lose nothing, as their transforms are doubles. Others are
+        moved when their coordinates are floats already: rays lose no more, shapes have lost.
     threads : int, optional
         All cores by default.
     progress : bool or callable
@@ -69,6 +76,7 @@ def load_scene(
             strict=strict,
             skip_missing=missing == "skip",
             allow_outside=allow_outside,
+            origin=origin_of(origin),
         )
         images = pending_images(description)
         steps = len(images) + 2

@@ -13,11 +13,20 @@ from viscache._core import SceneDescription, SceneError
 from viscache.real_numbers import real_array
 from viscache.settings.checks import checked_floats, require
 
-__all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes"]
+__all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes", "origin_of"]
 
 #: Vertices (V, 3), triangles (T, 3) and, for its own material, an albedo (3,) or a mapping with the
 #: arguments of `SceneDescription.add_material`.
 Mesh: TypeAlias = "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"
+
+
+def origin_of(given: Any) -> tuple[float, float, float]:
+    """The origin of a scene; ValueError unless it is three finite numbers."""
+    point = checked_floats(given, "origin", np.float64)
+    good = point.shape == (3,) and bool(np.isfinite(point).all())
+    require(good, "origin must be 3 finite numbers", given)
+    x, y, z = point.tolist()
+    return x, y, z
 
 
 def checked_meshes(value: Any) -> Sequence[Mesh]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import typing
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -11,17 +12,20 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.progress import progress_bar
 from viscache.settings.checks import checked_floats, checked_points, checked_threads, require
-from viscache.settings.rays import Caster
+from viscache.settings.rays import Caster, check_rays, is_robust
 
 __all__ = [
     "Intersection",
+    "MatrixEngine",
     "intersect",
+    "matrix",
     "occluded",
     "shaft_matrix",
     "visible",
     "visible_matrix",
 ]
 
+MatrixEngine: TypeAlias = Literal["auto", "packets", "shafts"]
 Floats: TypeAlias = npt.NDArray[np.float32]
 
 
@@ -73,6 +77,30 @@ def occluded(
         ends = np.broadcast_to(ends, shape).reshape(-1)
     found: npt.NDArray[np.bool_] = caster.occluded(*rays, ends, checked_threads(threads))
     return found.reshape(shape)
+
+
+def matrix(
+    scene: Any,
+    points: npt.ArrayLike,
+    targets: npt.ArrayLike,
+    rays: Any,
+    engine: MatrixEngine,
+    threads: int | None,
+    progress: Any,
+) -> npt.NDArray[np.uint64]:
+    """See `Scene.visible_matrix`."""
+    known = engine in typing.get_args(MatrixEngine)
+    require(known, 'engine must be "auto", "packets" or "shafts"', engine)
+    rays = check_rays(rays)
+    robust = is_robust(rays)
+    require(engine != "shafts" or robust, 'rays must be vc.Embree() with engine="shafts"', rays)
+    caster = scene.caster(rays, threads=threads)
+    if engine == "packets" or not robust:
+        return visible_matrix(caster, points, targets, threads, progress)
+    choose = engine == "auto"
+    return shaft_matrix(scene.shafts(), caster, points, targets, threads, progress, choose=choose)[
+        0
+    ]
 
 
 def intersect(

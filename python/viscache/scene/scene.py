@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import typing
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
@@ -17,14 +16,14 @@ from viscache.oracles.correct import Correct
 from viscache.oracles.oracle import Oracle
 from viscache.oracles.written import Written
 from viscache.scene import queries
-from viscache.scene.about import far_away, info, placed_coplanar_share
+from viscache.scene.about import info, placed_coplanar_share, problems
 from viscache.scene.environments import apply_environment
 from viscache.scene.html import scene_html
-from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
+from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes, origin_of
 from viscache.scene.queries import Intersection
 from viscache.scene.sky import Sky
-from viscache.settings.checks import checked_threads, require
-from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays, is_robust
+from viscache.settings.checks import checked_floats, checked_threads, require
+from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
 
@@ -33,8 +32,6 @@ __all__ = ["Intersection", "Scene", "SceneError"]
 Env: TypeAlias = (
     "Sky | str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
 )
-
-MatrixEngine: TypeAlias = Literal["auto", "packets", "shafts"]
 
 
 @spelled
@@ -80,6 +77,7 @@ class Scene:
         normals: npt.ArrayLike | None = None,
         base_color: Sequence[float] = (0.5, 0.5, 0.5),
         env: Env | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Scene:
         """One diffuse, two-sided mesh, or a list of meshes with materials.
 
@@ -97,6 +95,9 @@ class Scene:
             Albedo of meshes without a material.
         env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light: a lat-long image or constant radiance.
+        origin : (3,) float
+            The point of the world that becomes (0, 0, 0) of the scene. It is subtracted from
+            `vertices` in double precision, so scenes far away keep their digits. See `Scene.local`.
 
         Raises
         ------
@@ -115,7 +116,7 @@ class Scene:
         >>> vc.Scene.from_arrays([(corners, one), (corners, one, (1.0, 0.0, 0.0))]).triangles
         2
         """
-        description = SceneDescription()
+        description = SceneDescription(origin_of(origin))
         if triangles is None:
             require(normals is None, "normals must be left out with a list of meshes", normals)
             for mesh in checked_meshes(vertices):
@@ -129,7 +130,9 @@ class Scene:
         return cls.from_description(description)
 
     @classmethod
-    def from_trimesh(cls, meshes: Any, *, env: Env | None = None) -> Scene:
+    def from_trimesh(
+        cls, meshes: Any, *, env: Env | None = None, origin: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> Scene:
         """A scene from trimesh objects.
 
         Parameters
@@ -139,6 +142,8 @@ class Scene:
             textures, shading and lights are ignored.
         env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light, as in `from_arrays`.
+        origin : (3,) float
+            As in `from_arrays`.
 
         Raises
         ------
@@ -152,7 +157,7 @@ class Scene:
         >>> vc.Scene.from_trimesh(trimesh.creation.box(), env=1.0).triangles
         12
         """
-        description = SceneDescription()
+        description = SceneDescription(origin_of(origin))
         add_trimesh(description, meshes)
         if env is not None:
             apply_environment(description, env)
@@ -164,6 +169,27 @@ class Scene:
     def name(self) -> str:
         """Name from the file or the built-in scene."""
         return self._core.name
+
+    @property
+    def origin(self) -> npt.NDArray[np.float64]:
+        """(3,): the point of the world that is (0, 0, 0) of the scene."""
+        return np.array(self._core.origin)
+
+    def local(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Points of the world in coordinates of the scene, (..., 3), subtracted in double.
+
+        Cameras, queries, hits and the layer "position" use these. Plus `origin`, they are points of
+        the world.
+
+        Examples
+        --------
+        >>> import viscache as vc
+        >>> corners = [[5e7, 0, 0], [5e7 + 1, 0, 0], [5e7, 1, 0]]
+        >>> scene = vc.Scene.from_arrays(corners, [[0, 1, 2]], origin=(5e7, 0, 0))
+        >>> bool(scene.visible(*scene.local([[5e7 + 0.2, 0.2, 1], [5e7 + 0.2, 0.2, -1]])))
+        False
+        """
+        return checked_floats(points, "points", np.float64) - self.origin
 
     @property
     def triangles(self) -> int:
@@ -192,15 +218,7 @@ class Scene:
         A problem is: no triangles, no light, or a distance from the origin at which single
         precision loses much of the shape.
         """
-        texts = [
-            f"{where}: {text}" if where else text
-            for where, text in _core.scene_warnings(self._core)
-        ]
-        if self.triangles == 0:
-            texts.append("the scene has no triangles; rays hit nothing")
-        if not self.lights:
-            texts.append("the scene has no light; give it one with env=")
-        return texts + far_away(self.bounds)
+        return problems(self)
 
     @cached_property
     def content_hash(self) -> str:
@@ -237,11 +255,9 @@ class Scene:
 
     def overview_camera(self) -> _core.Camera:
         """A camera that sees the whole scene from a corner above."""
-        center = np.array(self._core.center)
-        radius = self._core.radius if self._core.offset_extent > 0 else 1.0
-        origin = center + radius * np.array([1.2, 0.9, 1.6])
-        up = (0.0, 1.0, 0.0)
-        return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), up, 55.0)
+        center, extent = np.array(self._core.center), self._core.offset_extent
+        origin = center + (self._core.radius if extent > 0 else 1.0) * np.array([1.2, 0.9, 1.6])
+        return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), (0, 1, 0), 55.0)
 
     # Queries
 
@@ -340,7 +356,7 @@ class Scene:
         targets: npt.ArrayLike,
         *,
         rays: Rays | str | None = None,
-        engine: MatrixEngine = "auto",
+        engine: queries.MatrixEngine = "auto",
         threads: int | None = None,
         progress: bool | Callable[[int, int], None] = False,
     ) -> npt.NDArray[np.uint64]:
@@ -390,18 +406,7 @@ class Scene:
         >>> np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=2).shape
         (4, 2)
         """
-        known = engine in typing.get_args(MatrixEngine)
-        require(known, 'engine must be "auto", "packets" or "shafts"', engine)
-        rays = check_rays(rays)
-        robust = is_robust(rays)
-        require(engine != "shafts" or robust, 'rays must be vc.Embree() with engine="shafts"', rays)
-        caster = self.caster(rays, threads=threads)
-        if engine == "packets" or not robust:
-            return queries.visible_matrix(caster, points, targets, threads, progress)
-        choose = engine == "auto"
-        return queries.shaft_matrix(
-            self.shafts(), caster, points, targets, threads, progress, choose=choose
-        )[0]
+        return queries.matrix(self, points, targets, rays, engine, threads, progress)
 
     def occluded(
         self,

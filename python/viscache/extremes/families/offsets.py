@@ -17,6 +17,8 @@ from viscache.extremes.registry import family
 
 #: The direction of the offset: no axis, no diagonal.
 AWAY = np.array([1.0, 0.7, -0.4])
+#: Sizes from the origin of scenes that say where they are.
+FAR = 1e6
 #: rel_l1 per size of the scene of offset.
 PER_SIZE = 4e-6
 GROWS = (
@@ -24,6 +26,9 @@ GROWS = (
     "measured 1.1e-6 per size, 4 times that"
 )
 MAP_BITS = "a bit of a map that flips changes a blend: measured 1e-3, twice that"
+#: With an origin beside the scene, coordinates are rounded once, as at another scale.
+AT_HOME = 5e-6
+HOME_WHY = "the origin is subtracted in double: 1e-16 of the offset is lost; measured 0 to 3e-7"
 #: The energy that may be wrong in a scene that is not warned of.
 SILENT = 5e-3
 
@@ -48,6 +53,15 @@ def offsets(full: bool) -> Iterator[Case]:
             yield Case(
                 name=f"{words}: rel_l1", measure=partial(_change, method, k), limit=limit, why=why
             )
+    chosen = METHODS if full else ("exact by Embree", "quantized cache", "shadow maps")
+    for name in chosen:
+        if not METHODS[name].noisy:
+            yield Case(
+                name=f"{name}, {FAR:g} sizes from the origin, with origin= there: rel_l1",
+                measure=partial(_at_home, METHODS[name]),
+                limit=2e-3 if METHODS[name].maps else AT_HOME,
+                why=HOME_WHY,
+            )
     for k in (2000, 4000, 7000, 9000, 20_000, 100_000):
         yield Case(
             name=f"{k} sizes from the origin: energy that is wrong without a warning",
@@ -66,6 +80,13 @@ def shift(sizes: float, scene: vc.Scene | None = None) -> np.ndarray:
 def _change(method: Method, sizes: float) -> float:
     box = scenes.lit_box()
     return rel_l1(picture(moved(box, shift=shift(sizes)), method), picture(box, method))
+
+
+def _at_home(method: Method) -> float:
+    box = scenes.lit_box()
+    x, y, z = shift(FAR).tolist()
+    far = moved(box, shift=(x, y, z), origin=(x, y, z))
+    return rel_l1(picture(far, method), picture(box, method))
 
 
 def _silent(sizes: float) -> float:

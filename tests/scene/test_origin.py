@@ -1,0 +1,148 @@
+"""Scenes far from the origin keep their digits where they say where they are."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache.extremes import scenes
+from viscache.extremes.families.offsets import shift
+from viscache.extremes.moved import moved
+from viscache.extremes.pictures import METHODS, picture, rel_l1
+
+CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
+FAR = (5e7 + 0.125, -3e7, 7e6 + 0.5)
+
+
+@pytest.mark.parametrize("name", ["exact by Embree", "quantized cache", "shadow maps", "NEE++"])
+def test_a_million_sizes_away_a_frame_is_the_one_at_the_origin(name: str) -> None:
+    box, away = scenes.lit_box(), shift(1e6)
+    home = picture(box, METHODS[name])
+    x, y, z = away.tolist()
+    assert rel_l1(picture(moved(box, shift=away, origin=(x, y, z)), METHODS[name]), home) < 1e-6
+    assert rel_l1(picture(moved(box, shift=away), METHODS[name]), home) > 0.1  # without, it is lost
+
+
+def test_all_that_is_placed_is_relative_to_the_origin() -> None:
+    description = vc.SceneDescription(FAR)
+    assert description.origin == list(FAR)
+    mesh = description.add_mesh(CORNERS, ONE, in_world=False)
+    description.add_mesh(CORNERS + FAR, ONE)
+    place = np.eye(4)
+    place[:3, 3] = np.add(FAR, [0, 0, 0.25])
+    description.add_instance([mesh], place)
+    description.add_point_light(np.add(FAR, 1.5), (1, 1, 1))
+    description.add_point_lights([np.add(FAR, 0.5)], [(1, 1, 1)])
+    description.add_sphere_light(np.add(FAR, 2.5), 0.1, (1, 1, 1))
+    description.add_camera(np.add(FAR, [0, 0, 4.5]), FAR)
+    for made in (description, pickle.loads(pickle.dumps(description))):
+        scene = vc.Scene.from_description(made)
+        assert scene.origin.tolist() == list(FAR)
+        np.testing.assert_array_equal(scene.meshes()[1]["vertices"], CORNERS.astype(np.float32))
+        np.testing.assert_array_equal(scene.meshes()[0]["vertices"], CORNERS.astype(np.float32))
+        lights = {tuple(x.get("position", x.get("center"))) for x in scene.lights}
+        assert lights == {(1.5,) * 3, (0.5,) * 3, (2.5,) * 3}
+        assert tuple(scene.cameras[0].origin) == (0, 0, 4.5)
+        hit = scene.intersect([[0.2, 0.2, 1.0]], [[0, 0, -1]])
+        assert hit.instance[0] == 0 and hit.t[0] == 0.75
+
+
+def test_the_origin_stays_with_the_scene() -> None:
+    scene = vc.Scene.from_arrays(CORNERS + FAR, ONE, origin=FAR)
+    for same in (scene.with_environment(1.0), pickle.loads(pickle.dumps(scene))):
+        assert same.origin.tolist() == list(FAR)
+    np.testing.assert_array_equal(scene.local(CORNERS + FAR), CORNERS)
+    assert vc.Scene.from_arrays(CORNERS, ONE).origin.tolist() == [0, 0, 0]
+    near = vc.Scene.from_arrays(CORNERS, ONE)
+    assert scene.content_hash == near.content_hash  # the look is the same
+
+
+@pytest.mark.parametrize("share", [1, 1e-3], ids=["one point", "few steps"])
+def test_the_warning_names_an_origin_that_ends_it(share: float) -> None:
+    corners = CORNERS + np.multiply(FAR, share)
+    (warning,) = vc.Scene.from_arrays(corners, ONE, env=1.0).warnings
+    assert ("one point" if share == 1 else "times its size from the origin") in warning
+    given = warning.partition("origin=(")[2].partition(")")[0]
+    point = [float(v) for v in given.split(",")]
+    assert vc.Scene.from_arrays(corners, ONE, env=1.0, origin=point).warnings == []
+
+
+def gltf(folder: Path) -> Path:
+    """A triangle, and a camera, under nodes that are far away."""
+    (folder / "a.bin").write_bytes(CORNERS.astype("<f4").tobytes())
+    place = {"translation": list(FAR)}
+    model: dict[str, Any] = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "a.bin", "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
+        "nodes": [{"mesh": 0, **place}, {"camera": 0, **place}],
+        "scenes": [{"nodes": [0, 1]}],
+        "scene": 0,
+    }  # fmt: skip
+    path = folder / "a.gltf"
+    path.write_text(json.dumps(model))
+    return path
+
+
+def test_gltf_files_lose_nothing(tmp_path: Path) -> None:
+    scene = vc.load_scene(gltf(tmp_path), origin=np.subtract(FAR, 0.25))
+    np.testing.assert_array_equal(scene.meshes()[0]["vertices"], CORNERS.astype(np.float32) + 0.25)
+    assert tuple(scene.cameras[0].origin) == (0.25, 0.25, 0.25)
+    lost = vc.load_scene(gltf(tmp_path)).meshes()[0]["vertices"]
+    assert np.abs(lost - FAR - CORNERS).max() > 0.1
+
+
+def test_other_files_are_moved_as_they_are(tmp_path: Path) -> None:
+    path = tmp_path / "a.pbrt"
+    path.write_text(
+        """
+        LookAt 4099 8192 5 4099 8192 0 0 1 0
+        Camera "perspective" "float fov" 40
+        WorldBegin
+        LightSource "point" "point from" [4097.5 8193 2] "rgb I" [1 1 1]
+        Translate 4096 8192 0
+        Shape "trianglemesh" "integer indices" [0 1 2] "point P" [0.25 0 0 1 0 0 0 1 0]
+        ObjectBegin "o"
+        Shape "trianglemesh" "integer indices" [0 1 2] "point P" [0 0 0 1 0 0 0 1 0]
+        ObjectEnd
+        Translate 0 0 0.5
+        ObjectInstance "o"
+        WorldEnd
+        """
+    )
+    here, moved_to = vc.load_scene(path), vc.load_scene(path, origin=(4096, 8192, 1))
+    by = np.float32([4096, 8192, 1])
+    np.testing.assert_array_equal(moved_to.bounds, here.bounds - by)
+    np.testing.assert_array_equal(moved_to.cameras[0].origin, here.cameras[0].origin - by)
+    np.testing.assert_array_equal(moved_to.lights[0]["position"], here.lights[0]["position"] - by)
+    assert moved_to.origin.tolist() == [4096, 8192, 1]
+    size: dict[str, Any] = {"size": (24, 16), "threads": 1}
+    assert rel_l1(*(vc.render(s, "direct", **size) for s in (moved_to, here))) < 1e-2
+    assert pickle.loads(pickle.dumps(moved_to)).origin.tolist() == [4096, 8192, 1]
+
+
+def test_trimesh_objects_keep_their_digits() -> None:
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(CORNERS + FAR, ONE, process=False)
+    scene = vc.Scene.from_trimesh(mesh, origin=FAR)
+    np.testing.assert_array_equal(scene.meshes()[0]["vertices"], CORNERS.astype(np.float32))
+
+
+@pytest.mark.parametrize("bad", [(0, 0), (0, 0, np.nan), (0, np.inf, 0), "x", (0, 0, 1j), None])
+def test_bad_origins_are_refused(bad: Any, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="origin must be"):
+        vc.Scene.from_arrays(CORNERS, ONE, origin=bad)
+    with pytest.raises(ValueError, match="origin must be"):
+        vc.load_scene(gltf(tmp_path), origin=bad)
+    with pytest.raises((ValueError, TypeError)):
+        vc.SceneDescription(bad)
