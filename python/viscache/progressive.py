@@ -70,7 +70,8 @@ class Progressive:
         As for `vc.render`, also an oracle of your own. What is kept from pass to pass:
 
         - the rows of `Aqvc` in the form "waves" (`rows`): later passes trace only cells and lights
-          that none before had;
+          that none before had. With corrections and the default preset, parameters that are not
+          given are C_E = 16, C_N = 2, C_Z = 1 and C_R = 2: fewer and larger cells;
         - what `NeePlusPlus` has learnt (`counts`): every pass adds a small frame of its own;
         - the records of `VisMaps` (`maps`): before each pass, pixels get the records that they need
           at another position. A given cache stays as it is, unless `update=True`: then passes
@@ -157,6 +158,8 @@ class Progressive:
             and self.visibility.paper.form == "waves"
             and isinstance(self.integrator, Direct | Whitted)
         )
+        if keeps and self.use not in (None, "replace"):
+            self.visibility = self.visibility.for_corrected_passes()
         self.rows = AqvcRows(max_bytes=max_bytes) if keeps else None
         self.counts = VoxelCounts() if isinstance(self.visibility, NeePlusPlus) else None
         refines = isinstance(self.visibility, VisMaps) and self.visibility.updates
@@ -366,6 +369,8 @@ class Progressive:
                 memory=None if alone else memory,
                 **self._options,
             )
+        if self.use != use and isinstance(visibility, Exact):
+            frame.counters["exact_queries"] = frame.counters["queries"]
         if self.maps is not None:
             frame.counters.update(self.maps.counters)
             frame.timings["records_s"] += self.maps.seconds
@@ -409,15 +414,22 @@ class Progressive:
         lights = self._lights[1]
         self._learn()
         shares = self._sums.shares
+        if self._all_is_exact() or (shares is not None and math.isinf(shares.scale)):
+            return Exact(), None, PassMemory(lights)
         if shares is None:
             return self.visibility, self.use, PassMemory(lights)
-        if math.isinf(shares.scale):
-            return Exact(), None, PassMemory(lights)
         use = self.use
         if shares.scale != 1:
             given = use if isinstance(use, Correct) else Correct()
             use = dataclasses.replace(given, certain=CERTAIN / shares.scale)
         return self.visibility, use, PassMemory(lights, shares.octaves, 1)
+
+    def _all_is_exact(self) -> bool:
+        """Whether the passes so far asked for no light that the cache answers."""
+        counters = self._sums.counters
+        exact = counters.get("exact_queries", 0)
+        same_lights = self.rows is not None and not self.renew
+        return same_lights and 0 < exact == counters["queries"]
 
     def _kept_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """What counts and maps keep, for a file."""

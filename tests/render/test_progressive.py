@@ -99,7 +99,7 @@ def test_an_interrupted_pass_leaves_nothing(room: vc.Scene) -> None:
         vc.render(
             room,
             LIGHTS,
-            visibility=vc.Aqvc(c_e=12),
+            visibility=stopped.visibility,
             use="correct",
             size=(96, 64),
             first_sample=1,
@@ -128,6 +128,47 @@ def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
         first.merge(second)
     with pytest.raises(ValueError, match="seed must be 0 in both"):
         first.merge(picture(room, seed=1, **exact))
+
+
+def test_corrected_passes_have_larger_cells_unless_told_otherwise(room: vc.Scene) -> None:
+    def cache(given: vc.Aqvc | str, use: Any = None) -> Any:
+        return vc.Progressive(room, LIGHTS, visibility=given, use=use, size=SIZE).visibility
+
+    for given in ("aqvc", vc.Aqvc()):
+        made = cache(given)
+        assert (made.c_e, made.c_n, made.c_z, made.c_r) == (16, 2, 1, 2)
+        assert cache(given, "replace") == vc.Aqvc()
+    assert cache(vc.Aqvc(c_e=10, c_n=8)) == vc.Aqvc(c_e=10, c_n=8, c_z=1, c_r=2)
+    for preset in ("fast", "paper"):
+        assert cache(vc.Aqvc(preset=preset)) == vc.Aqvc(preset=preset)
+    picture = vc.Progressive(room, LIGHTS, visibility="aqvc", size=SIZE)
+    assert picture.passes(1).parameters["visibility"]["c_n"] == 2
+
+
+def test_passes_whose_lights_are_all_exact_cost_nothing_more(
+    room: vc.Scene, tmp_path: Path
+) -> None:
+    """After the first one they are exact passes; with more lights they are not."""
+    few, many = vc.Whitted(n_vpls=16), vc.Whitted(n_vpls=64)
+
+    def made(lights: vc.Whitted, visibility: str = "aqvc", **options: Any) -> vc.Progressive:
+        return vc.Progressive(room, lights, visibility=visibility, size=SIZE, **options)
+
+    corrected = made(few)
+    corrected.passes(1)
+    assert corrected._drawn()[0] == vc.Exact()
+    corrected.save(tmp_path / "state.npz")
+    resumed = made(few)
+    resumed.load(tmp_path / "state.npz")
+    want = made(few, "exact").passes(3)
+    for p in (corrected, resumed):
+        frame = p.passes(2)
+        assert sha(frame) == sha(want)
+        assert frame.counters["exact_queries"] == frame.counters["queries"]
+        assert frame.counters["rays"] == want.counters["rays"]
+    for p in (made(many), made(few, renew=2), made(few, use="replace")):
+        p.passes(1)
+        assert p._drawn()[0] == p.visibility
 
 
 def test_lights_are_renewed(room: vc.Scene) -> None:

@@ -22,9 +22,9 @@ FIRST = (0, 512)
 
 
 def differences(
-    scene: Scene, light: Any, cache: Any, size: tuple[int, int], passes: int
+    scene: Scene, light: Any, caches: dict[Any, Any], size: tuple[int, int], passes: int
 ) -> tuple[dict[str, Array], float]:
-    """By use of the cache: passes minus exact ones of the same eye samples; and the mean light.
+    """By use of a cache: passes minus exact ones of the same eye samples; and the mean light.
 
     The arrays are (pass, row, column, channel): of two pictures, half each, with what each learns
     from its first passes. Their draws are independent.
@@ -38,7 +38,7 @@ def differences(
         return np.concatenate([alone(p, passes // 2) for p in pictures])
 
     exact = both("exact")
-    found = {use: both(cache, use) - exact for use in ("correct", "replace")}
+    found = {use: both(cache, use) - exact for use, cache in caches.items()}
     return found, float(exact.mean())
 
 

@@ -24,8 +24,8 @@ from viscache.settings.visibility import Aqvc, Exact
 
 __all__ = ["progressive"]
 
-#: C_E of the cache, for all scenes.
-C_E = 10
+#: The cache of plain passes, for all scenes, and of corrected ones: the default.
+PLAIN, CORRECTED = Aqvc(c_e=10), Aqvc()
 #: Picks of each eye point, of the rival without a cache.
 PICKS = 16
 #: Limit of the energy's t value; it has 15 degrees of freedom.
@@ -109,8 +109,8 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     runs = {
         "packets": Run(picture(Exact(engine="packets"))),
         "exact": Run(picture(Exact())),
-        "plain": Run(picture(Aqvc(c_e=C_E), "replace")),
-        "corrected": Run(picture(Aqvc(c_e=C_E), "correct")),
+        "plain": Run(picture(PLAIN, "replace")),
+        "corrected": Run(picture(CORRECTED, "correct")),
         picks: Run(picture(Exact(), pick=PICKS)),
     }
     take_turns(list(runs.values()), case.passes)
@@ -151,8 +151,9 @@ def _goals(case: Case) -> dict[str, tuple[float, float] | None]:
 
 def bias(outcome: Outcome, case: Case, scene: Scene) -> None:
     """What many corrected passes have that exact ones of the same samples have not."""
-    light, cache = Whitted(n_vpls=case.n_vpls), Aqvc(c_e=C_E)
-    both, mean = differences(scene, light, cache, case.many_size, case.many)
+    caches = {"correct": CORRECTED, "replace": PLAIN}
+    light = Whitted(n_vpls=case.n_vpls)
+    both, mean = differences(scene, light, caches, case.many_size, case.many)
     found, plain = both["correct"], both["replace"]
     what = f"{case.name}: {case.many} corrected passes"
     outcome.check(f"{what}, |z| of the energy", abs(energy_z(found)), LIMIT_MANY)

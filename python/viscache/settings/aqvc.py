@@ -93,6 +93,10 @@ def _group_set(given: Any) -> Any:
     return tuple(group for group in LIGHT_GROUPS if group in given)
 
 
+#: Defaults where rays correct the errors and rows are kept, so that misses cost more than errors.
+CORRECTED_PASSES: dict[str, Any] = {"c_e": 16.0, "c_n": 2, "c_z": 1.0, "c_r": 2.0}
+
+
 @setting
 @ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -258,6 +262,13 @@ class Aqvc:
         require(form == "pairs", 'form must be "pairs" with keep', form)
         require(storage == "table", 'storage must be "table" with keep', storage)
         return made
+
+    def for_corrected_passes(self) -> Aqvc:
+        """With the defaults for `vc.Progressive(use="correct")`: fewer and larger cells.
+
+        In the default preset (docs/performance/progressive.md).
+        """
+        return self._unless_given(CORRECTED_PASSES, {}) if self.preset == "default" else self
 
     def _unless_given(self, own: Mapping[str, Any], paper: Mapping[str, Any]) -> Aqvc:
         """With these values, where nothing was given."""
