@@ -94,7 +94,7 @@ def test_a_store_without_hashes_of_layers_stays_readable(tmp_path: Path) -> None
     before = swept(tmp_path)
     target = picture(tmp_path, '"Exact"')
     with sqlite3.connect(tmp_path / "sweep.sqlite") as db:
-        db.execute("alter table frames drop column layers")
+        db.execute("drop table hashes")
     other_layer("depth")(target)
     forget_comparisons(tmp_path)
     assert "mended" not in swept(tmp_path).attrs

@@ -44,7 +44,8 @@ CREATE TABLE IF NOT EXISTS sweep (
 CREATE TABLE IF NOT EXISTS frames (
     key TEXT PRIMARY KEY, spec TEXT NOT NULL, counters TEXT NOT NULL, timings TEXT NOT NULL,
     parameters TEXT NOT NULL, provenance TEXT NOT NULL, sha256 TEXT NOT NULL, file TEXT NOT NULL,
-    finished REAL NOT NULL, layers TEXT);
+    finished REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS hashes (key TEXT PRIMARY KEY, layers TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS comparisons (
     key TEXT NOT NULL, reference TEXT NOT NULL, metric TEXT NOT NULL, value REAL,
     PRIMARY KEY (key, reference, metric));
@@ -117,15 +118,6 @@ class Store:
             self._db.execute("PRAGMA journal_mode=WAL")
             self._db.execute("PRAGMA synchronous=NORMAL")
             self._db.executescript(_SCHEMA)
-            self._add_hashes()
-
-    def _add_hashes(self) -> None:
-        """Give a store that was made before layers had hashes their column."""
-        with self._db:
-            self._db.execute("BEGIN IMMEDIATE")
-            columns = [row[1] for row in self._db.execute("PRAGMA table_info(frames)")]
-            if "layers" not in columns:
-                self._db.execute("ALTER TABLE frames ADD COLUMN layers TEXT")
 
     @contextmanager
     def _door(self) -> Iterator[None]:
@@ -179,14 +171,15 @@ class Store:
 
     def get(self, key: str) -> Record | None:
         """The finished frame of a key whose picture is there, else None."""
-        columns = "spec, counters, timings, parameters, provenance, sha256, file, layers"
+        columns = "spec, counters, timings, parameters, provenance, sha256, file"
         with self._door():
             row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
         if row is None or (self.directory is not None and not (self.directory / row[6]).is_file()):
             return None
         with self._door():
             parts = [_object(text) for text in row[:5]]
-            layers = None if row[7] is None else _object(row[7])
+            hashes = self._db.execute("SELECT layers FROM hashes WHERE key = ?", (key,)).fetchone()
+            layers = None if hashes is None else _object(hashes[0])
         return Record(
             key=key,
             spec=parts[0],
@@ -249,11 +242,15 @@ class Store:
         records = (spec, of.counters, of.timings, of.parameters, of.provenance)
         name = file or getattr(of, "file", "")
         hashes = of.layers if isinstance(of, Record) else layer_digests(of.layers)
-        layers = None if hashes is None else json.dumps(hashes)
-        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time(), layers)
+        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time())
+        columns = "key, spec, counters, timings, parameters, provenance, sha256, file, finished"
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
-            self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 10)})", row)
+            marks = ",".join("?" * len(row))
+            self._db.execute(f"INSERT OR REPLACE INTO frames ({columns}) VALUES ({marks})", row)
+            self._db.execute("DELETE FROM hashes WHERE key = ?", (key,))
+            if hashes is not None:
+                self._db.execute("INSERT INTO hashes VALUES (?, ?)", (key, json.dumps(hashes)))
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
             self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
 
