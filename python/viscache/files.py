@@ -46,8 +46,19 @@ def whole_file(target: Path) -> Iterator[Path]:
     try:
         yield partial
         partial.replace(target)
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise named(error, target) from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+def named(error: OSError, target: Path) -> OSError:
+    """The error with the name of the file; those of writes have none."""
+    if error.errno is None:  # NumPy's, of arrays
+        return OSError(f"{target} cannot be written: {error}")
+    return OSError(error.errno, error.strerror, str(target))
 
 
 def _machine() -> str:

@@ -12,6 +12,7 @@ hash is computed again, and a line of `FolderStore.mended` says so.
 
 from __future__ import annotations
 
+import errno
 import os
 import uuid
 from pathlib import Path
@@ -21,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.array_digests import arrays_digest
-from viscache.files import DAMAGED_ARRAYS, whole_file
+from viscache.files import DAMAGED_ARRAYS, named, whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -84,6 +85,7 @@ class FolderStore:
         self.path = folder / "rows.npy"
         if not self.path.exists():
             _create_rows(self.path, shape)
+        _reserve(self.path)  # also of files that took room only as rows were written
         try:
             self.bits = np.load(self.path, mmap_mode="r+")
         except DAMAGED_ARRAYS as error:
@@ -130,14 +132,39 @@ def write_arrays(path: Path, arrays: Arrays) -> None:
         np.savez(file, allow_pickle=False, **arrays)
 
 
+def _reserve(path: Path) -> None:
+    """Take the room of a file on the disk, so that no write to mapped memory finds it full.
+
+    Such a write would end the process (SIGBUS).
+
+    Raises
+    ------
+    OSError
+        There is not enough room.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    with path.open("r+b") as file:
+        try:
+            if size := os.fstat(file.fileno()).st_size:
+                os.posix_fallocate(file.fileno(), 0, size)
+        except OSError as error:
+            if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):  # disks that cannot tell
+                raise named(error, path) from error
+
+
 def _create_rows(path: Path, shape: tuple[int, int]) -> None:
-    """Create a sparse file of zeros atomically; it takes disk space only as rows are written.
+    """Create a file of zeros atomically.
 
     A file that another process has made meanwhile stays, as that process writes its rows there.
     """
     partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
-        np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()
+        try:
+            np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()
+            _reserve(partial)
+        except OSError as error:
+            raise named(error, path) from error
         try:
             os.link(partial, path)
         except FileExistsError:

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 from viscache.figures import references
 from viscache.figures.outcome import Outcome, text
 from viscache.figures.verdict import sentence, verdicts
-from viscache.files import finite, write_whole
+from viscache.files import finite, named, write_whole
 from viscache.provenance import code_hash, provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
@@ -113,8 +113,13 @@ def reproduce(
     folder.mkdir(parents=True, exist_ok=True)
     given = {} if size is None else {"size": size}
     began, cpu = time.perf_counter(), time.process_time()
-    with references.kept_in(folder / "references"):
-        outcome = FIGURES[name].function(folder, quick, progress, **given)
+    try:
+        with references.kept_in(folder / "references"):
+            outcome = FIGURES[name].function(folder, quick, progress, **given)
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise named(error, folder) from error
     seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"
     rows = [row.as_dict() for row in outcome.rows]
