@@ -22,6 +22,7 @@ DAMAGED_ARRAYS = (
     TypeError,
     AttributeError,
     EOFError,
+    OverflowError,
     OSError,
     RuntimeError,
     SyntaxError,

@@ -226,12 +226,22 @@ def test_a_process_that_comes_second_takes_the_rows_of_the_first(tmp_path: Path)
     assert [p.name for p in tmp_path.iterdir()] == ["rows.npy"]
 
 
-@pytest.mark.parametrize("damage", ["no array", "a header that ends too soon"])
+#: Changes of the header of `rows.npy`; the spaces that fill it make room for more digits.
+DAMAGES = {
+    "no array": lambda whole: b"no array",
+    "a header that ends too soon": lambda whole: whole.replace(b"}", b"(", 1),
+    "a shape beyond 64 bits": lambda whole: whole.replace(b"(", b"(9" + 22 * b"0", 1).replace(
+        23 * b" ", b"", 1
+    ),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
 def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path, damage: str) -> None:
     correlation(tmp_path)
     path = next(tmp_path.rglob("rows.npy"))
     whole = path.read_bytes()
-    path.write_bytes(b"no array" if damage == "no array" else whole.replace(b"}", b"(", 1))
+    path.write_bytes(DAMAGES[damage](whole))
     with pytest.raises(ValueError, match=r"rows\.npy cannot be read: .*delete it"):
         correlation(tmp_path)
 
