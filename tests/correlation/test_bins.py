@@ -74,10 +74,13 @@ def test_the_pilot_takes_any_unit(scale: float) -> None:
         ({"d_edges": [0.0, np.nan]}, "rising"),
         ({"d_edges": [[0.0, 1.0]]}, "rising"),
         ({"theta_edges_deg": [0.0, 181.0]}, r"theta_edges_deg must lie in \[0, 180\]"),
-        ({"slice_d": 0.0}, "slice_d must be > 0"),
-        ({"slice_d": np.nan}, "slice_d must be > 0"),
-        ({"slice_theta_deg": 200.0}, "slice_theta_deg must be in"),
-        ({"d_end": -1.0}, "d_end must be > 0"),
+        ({"slice_d": 0.0}, "slice_d must be a number > 0"),
+        ({"slice_d": np.nan}, "slice_d must be a number > 0"),
+        ({"slice_theta_deg": 200.0}, "slice_theta_deg must be a number in"),
+        ({"d_end": -1.0}, "d_end must be a number > 0"),
+        ({"slice_d": [0.2, 1.0]}, "slice_d must be a number > 0"),
+        ({"slice_theta_deg": "2"}, "slice_theta_deg must be a number in"),
+        ({"d_end": [1.0]}, "d_end must be a number > 0"),
     ],
 )
 def test_bins_that_cannot_be_are_refused(change: dict[str, object], says: str) -> None:

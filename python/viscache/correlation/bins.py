@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.settings.checks import checked_floats, require
+from viscache.settings.checks import checked_floats, is_number, require
 
 Floats = npt.NDArray[np.float64]
 
@@ -68,10 +68,12 @@ class Bins:
         theta = checked_edges(self.theta_edges_deg, "theta_edges_deg")
         require(bool(np.isfinite(d[:-1]).all()), "d_edges must be finite but for the last", d)
         require(bool(theta[-1] <= 180.0), "theta_edges_deg must lie in [0, 180]", theta)
-        require(self.slice_d > 0, "slice_d must be > 0", self.slice_d)
-        fits = 0 < self.slice_theta_deg <= 180
-        require(fits, "slice_theta_deg must be in (0, 180]", self.slice_theta_deg)
-        require(self.d_end is None or 0 < self.d_end < np.inf, "d_end must be > 0", self.d_end)
+        fits = is_number(self.slice_d) and self.slice_d > 0
+        require(fits, "slice_d must be a number > 0", self.slice_d)
+        fits = is_number(self.slice_theta_deg) and 0 < self.slice_theta_deg <= 180
+        require(fits, "slice_theta_deg must be a number in (0, 180]", self.slice_theta_deg)
+        fits = self.d_end is None or (is_number(self.d_end) and 0 < self.d_end < np.inf)
+        require(fits, "d_end must be a number > 0", self.d_end)
         set_ = object.__setattr__
         set_(self, "d_edges", d)
         set_(self, "theta_edges_deg", theta)
