@@ -319,6 +319,8 @@ def test_bad_arrays_are_refused(problem: Problem) -> None:
     ("change", "says"),
     [
         ({"t_max": 0.0}, "t_max must be > 0"),
+        ({"t_max": [1.0]}, "t_max must be > 0"),
+        ({"t_max": "far"}, "t_max must be > 0"),
         ({"domain": "half"}, "domain must be one of"),
         ({"domain": "joint", "normals": "shading"}, 'domain must be "sphere" with shading normals'),
         ({"n_points": 0}, "n_points"),

@@ -238,6 +238,7 @@ def test_a_list_of_points_has_one_dim_and_its_coordinates(fake_vc: Any) -> None:
         ({"metrics": ["rel_l2"]}, "unknown metric 'rel_l2'"),
         ({"repeats": 0}, "repeats must be an integer >= 1, got 0"),
         ({"size": (0, 4)}, "size must be"),
+        ({"seed": {}}, "seed must be in"),
         ({"converged": {"ssp": 4}}, "did you mean 'spp'"),
     ],
 )

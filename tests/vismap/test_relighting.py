@@ -172,7 +172,7 @@ def test_a_large_image_is_reduced_without_losing_light() -> None:
 
 
 def test_what_cannot_be_used_is_refused(image: vc.Relighting) -> None:
-    with pytest.raises(ValueError, match="rotation_deg must be finite"):
+    with pytest.raises(ValueError, match="rotation_deg must be a finite number"):
         image.under(SKY, rotation_deg=float("nan"))
     with pytest.raises(ValueError, match="env must be"):
         image.under(np.ones((4, 4)))

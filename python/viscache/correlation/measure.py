@@ -45,7 +45,7 @@ from viscache.correlation.work_store import Arrays
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import VERSION
 from viscache.scene.cameras import find_camera
-from viscache.settings.checks import require
+from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import renamed, spelled
 from viscache.sweeps.store import content_key
 
@@ -172,7 +172,8 @@ def measure(
     opened = sources.opened(scene)
     check_seed(seed)
     where = points or ("camera" if opened.cameras or camera is not None else "area")
-    require(t_max == "auto" or t_max > 0, 't_max must be > 0 or "auto"', t_max)
+    fits = t_max == "auto" if isinstance(t_max, str) else is_number(t_max) and t_max > 0
+    require(fits, 't_max must be > 0 or "auto"', t_max)
     fits = domain == "sphere" or normals == "geometric"
     require(fits, 'domain must be "sphere" with shading normals', domain)
     spec = scene if isinstance(scene, str) else opened.spec

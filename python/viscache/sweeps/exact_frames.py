@@ -16,7 +16,7 @@ from viscache.render import render
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.scene import Env
 from viscache.settings import by_name
-from viscache.settings.checks import require
+from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
@@ -89,7 +89,7 @@ class ExactFrames:
         """
         opened = sources.opened(scene)
         view = find_camera(opened, camera)
-        require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
+        require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
         task = Task(
             scene=opened,
             scene_hash=str(opened.content_hash),

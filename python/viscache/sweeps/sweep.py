@@ -25,7 +25,7 @@ from viscache.progress import Progress
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
-from viscache.settings.checks import require
+from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import nearest, spelled
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
@@ -154,7 +154,7 @@ def sweep(
         else (isinstance(use, Correct))
     )
     require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
-    require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
+    require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     plan = make_plan(
         opened,
         resolved,

@@ -16,7 +16,7 @@ from viscache.provenance import provenance
 from viscache.scene import Env, Sky
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image
-from viscache.settings.checks import checked_floats, checked_threads, require
+from viscache.settings.checks import checked_floats, checked_threads, is_number, require
 from viscache.settings.integrators import Whitted, core_settings
 from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache
@@ -114,7 +114,8 @@ class Relighting:
         rotation_deg : float
             Rotation about the y axis, counter-clockwise as seen from above.
         """
-        require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
+        fits = is_number(rotation_deg) and bool(np.isfinite(rotation_deg))
+        require(fits, "rotation_deg must be a finite number", rotation_deg)
         message = "env must not be a Sky: give its image(), which has no sun"
         require(not isinstance(env, Sky), message, env)
         given = checked_floats(env, "env") if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
