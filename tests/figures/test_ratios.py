@@ -12,7 +12,7 @@ from viscache.figures import aqvc_claims, vlf_frames, vlf_occlusion
 from viscache.figures import vlf_bands as bands
 from viscache.figures.aqvc_runs import Trade
 from viscache.figures.outcome import Row
-from viscache.figures.vlf_tracers import Tuned
+from viscache.figures.vlf_tracers import FAST_EMBREE, Tuned
 from viscache.frame import Frame
 
 
@@ -32,11 +32,13 @@ def holding(rows: list[Row]) -> list[bool]:
 
 
 def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields() -> None:
-    found = {"CRT": 6.0, "VLF-RT": 3.0, "Embree": 0.5}
+    found = {"CRT": 6.0, "VLF-RT": 3.0, "Embree": 0.5, FAST_EMBREE: 0.25}
     rows = vlf_frames._count_rows(1000, found, TUNED, quick=False)
-    assert list(measured(rows).values()) == [2.0, 6.0] and holding(rows) == [True, True]
-    slower = vlf_frames._count_rows(1000, {"CRT": 3.0, "VLF-RT": 6.0, "Embree": 9.0}, TUNED, False)
-    assert list(measured(slower).values()) == [0.5, pytest.approx(2 / 3)]
+    assert list(measured(rows).values()) == [2.0, 6.0, 12.0]
+    assert holding(rows) == [True, True]
+    times = {"CRT": 3.0, "VLF-RT": 6.0, "Embree": 9.0, FAST_EMBREE: 8.0}
+    slower = vlf_frames._count_rows(1000, times, TUNED, False)
+    assert list(measured(slower).values()) == [0.5, pytest.approx(2 / 3), 0.75]
     assert holding(slower) == [False, False]
 
 
@@ -55,8 +57,14 @@ def test_the_walk_compares_tracers_frame_by_frame() -> None:
             "CRT": (3.0, 9.0, 4.0),
             "VLF-RT": (2.0, 3.0, 4.0),
             "Embree": (1.0, 1.0, 1.0),
+            FAST_EMBREE: (0.5, 0.5, 0.5),
         },
-        "Whitted": {"CRT": (8.0, 9.0, 5.0), "VLF-RT": (4.0, 9.0, 10.0), "Embree": (2.0, 3.0, 5.0)},
+        "Whitted": {
+            "CRT": (8.0, 9.0, 5.0),
+            "VLF-RT": (4.0, 9.0, 10.0),
+            "Embree": (2.0, 3.0, 5.0),
+            FAST_EMBREE: (1.0, 3.0, 4.0),
+        },
     }
     table = [
         {"frame": k, "method": method, "shading": shading, "ms": value}
@@ -68,8 +76,10 @@ def test_the_walk_compares_tracers_frame_by_frame() -> None:
     assert measured(rows) == {
         "OpenGL-like: speed-up of VLF-RT over CRT, median": 1.5,
         "OpenGL-like: speed-up of Embree over VLF-RT, median": 3.0,
+        "OpenGL-like: speed-up of Embree without the robust flag over VLF-RT, median": 6.0,
         "Whitted: speed-up of VLF-RT over CRT, median": 1.0,
         "Whitted: speed-up of Embree over VLF-RT, median": 2.0,
+        "Whitted: speed-up of Embree without the robust flag over VLF-RT, median": 3.0,
         "VLF-RT: a Whitted frame over an OpenGL-like one, median": 2.5,
         "CRT: best depth": 14,
         "VLF-RT: best depth": vc.Vlf().bsp_depth,
@@ -84,6 +94,8 @@ def test_ambient_occlusion_compares_the_better_order_of_embree() -> None:
         "VLF-RT, by direction": 10.0,
         "Embree, by point": 4.0,
         "Embree, by direction": 3.0,
+        f"{FAST_EMBREE}, by point": 3.0,
+        f"{FAST_EMBREE}, by direction": 2.5,
         vlf_occlusion.EMBREE_ROWS: 2.0,
         "aligned batch": 1.0,
     }
@@ -96,6 +108,7 @@ def test_ambient_occlusion_compares_the_better_order_of_embree() -> None:
         "cow: VLF-RT by direction over by point": 1.2,
         "cow: seconds, Embree, the better order": 2.0,
         "cow: speed-up of Embree over VLF-RT": 6.0,
+        "cow: speed-up of Embree without the robust flag over VLF-RT": 4.8,
         "cow: speed-up of the aligned batch over VLF-RT": 12.0,
         "cow: speed-up of the aligned batch over Embree": 2.0,
     }
