@@ -98,6 +98,11 @@ def drifting(*given: Any, **more: Any) -> vc.Frame:
     return dataclasses.replace(frame, layers=layers)
 
 
+def accepting(*given: Any, env: Any, **more: Any) -> vc.Frame:
+    """`vc.render`, which takes what is not finite for a large number."""
+    return RENDER(*given, env=[min(float(value), 1e30) for value in env], **more)
+
+
 def silent_and_damaged(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is warned of, and the first frame is wrong."""
     monkeypatch.setattr(vc.Scene, "warnings", [])
@@ -122,6 +127,7 @@ OTHERS: dict[str, Callable[[pytest.MonkeyPatch], None]] = {
     "caches that differ": lambda m: m.setattr(
         vc.VisibilityMapCache, "update", every_other(vc.VisibilityMapCache.update, {"size": (9, 9)})
     ),
+    "not refused": lambda m: m.setattr(vc, "render", accepting),
     "could not be set": lambda m: m.setattr(float_modes, "float_mode", lambda bits: nullcontext()),
     "answers of rays": lambda m: m.setattr(
         vc.Scene, "intersect", every_other(vc.Scene.intersect, {"rays": vc.Vlf(snap=True)})
