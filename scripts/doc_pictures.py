@@ -216,19 +216,20 @@ def passes() -> Any:
 
 
 def lights() -> Any:
-    """The falloffs of the formats' spot lights, and mushrooms under clear skies."""
+    """Light of the formats' spot lights over the angle, and mushrooms under clear skies."""
     figure = new_figure(11.0, 2.6)
     first, *skies = figure.subplots(1, 4)
-    t = np.linspace(0, 1, 200)
-    for name, factor in (
-        ("Mitsuba", t),
-        ("pbrt-v3", t**4),
-        ("pbrt-v4", t * t * (3 - 2 * t)),
-        ("glTF", t * t),
-    ):
-        first.plot(t, factor, label=name)
-    first.set(xlabel="t", ylabel="factor", xticks=(0, 1), yticks=(0, 1))
-    first.set_title("from the outer to the inner angle", fontsize=9)
+    inner, outer = 15.0, 40.0
+    plain = under_a_lamp({})
+    # Places on the floor from edge to edge; the lamp is 1 above its middle
+    across = (np.arange(len(plain)) + 0.5) / len(plain) * 2 - 1
+    kinds = {"Mitsuba": "angle", "pbrt-v3": "quartic", "pbrt-v4": "smooth", "glTF": "quadratic"}
+    for name, falloff in kinds.items():
+        lit = under_a_lamp({"axis": (0, -1, 0), "cone_deg": (inner, outer), "falloff": falloff})
+        first.plot(np.degrees(np.arctan(across)), lit / plain, label=name)
+    first.set(xlim=(0, 45), xticks=(0, inner, outer), yticks=(0, 1))
+    first.set_xlabel("degrees from the axis", fontsize=8)
+    first.set_title("spot lights, as a floor shows them", fontsize=9)
     first.legend(fontsize=8)
     for axes, elevation in zip(skies, (5, 30, 70), strict=True):
         angle = np.radians(elevation)
@@ -237,6 +238,17 @@ def lights() -> Any:
         frame = vc.render(scene, vc.Direct(n_environment=16), size=(200, 150), spp=4)
         draw_image(axes, frame.image, f"a clear sky, the sun at {elevation}°")
     return figure
+
+
+def under_a_lamp(cone: dict[str, Any]) -> Floats:
+    """A line of pixels across a floor of 2 × 2 under a lamp 1 above it."""
+    d = vc.SceneDescription()
+    corners = [(-1, 0, -1), (-1, 0, 1), (1, 0, 1), (1, 0, -1)]
+    d.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], material=d.add_material(base_color=(0.8,) * 3))
+    d.add_point_light((0, 1, 0), (1, 1, 1), **cone)
+    d.add_camera((0, 5, 0), (0, 0, 0), up=(0, 0, 1), fov_deg=40, view_height=2.0)
+    frame = vc.render(vc.Scene.from_description(d), vc.Direct(), size=(201, 201), spp=4)
+    return np.asarray(frame.image[100, :, 0], float)
 
 
 def ambient() -> Any:
