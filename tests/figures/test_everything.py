@@ -13,6 +13,7 @@ from PIL import Image
 
 from viscache import cli, figures, provenance
 from viscache.figures import everything, references
+from viscache.figures.claim_rules import Claim
 from viscache.figures.outcome import Band, Outcome, Row
 from viscache.figures.registry import FigureInfo
 
@@ -44,7 +45,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         CALLS.append("varies")
         if state["raises"] is not None:
             raise state["raises"]
-        band = Band(2.5, 5.0, "Sec. 1: the paper", claimed=(4.0, 5.0))
+        band = Band(2.5, 5.0, "Sec. 1: the paper", claimed=Claim(4.0, 5.0, "about"))
         return Outcome(rows=[Row("speed", state["measured"], printed=4, band=band)])
 
     monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
@@ -86,7 +87,7 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     claim = (
         "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1), at quick sizes."
     )
-    for words in (claim, "|not found|", "|not judged|"):
+    for words in (claim, "|not found|", "|not found: 4 to 5 (about)|", "|not judged|"):
         assert words in page.text, words
     (source,) = page.sources
     assert source.startswith("data:image/webp;base64,") and len(source) < 1_000_000

@@ -11,6 +11,7 @@ import pytest
 
 from viscache import cli, figures
 from viscache.figures import registry
+from viscache.figures.claim_rules import Claim
 from viscache.figures.outcome import Band, Outcome, Row, text
 from viscache.figures.registry import FigureInfo
 
@@ -92,6 +93,7 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
         "band": [0.8, None],
         "holds": True,
         "claim": None,
+        "rule": None,
         "found": None,
         "note": "here; the paper says so",
     }
@@ -104,7 +106,7 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
 def test_a_figure_prints_and_records_two_verdicts(
     made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=(8.0, math.inf))
+    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.at_least(8.0))
     made_up.append(Row(what="speed", measured=3.0, band=band))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
     line = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)."

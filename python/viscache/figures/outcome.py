@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 from typing import Any
+
+from viscache.figures.claim_rules import Claim
 
 __all__ = ["Band", "Outcome", "Row"]
 
@@ -21,14 +22,13 @@ class Band:
     source: str
     """The paper's sentence, or the expectation, behind the band."""
     _: KW_ONLY
-    claimed: tuple[float, float] | None = None
-    """Where the paper's claim is found, both ends included, if that is not the band itself."""
+    claimed: Claim | None = None
+    """Where the paper's claim is found; None if the source quotes no paper."""
 
     @property
     def claim(self) -> tuple[float, float] | None:
-        """Where the paper's claim is found; None if the band quotes no paper."""
-        quoted = re.match(r"(Sec|Fig|Tab|Eq)\. ", self.source)
-        return self.claimed or ((self.low, self.high) if quoted else None)
+        """Both ends of the interval where the paper's claim is found, if it states one."""
+        return None if self.claimed is None else (self.claimed.low, self.claimed.high)
 
     def __contains__(self, value: object) -> bool:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
@@ -71,6 +71,7 @@ class Row:
         """The row for JSON; an open end of the band or claim is null."""
         band = None if self.band is None else [self.band.low, self.band.high]
         claim = None if self.band is None or not self.band.claim else list(self.band.claim)
+        rule = None if self.band is None or not self.band.claimed else self.band.claimed.rule
         source = [] if self.band is None else [self.band.source]
         return {
             "what": self.what,
@@ -80,6 +81,7 @@ class Row:
             "band": band,
             "holds": self.holds,
             "claim": claim,
+            "rule": rule,
             "found": self.found,
             "note": "; ".join(text for text in (self.note, *source) if text),
         }

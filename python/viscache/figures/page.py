@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import registry
+from viscache.figures.recorded_value import interval
 from viscache.figures.verdict import claim_of, sentence
 
 __all__ = ["html"]
@@ -140,9 +141,19 @@ def _cells(row: Mapping[str, Any]) -> str:
         f"<td>{_text(row['what'])}</td>"
         + "".join(f"<td class='number'>{_text(number)}</td>" for number in numbers)
         + holds[row["holds"]]
-        + f"<td>{ {None: '', True: 'found', False: 'not found'}[row.get('found')] }</td>"
+        + f"<td>{_text(_claim(row))}</td>"
         + f"<td>{_text(row['note'])}</td>"
     )
+
+
+def _claim(row: Mapping[str, Any]) -> str:
+    """The verdict on the row's claim, and where it is found."""
+    if row.get("found") is None:
+        return ""
+    low, high = row["claim"]
+    where = interval(low, math.inf if high is None else high)
+    verdict = "found" if row["found"] else "not found"
+    return f"{verdict}: {where}" + (f" ({row['rule']})" if row.get("rule") else "")
 
 
 def _number(value: Any, end: int | None = None) -> str:

@@ -1,0 +1,119 @@
+"""How the words or the number that a paper prints become the interval where its claim is found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+__all__ = ["RULES", "Claim"]
+
+#: Rule to what it says. `Claim` has a method for each, which makes the interval.
+RULES = {
+    "at_least": "A printed advantage: the printed value or more.",
+    "at_most": "A printed bound or advantage where less is better: the printed value or less.",
+    "about": "Any other printed value, and values that are equal: within a tenth.",
+    "exact": "Counts and identities: this value alone.",
+    "computed": "What an equation gives, to the digits that are written.",
+    "more": 'A comparison without a number, "rises": no less than on the other side.',
+    "less": 'A comparison without a number, "falls": no more than on the other side.',
+    "much_more": 'A comparison with "much", "distinct" or the like: twice or more.',
+    "much_less": 'A comparison with "much", "significantly" or the like: half or less.',
+    "little_gain": '"Not motivated", "no gain" of a larger effort: less than a factor of two.',
+    "none": '"No" gain, "stays": a ratio of at most 1.1.',
+    "nearly_all": '"Close to 1", "near linear": nine tenths or more.',
+    "nearly_none": '"Almost entirely eliminates", "rarely": a tenth or less.',
+    "some": '"Only some": between a hundredth and 99 hundredths.',
+    "most": "What is alike mostly falls together: half or more.",
+    "words": "A quality in words alone: a limit of ours, with its reason.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Where a paper's claim is found, both ends included, and the rule that says so."""
+
+    low: float
+    high: float
+    rule: str
+    because: str = ""
+    """The reason of a limit for words."""
+
+    @classmethod
+    def at_least(cls, printed: float) -> Claim:
+        """An advantage: the printed value or more."""
+        return cls(printed, math.inf, "at_least")
+
+    @classmethod
+    def at_most(cls, printed: float) -> Claim:
+        """A bound, or an advantage where less is better."""
+        return cls(0.0, printed, "at_most")
+
+    @classmethod
+    def about(cls, printed: float, to: float | None = None) -> Claim:
+        """Within a tenth of the printed value, or of the ends of a printed interval."""
+        return cls(0.9 * printed, 1.1 * (printed if to is None else to), "about")
+
+    @classmethod
+    def exact(cls, printed: float) -> Claim:
+        """This value alone."""
+        return cls(printed, printed, "exact")
+
+    @classmethod
+    def computed(cls, low: float, high: float) -> Claim:
+        """What an equation gives, between its rounded ends."""
+        return cls(low, high, "computed")
+
+    @classmethod
+    def more(cls, other: float = 1.0) -> Claim:
+        """No less than on the other side; of a ratio this is 1."""
+        return cls(other, math.inf, "more")
+
+    @classmethod
+    def less(cls) -> Claim:
+        """A ratio of at most 1."""
+        return cls(0.0, 1.0, "less")
+
+    @classmethod
+    def much_more(cls) -> Claim:
+        """A ratio of 2 or more."""
+        return cls(2.0, math.inf, "much_more")
+
+    @classmethod
+    def much_less(cls) -> Claim:
+        """A ratio of 1/2 or less."""
+        return cls(0.0, 0.5, "much_less")
+
+    @classmethod
+    def little_gain(cls) -> Claim:
+        """A ratio of what remains, above 1/2."""
+        return cls(0.5, math.inf, "little_gain")
+
+    @classmethod
+    def none(cls) -> Claim:
+        """A ratio of at most 1.1: no gain, no growth."""
+        return cls(0.0, 1.1, "none")
+
+    @classmethod
+    def nearly_all(cls) -> Claim:
+        """Nine tenths or more of 1."""
+        return cls(0.9, 1.0, "nearly_all")
+
+    @classmethod
+    def nearly_none(cls) -> Claim:
+        """A tenth or less."""
+        return cls(0.0, 0.1, "nearly_none")
+
+    @classmethod
+    def some(cls) -> Claim:
+        """A share that is neither none nor all."""
+        return cls(0.01, 0.99, "some")
+
+    @classmethod
+    def most(cls) -> Claim:
+        """A share of half or more."""
+        return cls(0.5, 1.0, "most")
+
+    @classmethod
+    def words(cls, low: float, high: float, *, because: str) -> Claim:
+        """Our limit for a quality that the paper has in words, and its reason."""
+        return cls(low, high, "words", because)

@@ -1,0 +1,173 @@
+"""Full runs of the visibility-map paper's figures, rows as the figures name them."""
+
+from __future__ import annotations
+
+from viscache.figures import vismap_bands as bands
+from viscache.figures.outcome import Band
+from viscache.figures.recorded_value import Missing, Recorded, Run
+
+
+def _run(figure: str, frame: str) -> Run:
+    return Run(figure=figure, date="2026-11-25", machine="C", frame=frame)
+
+
+def _of(figure: str, what: str, band: Band, written: str) -> Recorded:
+    return Recorded(figure=figure, what=what, band=band, written=written)
+
+
+#: Other work ran on the machine.
+RUNS = (
+    _run("vismap-fig5", "no frame"),
+    _run("vismap-fig8", "800×600, mushrooms"),
+    _run("vismap-fig12", "800×600"),
+    _run("vismap-tab2", "1600×1200"),
+)
+
+RECORDED = (
+    _of("vismap-fig5", "least weight, at d_max and 30 deg", bands.LEAST_WEIGHT, "0.694444"),
+    _of("vismap-fig5", "weight at d_max and 0 deg", bands.EDGE_WEIGHT, "0.833333"),
+    _of("vismap-fig5", "weight at 0 and 30 deg", bands.EDGE_WEIGHT, "0.833333"),
+    _of("vismap-fig5", "first slope over d / d_max", bands.FIRST_SLOPE, "-0.995"),
+    _of(
+        "vismap-fig8",
+        "rank correlation of the density by weight with mean angle of normals",
+        bands.WEIGHT_FINDS_CURVATURE,
+        "0.85",
+    ),
+    _of(
+        "vismap-fig8",
+        "rank correlation of the density by difference with 1 - rho",
+        bands.DIFFERENCE_FINDS_LOW_RHO,
+        "0.485",
+    ),
+    _of(
+        "vismap-fig12",
+        "records of garden1 over records of dynamics, same parameters",
+        bands.HARD_SCENES_GET_MORE,
+        "26.1",
+    ),
+    _of("vismap-tab2", "garage: rays over records · 4^M / 2", bands.RAYS_OF_RECORDS, "1"),
+    _of("vismap-tab2", "garage: bytes of a record", bands.RECORD_BYTES, "172"),
+    _of("vismap-tab2", "dynamics: rays over records · 4^M / 2", bands.RAYS_OF_RECORDS, "1"),
+    _of("vismap-tab2", "garden1: rays over records · 4^M / 2", bands.RAYS_OF_RECORDS, "1"),
+    _of("vismap-tab2", "garden1: bytes of a record", bands.RECORD_BYTES, "172"),
+    _of("vismap-tab2", "garden2: rays over records · 4^M / 2", bands.RAYS_OF_RECORDS, "1"),
+    _of("vismap-tab2", "garden2: bytes of a record", bands.RECORD_BYTES, "172"),
+)
+
+MISSING = (
+    Missing(
+        figure="vismap-fig1",
+        band=bands.OCCLUDED_CROP,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig4", band=bands.CORNER, reason="not run again since the rules were written"
+    ),
+    Missing(
+        figure="vismap-fig4",
+        band=bands.LINEAR_IN_THETA,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig4",
+        band=bands.CONVEX_IN_D,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig4",
+        band=bands.NEGATIVE_SHARE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig4", band=bands.LINES, reason="not run again since the rules were written"
+    ),
+    Missing(
+        figure="vismap-fig4", band=bands.ORDER, reason="not run again since the rules were written"
+    ),
+    Missing(
+        figure="vismap-fig4",
+        band=bands.ESTIMATES,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig10",
+        band=bands.AO_RAYS,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig10",
+        band=bands.AO_TIME,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig10",
+        band=bands.AO_RMSE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig11",
+        band=bands.PREVIEW_RAYS,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig11",
+        band=bands.PREVIEW_LOOKS_ALIKE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig13",
+        band=bands.EQUAL_TIME,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig13",
+        band=bands.EQUAL_SAMPLES,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-fig13",
+        band=bands.SHADOWS_GAIN_MORE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.GARAGE_CONTROL_VARIATE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.GARDEN_PREVIOUS_PASS,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.GARDEN_ONE,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.IID_IS_FLAT,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.RQMC_RISES,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-tab3",
+        band=bands.OVERHEAD_IS_CONSTANT,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-sweep",
+        band=bands.LARGER_MAPS,
+        reason="not run again since the rules were written",
+    ),
+    Missing(
+        figure="vismap-temporal",
+        band=bands.RATIO_STAYS,
+        reason="not run again since the rules were written",
+    ),
+)
