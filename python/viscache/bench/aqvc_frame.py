@@ -33,7 +33,7 @@ class Case:
     c_e: float
     tuned: Aqvc | None = None
     goal: float | None = None
-    repeats: int = 2
+    repeats: int = 3
     with_slow: bool = False
 
     @property
