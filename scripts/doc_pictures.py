@@ -267,6 +267,89 @@ def ambient() -> Any:
     return figure
 
 
+def environment() -> Any:
+    """A room with a window at equal samples, from the light's product and guided by maps."""
+    sky = np.full((32, 64, 3), 0.3)
+    sky[6:8, 10:13] = 300.0
+    scene, size = vc.scenes.window_room().with_environment(sky), (200, 150)
+    samples = vc.Direct(n_environment=16, environment="product")
+    truth = vc.render(scene, samples, size=size, spp=64, visibility=vc.VisMaps()).image
+    figure = new_figure(9.0, 2.7)
+    panels = figure.subplots(1, 3)
+    draw_image(panels[0], truth, "1024 samples, guided by maps", exposure=exposure_of(truth))
+    for axes, (name, visibility) in zip(
+        panels[1:],
+        {"light × reflection": vc.Exact(), "guided by maps": vc.VisMaps()}.items(),
+        strict=True,
+    ):
+        image = vc.render(scene, samples, size=size, visibility=visibility).image
+        draw_image(axes, image, f"16 samples, {name}", exposure=exposure_of(truth))
+    return figure
+
+
+def exposure_of(image: Floats) -> float:
+    """One exposure for pictures that are compared."""
+    return float(tonemap.auto_exposure(image, 95.0))
+
+
+def unbiased() -> Any:
+    """Light behind slits, the mean of frames: exact, by the cache, corrected."""
+    scene, lights = vc.scenes.slits(), vc.Whitted(n_vpls=64)
+    cache, size, seeds = vc.Aqvc(c_e=16, exact_groups=()), (160, 100), range(16)
+    kinds: dict[str, dict[str, Any]] = {
+        "the cache alone": {"visibility": cache},
+        "corrected": {"visibility": cache, "use": vc.Correct(share=0.25)},
+    }
+    exact = mean_image(scene, lights, size, seeds, {})
+    figure = new_figure(9.0, 2.4)
+    panels = figure.subplots(1, 3)
+    draw_image(panels[0], exact, "exact", exposure=exposure_of(exact))
+    unit = exact.mean()
+    for axes, (name, kind) in zip(panels[1:], kinds.items(), strict=True):
+        image = mean_image(scene, lights, size, seeds, kind)
+        difference = (image - exact).mean(axis=2) / unit
+        axes.imshow(difference, cmap="RdBu", vmin=-1, vmax=1)
+        energy = 100 * (image.sum() / exact.sum() - 1)
+        axes.set_title(f"{name}: energy {energy:+.1f} %", fontsize=9)
+        axes.set_axis_off()
+    return figure
+
+
+def mean_image(
+    scene: vc.Scene, lights: Any, size: tuple[int, int], seeds: range, kind: dict[str, Any]
+) -> Floats:
+    """The mean of frames of some seeds."""
+    images = [vc.render(scene, lights, size=size, seed=s, **kind).image for s in seeds]
+    return np.asarray(np.mean(images, axis=0), float)
+
+
+def temporal() -> Any:
+    """Rays of the frames of a moving camera, with a table of each frame's own and one kept."""
+    scene, cache, size = vc.scenes.stairs(), vc.Aqvc(c_e=8, exact_groups=()), (160, 100)
+    views = [vc.look_at((4.0 + 0.05 * k, 2.5, 5.0), (0.0, 0.5, 0.0)) for k in range(12)]
+    table = vc.AqvcTable(table_bytes=16 << 20)
+    lights = vc.Direct()
+    kinds: dict[str, dict[str, Any]] = {"dropped": {}, "kept": {"keep": table}}
+    figure = new_figure(9.0, 2.5)
+    plot, *pictures = figure.subplots(1, 3)
+    exact = vc.render(scene, lights, size=size, camera=views[-1]).image
+    for axes, (name, kind) in zip(pictures, kinds.items(), strict=True):
+        frames = [
+            vc.render(scene, lights, camera=v, size=size, visibility=cache, **kind) for v in views
+        ]
+        plot.plot([f.counters["rays"] for f in frames], "o-", ms=3, label=f"table {name}")
+        error = np.abs(frames[-1].image - exact).mean(axis=2) / exact.mean()
+        axes.imshow(error, cmap="magma", vmin=0, vmax=1)
+        axes.set_title(
+            f"error of frame {len(views)}, {name}: {100 * error.mean():.2f} %", fontsize=9
+        )
+        axes.set_axis_off()
+    plot.set(ylim=(0, None), xticks=(0, 4, 8))
+    plot.set_title("rays over frames", fontsize=9)
+    plot.legend(fontsize=8)
+    return figure
+
+
 PICTURES: dict[str, Picture] = {
     "how-aqvc": aqvc,
     "how-vlf": vlf,
@@ -275,6 +358,9 @@ PICTURES: dict[str, Picture] = {
     "how-passes": passes,
     "how-lights": lights,
     "how-ambient": ambient,
+    "how-environment": environment,
+    "how-unbiased": unbiased,
+    "how-temporal": temporal,
 }
 
 

@@ -87,7 +87,7 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     claim = (
         "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1), at quick sizes."
     )
-    for words in (claim, "|not found|", "|not found: 4 to 5 (about)|", "|not judged|"):
+    for words in (claim, "|not found|", "|not found: 4 to 5 (about)|", "|not stated|"):
         assert words in page.text, words
     (source,) = page.sources
     assert source.startswith("data:image/webp;base64,") and len(source) < 1_000_000

@@ -51,27 +51,36 @@ def test_the_claim_of_a_row_is_data() -> None:
 
 def test_a_figure_has_one_verdict_of_each_kind() -> None:
     rows = [row(WIDER, 9.0), row(OURS, 2.0), row(None, 1.0)]
-    assert verdicts(rows, quick=False) == {
+    assert verdicts(rows, quick=False, figure="vlf-fig6") == {
         "claim": {"verdict": "found", "yes": 1, "all": 1},
         "expectation": {"verdict": "holds", "yes": 2, "all": 2},
     }
     rows.append(row(WIDER, 3.7))
-    assert verdicts(rows, quick=False)["claim"] == {"verdict": "not found", "yes": 1, "all": 2}
-    assert verdicts(rows, quick=False)["expectation"]["verdict"] == "holds"
-    assert verdicts([row(OURS, 0.0)], quick=False) == {
+    assert verdicts(rows, quick=False, figure="vlf-fig6")["claim"] == {
+        "verdict": "not found",
+        "yes": 1,
+        "all": 2,
+    }
+    assert verdicts(rows, quick=False, figure="vlf-fig6")["expectation"]["verdict"] == "holds"
+    assert verdicts([row(OURS, 0.0)], quick=False, figure="vlf-fig6") == {
         "claim": {"verdict": "not stated", "yes": 0, "all": 0},
         "expectation": {"verdict": "does not hold", "yes": 0, "all": 1},
     }
-    assert verdicts([], quick=False)["expectation"]["verdict"] == "no band"
+    assert verdicts([], quick=False, figure="vlf-fig6")["expectation"]["verdict"] == "no band"
 
 
 def test_both_verdicts_are_one_line() -> None:
     rows = [row(WIDER, 3.7)]
     said = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)"
-    assert sentence(rows, quick=False) == f"{said}."
-    assert sentence(rows, quick=True) == f"{said}, at quick sizes."
-    assert sentence([], quick=True).startswith("The paper's claim: not judged.")
-    assert sentence([], quick=False) == "The paper's claim: not stated. Our expectation: no band."
+    assert sentence(rows, quick=False, figure="vlf-fig6") == f"{said}."
+    assert sentence(rows, quick=True, figure="vlf-fig6") == f"{said}, at quick sizes."
+    assert sentence([], quick=True, figure="vlf-fig6").startswith("The paper's claim: not judged.")
+    ours = sentence([], quick=True, figure="trade")
+    assert ours.startswith("The paper's claim: not stated.")
+    assert (
+        sentence([], quick=False, figure="vlf-fig6")
+        == "The paper's claim: not stated. Our expectation: no band."
+    )
 
 
 def test_claims_not_found_name_their_figure() -> None:

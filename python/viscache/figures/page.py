@@ -107,7 +107,8 @@ def _figure(result: Mapping[str, Any]) -> str:
     if "error" in result:
         parts.append(f"<pre>{_text(result.get('traceback', result['error']))}</pre>")
     else:
-        parts.append(f"<p>{_text(sentence(result['rows'], quick=result['quick']))}</p>")
+        said = sentence(result["rows"], quick=result["quick"], figure=result["figure"])
+        parts.append(f"<p>{_text(said)}</p>")
     if rows:
         parts.append(f"<div class='scroll'><table>{_heading()}{rows}</table></div>")
     for file in result["files"]:

@@ -11,7 +11,17 @@ from viscache.figures import recorded_aqvc, recorded_vismap, recorded_vlf
 from viscache.figures.claim_rules import RULES, Claim
 from viscache.figures.recorded_value import Missing, Recorded, Run, interval, words
 
-__all__ = ["MISSING", "RECORDED", "RUNS", "claims", "not_recorded", "rules", "runs", "table"]
+__all__ = [
+    "CLAIMING",
+    "MISSING",
+    "RECORDED",
+    "RUNS",
+    "claims",
+    "not_recorded",
+    "rules",
+    "runs",
+    "table",
+]
 
 RECORDED: tuple[Recorded, ...] = (
     *recorded_aqvc.RECORDED,
@@ -24,6 +34,8 @@ MISSING: tuple[Missing, ...] = (
     *recorded_vlf.MISSING,
     *recorded_vismap.MISSING,
 )
+#: Figures that judge a claim of a paper, if only in full runs.
+CLAIMING = frozenset({one.figure for one in RECORDED} | {one.figure for one in MISSING})
 FOUND = {True: "found", False: "not found"}
 
 

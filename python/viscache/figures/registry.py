@@ -123,13 +123,13 @@ def reproduce(
     seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"
     rows = [row.as_dict() for row in outcome.rows]
-    write_whole(table, f"{text(name, outcome.rows)}\n{sentence(rows, quick=quick)}\n")
+    write_whole(table, f"{text(name, outcome.rows)}\n{sentence(rows, quick=quick, figure=name)}\n")
     result = {
         "figure": name,
         "rows": rows,
         "files": [str(path) for path in [*outcome.files, table, record]],
         "holds": all(row.holds is not False for row in outcome.rows),
-        "verdicts": verdicts(rows, quick=quick),
+        "verdicts": verdicts(rows, quick=quick, figure=name),
         "skipped": outcome.skipped,
         "notes": outcome.notes,
         "quick": quick,

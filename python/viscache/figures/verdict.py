@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
+from viscache.figures.recorded import CLAIMING
+
 __all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
 
 Result: TypeAlias = Mapping[str, Any]
-#: Words for none, all, and some or none of the rows. Some rows are judged at full size only.
+#: Words for none, all, and some or none of the rows. Some claims are judged at full size only.
 CLAIM = ("not stated", "found", "not found")
 QUICK_CLAIM = ("not judged", "found", "not found")
 EXPECTATION = ("no band", "holds", "does not hold")
 
 
-def verdicts(rows: Sequence[Result], *, quick: bool) -> dict[str, Any]:
+def verdicts(rows: Sequence[Result], *, quick: bool, figure: str) -> dict[str, Any]:
     """The verdicts on a figure.
 
     Parameters
@@ -23,17 +25,20 @@ def verdicts(rows: Sequence[Result], *, quick: bool) -> dict[str, Any]:
         Rows of the figure as `Row.as_dict` gives them.
     quick : bool
         Whether the run was quick.
+    figure : str
+        Name of the figure.
 
     Returns
     -------
     dict
         claim and expectation: each a dict of verdict, yes and all. `verdict` of the claim is
-        "found" if it is in every row that can judge it, "not found", or without such rows "not
-        stated", of quick runs "not judged"; of the expectation "holds", "does not hold", or "no
-        band". `yes` and `all` count rows.
+        "found" if it is in every row that can judge it, or "not found". Without such rows it is
+        "not stated", or "not judged" if the run is quick and full runs judge one. Of the
+        expectation it is "holds", "does not hold", or "no band". `yes` and `all` count rows.
     """
+    words = QUICK_CLAIM if quick and figure in CLAIMING else CLAIM
     return {
-        "claim": _counted([row.get("found") for row in rows], QUICK_CLAIM if quick else CLAIM),
+        "claim": _counted([row.get("found") for row in rows], words),
         "expectation": _counted([row["holds"] for row in rows], EXPECTATION),
     }
 
@@ -46,13 +51,14 @@ def _counted(answers: Iterable[bool | None], words: tuple[str, str, str]) -> dic
 
 def claim_of(result: Result) -> str:
     """The verdict on the claim of a figure's result."""
-    verdict: str = verdicts(result["rows"], quick=result["quick"])["claim"]["verdict"]
+    both = verdicts(result["rows"], quick=result["quick"], figure=result["figure"])
+    verdict: str = both["claim"]["verdict"]
     return verdict
 
 
-def sentence(rows: Sequence[Result], *, quick: bool) -> str:
+def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:
     """Both verdicts in one line; those of a quick run say so, as claims are about full sizes."""
-    found = verdicts(rows, quick=quick)
+    found = verdicts(rows, quick=quick, figure=figure)
     words = [
         f"{name}: {part['verdict']}" + (f" ({part['yes']} of {part['all']})" if part["all"] else "")
         for name, part in (
