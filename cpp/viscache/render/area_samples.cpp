@@ -146,9 +146,9 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                       const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                       Counters& counters) {
     AreaSampler sampler(scene, eyes, eye, settings, out, counters);
-    sampler.add_light_samples(EyeSamples(seed, Purpose::kAreaLight, eyes.stream[eye]));
+    sampler.add_light_samples(EyeSamples(seed, Purpose::kAreaLight, eyes, eye, settings.n_area));
     if (sampler.draws_by_brdf())
-        sampler.add_brdf_samples(EyeSamples(seed, Purpose::kAreaBrdf, eyes.stream[eye]));
+        sampler.add_brdf_samples(EyeSamples(seed, Purpose::kAreaBrdf, eyes, eye, settings.n_brdf));
     out.at.close(eye);
 }
 

@@ -130,6 +130,7 @@ private:
         out_.block.tile_width = uint32_t(out_.width * grid);
         out_.block.tile_height = uint32_t(out_.height * grid);
         const uint64_t first = t_.frame.first_sample;
+        out_.first_sample = first;
         const auto flush = [&] {
             step(branches_, Coherence::kCoherent, control);
             branches_.clear();
@@ -145,7 +146,7 @@ private:
                 b.pixel = uint32_t(py * out_.width + px);
                 b.order_x = uint32_t(px * grid + s % grid);
                 b.order_y = uint32_t(py * grid + s / grid);
-                b.stream = (first_stream_ + pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
+                b.stream = (first_stream_ + pixel_id * uint64_t(spp) + uint64_t(s)) << kBranchBits;
                 if (branches_.size() == kRaysPerCall) flush();
             }
         }
@@ -251,8 +252,8 @@ private:
         out_.block.density.push_back(density(b, ng, cos_eye));
         out_.block.order_x.push_back(b.order_x);
         out_.block.order_y.push_back(b.order_y);
-        const uint64_t sample = (b.stream >> 10) - first_stream_, spp = uint64_t(t_.frame.spp);
-        out_.block.place.push_back(sample / spp << 10 | (b.stream & 1023));
+        const uint64_t sample = (b.stream >> kBranchBits) - first_stream_, spp = uint64_t(t_.frame.spp);
+        out_.block.place.push_back(sample / spp << kBranchBits | (b.stream & 1023));
         out_.block.turn.push_back(uint32_t(t_.frame.first_sample + sample % spp));
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);

@@ -22,6 +22,9 @@ struct FirstHits {
     Rgb albedo;       ///< base colours
 };
 
+/// Bits of `EyeTile::stream` that tell branches of a sample apart.
+constexpr int kBranchBits = 10;
+
 /// Eye points with the data for shading and the EyeBlock for the oracle. All arrays use the same index.
 struct EyeTile {
     EyeBlock block;
@@ -29,6 +32,7 @@ struct EyeTile {
     std::vector<Rgb> throughput;
     std::vector<uint32_t> pixel;   ///< index into the tile's pixels, row-major
     std::vector<uint64_t> stream;  ///< random-number key: unique in the frame, free of tiles and threads
+    uint64_t first_sample = 0;     ///< of the frame (FrameSettings)
 
     // Per pixel of the tile, row-major
     int width = 0, height = 0;
@@ -37,6 +41,10 @@ struct EyeTile {
 
     void reset(int width, int height);
     size_t size() const { return block.size(); }
+    /// Number of the eye point's sample of its pixel, in this frame.
+    uint32_t sample(size_t eye) const { return block.turn[eye] - uint32_t(first_sample); }
+    /// Random-number key that all samples of a pixel have in this frame; branches differ.
+    uint64_t pixel_stream(size_t eye) const { return stream[eye] - (uint64_t(sample(eye)) << kBranchBits); }
 };
 
 /// Traces the eye paths of a frame.

@@ -1,5 +1,6 @@
 #pragma once
 // Random numbers for the samples of one eye point.
+#include "viscache/render/eye_paths.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
 
@@ -8,22 +9,34 @@ namespace viscache {
 /// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
 /// number per sample for choices. The choices are shuffled, because they would be correlated with the
 /// positions otherwise.
+///
+/// All eye points of a pixel, of later frames too, go through one sequence: each takes a block of it, so
+/// their samples together are as evenly spread as those of a single point. The blocks are shuffled, because
+/// they would be correlated with the positions in the pixel otherwise. Powers of two samples leave the blocks
+/// nets.
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
-    EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
-        Rng rng(seed, purpose, stream, 0);
+    uint32_t first;  ///< index in the sequence of the eye point's first sample
+
+    /// `samples`: number of samples of every eye point of the frame.
+    EyeSamples(uint64_t seed, Purpose purpose, const EyeTile& eyes, uint32_t eye, int samples) {
+        Rng rng(seed, purpose, eyes.pixel_stream(eye), 0);
         sx = rng.next_u32();
         sy = rng.next_u32();
         choice_scramble = rng.next_u32();
         choice_shuffle = rng.next_u32();
+        // Nested: aligned blocks of blocks stay together
+        const uint32_t shuffle = rng.next_u32();
+        const uint32_t block = owen_scramble(eyes.sample(eye), shuffle) ^ owen_scramble(0, shuffle);
+        first = block * uint32_t(samples);
     }
-    Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
+    Vec2 position(int i) const { return sobol02(first + uint32_t(i), sx, sy); }
     float choice(int i) const {
-        return sobol02(owen_scramble(uint32_t(i), choice_shuffle), choice_scramble, 0).x;
+        return sobol02(owen_scramble(first + uint32_t(i), choice_shuffle), choice_scramble, 0).x;
     }
     /// The same with 32 more random bits.
     double fine_choice(int i) const {
-        const uint64_t more = mix64((uint64_t(choice_scramble) << 32) + uint32_t(i)) >> 32;
+        const uint64_t more = mix64((uint64_t(choice_scramble) << 32) + (first + uint32_t(i))) >> 32;
         return double(choice(i)) + double(more) * 0x1p-56;
     }
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "viscache/render/glossy_sums.h"
+#include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
 
 namespace viscache {
@@ -59,7 +60,8 @@ void TilePicks::begin(const SharedLights& lights) {
     end_.clear();
 }
 
-void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t stream, Word* wanted) {
+void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t pixel_stream, uint32_t sample,
+                    Word* wanted) {
     // At most `most_` lights never need a choice
     if (most_ == 0 || lights_->ends.count <= most_) return;
     if (is_black(brdf)) {
@@ -70,8 +72,12 @@ void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t stre
         contribution_row_glossy(*lights_, eye, brdf, wanted, contributions_);
     else
         contribution_row(*lights_, eye, contributions_);
-    Rng rng(seed_, Purpose::kLightPick, stream, uint64_t(lights_->ends.group));
-    const uint64_t bits = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
+    Rng rng(seed_, Purpose::kLightPick, pixel_stream, uint64_t(lights_->ends.group));
+    const uint32_t first = rng.next_u32(), rest = rng.next_u32();
+    const uint32_t scramble = rng.next_u32(), shuffle = rng.next_u32();
+    const uint32_t number = owen_scramble(sample, shuffle) ^ owen_scramble(0, shuffle);
+    const uint32_t step = owen_scramble_reversed(number, scramble) ^ owen_scramble_reversed(0, scramble);
+    const uint64_t bits = uint64_t(first ^ step) << 32 | rest;
     const size_t before = picked_.size();
     const std::span<const float> columns(contributions_.data(), lights_->ends.count);
     if (pick_columns(columns, most_, double(bits >> 11) * 0x1p-53, picked_)) {

@@ -32,8 +32,10 @@ public:
     /// Begins a group.
     void begin(const SharedLights& lights);
     /// Picks among the set bits of `wanted` for the next eye point, and clears the bits of the other lights.
-    /// `stream`: random-number key of the eye point.
-    void add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t stream, Word* wanted);
+    /// The offsets of a pixel's eye points go through one van der Corput sequence, so that together they pick
+    /// like one eye point with as many picks. `pixel_stream`, `sample`: as in EyeTile.
+    void add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t pixel_stream, uint32_t sample,
+             Word* wanted);
     /// What an eye point picked; empty: all lights, with weights of 1.
     std::span<const PickedLight> of(size_t eye) const {
         if (end_.empty()) return {};

@@ -82,7 +82,8 @@ void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int
     for (int first = 0; first < n; first += int(SkyBatch::kSize)) {
         const size_t count = std::min(SkyBatch::kSize, size_t(n - first));
         if (sampler.env.is_constant()) {
-            sphere_batch(numbers.sx, numbers.sy, uint32_t(first), SkyBatch::kSize, batch.x, batch.y, batch.z);
+            sphere_batch(numbers.sx, numbers.sy, numbers.first + uint32_t(first), SkyBatch::kSize, batch.x,
+                         batch.y, batch.z);
             std::fill_n(batch.radiance, count, sampler.env.eval({}));
             std::fill_n(batch.pdf_light, count, sampler.env.pdf({}));
         } else {
@@ -111,7 +112,7 @@ void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const E
         const int last = std::min(n, first + int(SkyBatch::kSize));
         size_t count = 0;
         if (!sampler.lobe.glossy) {
-            hemisphere_batch(cosines, uint32_t(first), drawn);
+            hemisphere_batch(cosines, numbers.first + uint32_t(first), drawn);
             for (; count < size_t(last - first); ++count)
                 wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
         } else {
@@ -143,17 +144,18 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
                              float(settings.n_brdf)};
     if (!sampler.lobe.black) {
         SkyBatch batch;
-        add_light_samples(sampler, EyeSamples(seed, Purpose::kEnvironmentLight, eyes.stream[eye]),
+        add_light_samples(sampler,
+                          EyeSamples(seed, Purpose::kEnvironmentLight, eyes, eye, settings.n_environment),
                           settings.n_environment, batch, out, counters);
-        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes.stream[eye]), settings.n_brdf,
-                         batch, out, counters);
+        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes, eye, settings.n_brdf),
+                         settings.n_brdf, batch, out, counters);
     }
     out.at.close(eye);
 }
 
 void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
                          WeightedSamples& out) {
-    const EyeSamples samples(seed, Purpose::kAmbient, eyes.stream[eye]);
+    const EyeSamples samples(seed, Purpose::kAmbient, eyes, eye, settings.n_ambient);
     const HemisphereSequence sequence{samples.sx, samples.sy, frame_around(eyes.block.normal[eye]),
                                       settings.ambient_cosine};
     const float n = float(settings.n_ambient);
@@ -161,7 +163,7 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
     HemisphereBatch batch;
     for (uint32_t i = 0; i < uint32_t(settings.n_ambient); ++i) {
         const uint32_t k = i % HemisphereBatch::kSize;
-        if (k == 0) hemisphere_batch(sequence, i, batch);
+        if (k == 0) hemisphere_batch(sequence, samples.first + i, batch);
         const float cosine = batch.cosine[k];
         if (!(cosine > 0)) continue;
         const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;
