@@ -71,13 +71,23 @@ def test_a_peer_that_agrees_has_a_figure_with_an_interval(case):
 
 
 def test_a_cache_takes_turns_with_its_error(case):
-    darker = dataclasses.replace(
-        case, cached=("half", lambda spp, seed: halved(case.render(spp, seed)))
+    half = peer_cases.Way(
+        label="half", render=lambda spp, seed: halved(case.render(spp, seed)), biased=True
     )
-    first, second = compared(darker).figures
+    first, second = compared(dataclasses.replace(case, ways=(half,))).figures
     assert (first["name"], second["name"]) == (f"{case.name} vs fake", f"{case.name}, half vs fake")
     assert second["rel_l1"] == pytest.approx(0.5, rel=1e-3)
     assert "equal_error" not in second
+
+
+def test_another_unbiased_way_takes_turns_to_equal_error(case):
+    # Four times the samples: as much more time, and at most as much less error
+    more = peer_cases.Way(label="more", render=lambda spp, seed: case.render(4 * spp, seed + 50))
+    first, second = compared(dataclasses.replace(case, ways=(more,))).figures
+    assert second["name"] == f"{case.name}, more vs fake" and "rel_l1" not in second
+    assert second["relative_rmse"] < 0.75 * first["relative_rmse"]
+    assert second["ratio"] < 0.75 * first["ratio"]
+    assert second["equal_error_low"] < second["equal_error"] < second["equal_error_high"]
 
 
 def halved(frame):

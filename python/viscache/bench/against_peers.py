@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache.bench.equal_error import log_interval
-from viscache.bench.peer_cases import PictureCase, picture_cases
+from viscache.bench.peer_cases import PictureCase, Way, picture_cases
 from viscache.bench.peer_environments import default_folder, interpreter
 from viscache.bench.peers import PEERS, Peer, PeerError, missing_scene
 from viscache.bench.ray_sets import make_ray_set
@@ -24,6 +24,7 @@ from viscache.scene import Scene
 __all__ = ["against_peers", "compare_pictures", "compare_rays"]
 
 Array = npt.NDArray[Any]
+Render = Callable[[int, int], Frame]
 
 #: Blocks of this many pixels are compared between converged frames.
 BLOCK = 8
@@ -81,7 +82,8 @@ def against_peers(quick: bool = False, *, environments: Path | None = None) -> O
         "CPU seconds of all threads, after a warm-up. Converged frames agree, or there is no"
         " figure. Equal samples: their time over ours. Equal error: their time × squared error"
         " over ours, the geometric mean of the turns and its 95 % interval. Our frames are exact"
-        " where no cache is named; rel_l1 of a cache is against our exact frame."
+        " where no cache is named; rel_l1 of a cache is against our exact frame. Shared directions"
+        " are traced exactly, too."
     )
     return outcome
 
@@ -196,56 +198,79 @@ def compare_pictures(
         if not unlike <= AGREEMENT:
             del able[name]
     outcome.check(f"{case.name}: black", float(not reference.mean() > 0), 0)
-    errors: dict[str, list[float]] = {name: [] for name in ("ours", *able)}
-
-    def ours() -> Sample:
-        frame = case.render(case.spp, len(errors["ours"]))
-        errors["ours"].append(_squared_error(reference, _grey(frame.image)))
-        return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
-
-    def theirs(name: str) -> Sample:
-        seed = 5_000 + len(errors[name])
-        time, _ = able[name].run({**case.job, "spp": case.spp, "seed": seed})
-        errors[name].append(_squared_error(reference, able[name].result()["image"]))
-        return time
-
-    biased: list[float] = []
-
-    def cached(frame_of: Callable[[int, int], Frame]) -> Sample:
-        seed = len(biased)
-        frame, exact = frame_of(case.spp, seed), case.render(case.spp, seed)
-        error = compare(frame, exact, metrics=["rel_l1"])["rel_l1"]
-        biased.append(np.nan if error is None else error)
-        return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
-
-    runs: dict[str, Callable[[], Sample]] = {"ours": ours}
-    if case.cached is not None:
-        runs["cached"] = partial(cached, case.cached[1])
-    runs |= {name: lambda name=name: theirs(name) for name in able}  # type: ignore[misc]
-    samples = interleave(runs, turns)
-    for name, peer in able.items():
-        # The first error is that of the warm-up
-        pairs = zip(
-            samples["ours"], errors["ours"][1:], samples[name], errors[name][1:], strict=True
+    errors: dict[str, list[float]] = {}
+    runs: dict[str, Callable[[], Sample]] = {
+        "ours": partial(_ours, case, case.render, reference, errors.setdefault("ours", []))
+    }
+    for way in case.ways:
+        told = errors.setdefault(way.label, [])
+        runs[way.label] = (
+            partial(_biased, case, way, told)
+            if way.biased
+            else partial(_ours, case, way.render, reference, told)
         )
-        mean, low, high = log_interval([b.cpu_s * f / (a.cpu_s * e) for a, e, b, f in pairs])
+    for name, peer in able.items():
+        runs[name] = partial(_theirs, case, peer, reference, errors.setdefault(name, []))
+    samples = interleave(runs, turns)
+    # The first error is that of the warm-up
+    later = {name: found[1:] for name, found in errors.items()}
+    for name, peer in able.items():
         _figure(
             outcome,
             f"{case.name} vs {name}",
             samples,
             name,
             peer,
-            equal_error=mean,
-            equal_error_low=low,
-            equal_error_high=high,
-            relative_rmse=float(np.sqrt(np.mean(errors["ours"][1:]))),
-            baseline_relative_rmse=float(np.sqrt(np.mean(errors[name][1:]))),
             spp=case.spp,
+            **_equal_error(samples, later, "ours", name),
         )
-        if case.cached is not None:
-            label = f"{case.name}, {case.cached[0]} vs {name}"
-            told = float(np.mean(biased[1:]))
-            _figure(outcome, label, samples, name, peer, ours="cached", rel_l1=told, spp=case.spp)
+        for way in case.ways:
+            told = later[way.label]
+            more = (
+                {"rel_l1": float(np.mean(told))}
+                if way.biased
+                else _equal_error(samples, later, way.label, name)
+            )
+            label = f"{case.name}, {way.label} vs {name}"
+            _figure(outcome, label, samples, name, peer, ours=way.label, spp=case.spp, **more)
+
+
+def _ours(case: PictureCase, render: Render, reference: Array, errors: list[float]) -> Sample:
+    frame = render(case.spp, len(errors))
+    errors.append(_squared_error(reference, _grey(frame.image)))
+    return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+
+def _biased(case: PictureCase, way: Way, errors: list[float]) -> Sample:
+    seed = len(errors)
+    frame, exact = way.render(case.spp, seed), case.render(case.spp, seed)
+    error = compare(frame, exact, metrics=["rel_l1"])["rel_l1"]
+    errors.append(np.nan if error is None else error)
+    return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+
+def _theirs(case: PictureCase, peer: Renderer, reference: Array, errors: list[float]) -> Sample:
+    time, _ = peer.run({**case.job, "spp": case.spp, "seed": 5_000 + len(errors)})
+    errors.append(_squared_error(reference, peer.result()["image"]))
+    return time
+
+
+def _equal_error(
+    samples: Mapping[str, list[Sample]],
+    errors: Mapping[str, list[float]],
+    ours: str,
+    theirs: str,
+) -> dict[str, Any]:
+    """Their time × squared error over ours, with its interval; both errors."""
+    turns = zip(samples[ours], errors[ours], samples[theirs], errors[theirs], strict=True)
+    mean, low, high = log_interval([b.cpu_s * f / (a.cpu_s * e) for a, e, b, f in turns])
+    return {
+        "equal_error": mean,
+        "equal_error_low": low,
+        "equal_error_high": high,
+        "relative_rmse": float(np.sqrt(np.mean(errors[ours]))),
+        "baseline_relative_rmse": float(np.sqrt(np.mean(errors[theirs]))),
+    }
 
 
 def _figure(

@@ -18,7 +18,7 @@ from viscache.scene import Scene
 from viscache.settings.aqvc import Aqvc
 from viscache.settings.integrators import AmbientOcclusion, Direct
 
-__all__ = ["ALBEDO", "PictureCase", "picture_cases"]
+__all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]
 
 Array = npt.NDArray[Any]
 
@@ -27,6 +27,28 @@ ALBEDO = 0.6
 INTENSITY = 4.0
 #: Of the quantized cache, where lights are many.
 C_E = 8
+#: Directions that all eye points share: of a sky, and around both sides of a surface.
+SKY_DIRECTIONS, SPHERE_DIRECTIONS = 256, 513
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Way:
+    """Another way of ours to make the same picture; it takes turns with the others.
+
+    Parameters
+    ----------
+    label : str
+        As in figures.
+    render : callable
+        As in `PictureCase`.
+    biased : bool
+        Its error is told beside our exact frame of the same seed. Otherwise its figure is the time
+        to equal error.
+    """
+
+    label: str
+    render: Callable[[int, int], Frame]
+    biased: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,8 +69,8 @@ class PictureCase:
         Given to the peers before the job.
     spp, reference_spp : int >= 1
         Samples per pixel that are compared, and those of converged frames.
-    cached : (str, callable), optional
-        A cache that takes turns as well: its setting, and its frame like `render`.
+    ways : tuple of Way
+        Caches and shared directions that take turns as well.
     """
 
     name: str
@@ -58,7 +80,7 @@ class PictureCase:
     arrays: dict[str, Array]
     spp: int
     reference_spp: int
-    cached: tuple[str, Callable[[int, int], Frame]] | None = None
+    ways: tuple[Way, ...] = ()
 
 
 def picture_cases(quick: bool = False) -> list[PictureCase]:
@@ -75,9 +97,11 @@ def picture_cases(quick: bool = False) -> list[PictureCase]:
         "mushrooms": f"mushrooms?triangles={grown}",
         "hairball": f"hairball?triangles={grown}",
     }
+    open_air = ("bumpy spheres", "dynamics", "mushrooms")
     window = Scene.from_arrays(_window_room(), base_color=(ALBEDO,) * 3, env=sky)
     return [
-        _ambient(room, camera, side, quick),
+        _ambient(room, camera, side),
+        *(_open_ambient(*_grey(under[name]), side, name) for name in open_air),
         _lights(room, camera, side if quick else side // 2, 20 if quick else 500, quick),
         *(
             _lit_by(sky, *_grey(spec, env=sky), side, quick, f"environment, {name}")
@@ -98,7 +122,7 @@ def _grey(spec: str, env: Array | None = None) -> tuple[Scene, _core.Camera]:
     return Scene.from_arrays(meshes, base_color=(ALBEDO,) * 3, env=env), scene.cameras[0]
 
 
-def _ambient(room: Scene, camera: _core.Camera, side: int, quick: bool) -> PictureCase:
+def _ambient(room: Scene, camera: _core.Camera, side: int) -> PictureCase:
     samples = 16
     reach = 0.1 * float(np.linalg.norm(np.diff(room.bounds, axis=0)))
     integrator = AmbientOcclusion(n_samples=samples, max_distance=reach)
@@ -112,6 +136,27 @@ def _ambient(room: Scene, camera: _core.Camera, side: int, quick: bool) -> Pictu
         arrays={"camera": _axes(camera)},
         spp=4,
         reference_spp=64,
+    )
+
+
+def _open_ambient(scene: Scene, camera: _core.Camera, side: int, name: str) -> PictureCase:
+    """Rays without end, as many per eye point as shared directions lie on its side."""
+    samples = SPHERE_DIRECTIONS // 2
+
+    def frame(integrator: AmbientOcclusion, spp: int, seed: int) -> Frame:
+        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
+
+    own = AmbientOcclusion(n_samples=samples, max_distance=None)
+    shared = AmbientOcclusion(n_samples=SPHERE_DIRECTIONS, max_distance=None, directions="shared")
+    return PictureCase(
+        name=f"AO {name} {side}x{side}, {samples} rays",
+        scene=scene,
+        render=lambda spp, seed: frame(own, spp, seed),
+        job={"job": "ao", "samples": samples, "reach": np.inf, **_view(camera, side)},
+        arrays={"camera": _axes(camera)},
+        spp=4,
+        reference_spp=32,
+        ways=(Way(label="shared directions", render=lambda spp, seed: frame(shared, spp, seed)),),
     )
 
 
@@ -143,16 +188,19 @@ def _lights(room: Scene, camera: _core.Camera, side: int, count: int, quick: boo
         arrays={"camera": _axes(camera), "lights": positions},
         spp=1,
         reference_spp=64 if quick else 16,
-        cached=(
-            f"Aqvc(c_e={C_E})",
-            lambda spp, seed: render(
-                lit,
-                Direct(),
-                size=(side, side),
-                spp=spp,
-                seed=seed,
-                camera=camera,
-                visibility=Aqvc(c_e=C_E),
+        ways=(
+            Way(
+                label=f"Aqvc(c_e={C_E})",
+                render=lambda spp, seed: render(
+                    lit,
+                    Direct(),
+                    size=(side, side),
+                    spp=spp,
+                    seed=seed,
+                    camera=camera,
+                    visibility=Aqvc(c_e=C_E),
+                ),
+                biased=True,
             ),
         ),
     )
@@ -162,17 +210,26 @@ def _lit_by(
     sky: Array, scene: Scene, camera: _core.Camera, side: int, quick: bool, name: str
 ) -> PictureCase:
     samples = 4
-    integrator = Direct(n_area=0, n_environment=samples, n_brdf=samples)
+
+    def frame(integrator: Direct, spp: int, seed: int) -> Frame:
+        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
+
+    own = Direct(n_area=0, n_environment=samples, n_brdf=samples)
+    shared = Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
     return PictureCase(
         name=f"{name} {side}x{side}, {samples} + {samples} samples",
         scene=scene,
-        render=lambda spp, seed: render(
-            scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera
-        ),
+        render=lambda spp, seed: frame(own, spp, seed),
         job={"job": "sky", "samples": samples, "albedo": ALBEDO, **_view(camera, side)},
         arrays={"camera": _axes(camera), "sky": sky},
         spp=4,
-        reference_spp=1024 if quick else 128,
+        reference_spp=1024 if quick else 256,
+        ways=(
+            Way(
+                label=f"{SKY_DIRECTIONS} shared directions",
+                render=lambda spp, seed: frame(shared, spp, seed),
+            ),
+        ),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,15 @@ __all__ = ["MitsubaKernels"]
 LAUNCH = 1 << 22
 
 
+@dataclass(frozen=True)
+class Samples:
+    """The samples of a launch: their pixels, and their numbers in the pixel."""
+
+    pixel: Any
+    number: Any
+    launch: int
+
+
 class MitsubaKernels:
     """Ambient occlusion and all point lights; primary rays are random in their pixels."""
 
@@ -21,24 +31,37 @@ class MitsubaKernels:
         self._mi, self._dr, self._scene = mi, dr, scene
 
     def ao(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
-        """The open share of the hemisphere by `samples` cosine-distributed rays per hit."""
+        """The open share of the hemisphere by `samples` cosine-distributed rays per hit.
+
+        The rays of a pixel go through one R2 sequence (Roberts 2018) with a random offset.
+        """
         mi, dr, scene = self._mi, self._dr, self._scene
         samples, reach = int(fields["samples"]), mi.Float(float(fields["reach"]))
 
-        def shade(si: Any, normal: Any, pcg: Any) -> Any:
+        def shade(si: Any, normal: Any, at: Samples) -> Any:
             frame = mi.Frame3f(normal)
+            # Offsets of the pixel; opaque, as the seed must not be a number in the kernel's code
+            offset = mi.sample_tea_32(
+                at.pixel, dr.opaque(mi.UInt32, int(fields["seed"]) * 64 + at.launch)
+            )
+            first = at.number * samples
 
-            def body(i: Any, open_: Any, pcg: Any) -> Any:
+            def unit(x: Any) -> Any:
+                return mi.Float(x >> 8) * 2.0**-24
+
+            def body(i: Any, open_: Any) -> Any:
+                # Multiples of 1/p and 1/p², p = 1.3247…, in units of 2⁻³²
+                u = unit(offset[0] + (first + i) * mi.UInt32(3242174889))
+                v = unit(offset[1] + (first + i) * mi.UInt32(2447445414))
                 # Not mi.warp: its safe_sqrt needs an instruction that some LLVM cannot select
-                u, (sine, cosine) = pcg.next_float32(), dr.sincos(2 * dr.pi * pcg.next_float32())
+                sine, cosine = dr.sincos(2 * dr.pi * v)
                 r = dr.sqrt(u)
                 local = mi.Vector3f(r * cosine, r * sine, dr.sqrt(1 - u))
                 ray = si.spawn_ray(frame.to_world(local))
                 ray.maxt = reach
-                open_ += dr.select(scene.ray_test(ray), 0.0, 1.0)
-                return i + 1, open_, pcg
+                return i + 1, open_ + dr.select(scene.ray_test(ray), 0.0, 1.0)
 
-            found = dr.while_loop((mi.UInt32(0), mi.Float(0), pcg), lambda i, *_: i < samples, body)
+            found = dr.while_loop((mi.UInt32(0), mi.Float(0)), lambda i, _: i < samples, body)
             return found[1] / samples
 
         return {"image": self._frame(given, fields, shade)}
@@ -50,7 +73,7 @@ class MitsubaKernels:
         count = len(given["lights"])
         scale = float(fields["albedo"]) / np.pi * float(fields["intensity"])
 
-        def shade(si: Any, normal: Any, pcg: Any) -> Any:
+        def shade(si: Any, normal: Any, _: Samples) -> Any:
             def body(i: Any, sum_: Any) -> Any:
                 light = dr.gather(mi.Point3f, lights, i)
                 to = light - si.p
@@ -90,6 +113,7 @@ class MitsubaKernels:
             d = dr.normalize(forward + x * tangent * right + y * tangent * up)
             si = self._scene.ray_intersect(mi.Ray3f(mi.Point3f(origin), d))
             normal = dr.select(dr.dot(si.n, d) > 0, -si.n, si.n)
-            value = dr.select(si.is_valid(), shade(si, normal, pcg), 0.0)
+            at = Samples(pixel=pixel, number=index - pixel * n, launch=start)
+            value = dr.select(si.is_valid(), shade(si, normal, at), 0.0)
             image = image + np.array(dr.block_sum(value, n), np.float64)
         return (image / spp).reshape(side, side)

@@ -21,11 +21,16 @@ class MitsubaPicture:
         self._sky: Any = None
 
     def sky(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
-        """Direct light of `sky` (H, W, 3); `samples` of the light and of the surface each."""
+        """Direct light of `sky` (H, W, 3).
+
+        Its samples have one of the light and one of the surface, as many in all as are asked for:
+        so its stratified sampler spreads all of a pixel's together, as ours does.
+        """
         mi = self._mi
         if given["sky"] is not self._sky:
             self._scene, self._sky = self._build(given, fields), given["sky"]
-        image = mi.render(self._scene, spp=int(fields["spp"]), seed=int(fields["seed"]))
+        spp = int(fields["spp"]) * int(fields["samples"])
+        image = mi.render(self._scene, spp=spp, seed=int(fields["seed"]))
         return {"image": np.array(image, np.float64)[:, :, :3].mean(axis=2)}
 
     def _build(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> Any:
@@ -37,15 +42,14 @@ class MitsubaPicture:
             origin=origin.tolist(), target=(origin + forward).tolist(), up=up.tolist()
         )
         grey = {"type": "rgb", "value": [float(fields["albedo"])] * 3}
-        samples = int(fields["samples"])
         return mi.load_dict(
             {
                 "type": "scene",
                 "embree_use_robust_intersections": True,
                 "integrator": {
                     "type": "direct",
-                    "emitter_samples": samples,
-                    "bsdf_samples": samples,
+                    "emitter_samples": 1,
+                    "bsdf_samples": 1,
                 },
                 "sensor": {
                     "type": "perspective",
@@ -58,7 +62,7 @@ class MitsubaPicture:
                         "rfilter": {"type": "box"},
                         "component_format": "float32",
                     },
-                    "sampler": {"type": "independent"},
+                    "sampler": {"type": "multijitter"},
                 },
                 "sky": {"type": "envmap", "bitmap": mi.Bitmap(np.array(given["sky"], np.float32))},
                 "mesh": {
