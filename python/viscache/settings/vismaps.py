@@ -34,9 +34,10 @@ class VisMaps(MapSettings):
     """Visibility maps for the environment's light (Clarberg, Akenine-Möller 2008).
 
     Directions are sampled by light × reflection (as with `Direct(environment="product")`). With
-    `use="correct"`, the default, every direction is traced and the maps of nearby records are a
-    control variate: less noise, no bias. With `use="replace"` their integral J is the result,
-    without rays: biased, but without noise. Other lights are traced exactly.
+    `use="correct"`, the default of `render`, every direction is traced and the maps of nearby
+    records are a control variate: less noise, no bias. With `render(…, use="replace")` their
+    integral J is the result, without rays: biased, but without noise. Other lights are traced
+    exactly.
 
     Parameters
     ----------
