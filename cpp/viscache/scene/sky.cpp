@@ -36,6 +36,9 @@ std::pair<int, double> between(double x, int count) {
     return {below, inside - below};
 }
 
+/// Squares of floats neither overflow nor vanish here. std::hypot would bind wheels to glibc 2.35.
+double horizontal_length(Vec3 d) { return std::sqrt(double(d.x) * double(d.x) + double(d.z) * double(d.z)); }
+
 void check(const SkySettings& s) {
     std::ostringstream text;
     if (!(s.turbidity >= 1 && s.turbidity <= 10))
@@ -109,7 +112,7 @@ Rgb ClearSky::radiance(const Ring& r, double cos_sun) const {
 Rgb ClearSky::radiance(Vec3 d) const {
     const Ring r = ring(std::acos(std::clamp(double(d.y), -1.0, 1.0)));
     if (r.is_black) return {};
-    const double flat = std::hypot(double(d.x), double(d.z)), turned = flat > 0 ? r.sin_zenith / flat : 0;
+    const double flat = horizontal_length(d), turned = flat > 0 ? r.sin_zenith / flat : 0;
     const Vec3 sun = settings_.to_sun;
     return radiance(r, turned * (double(d.x) * sun.x + double(d.z) * sun.z) + r.cos_zenith * sun.y);
 }
@@ -132,7 +135,7 @@ Rgb ClearSky::sun_irradiance() const {
 Vec3 ClearSky::to_sun() const {
     const Vec3 sun = settings_.to_sun;
     const double angle = (M_PI / 2 - elevation_) * settings_.stretch;
-    const double flat = std::hypot(double(sun.x), double(sun.z)), out = flat > 0 ? std::sin(angle) / flat : 0;
+    const double flat = horizontal_length(sun), out = flat > 0 ? std::sin(angle) / flat : 0;
     return settings_.stretch == 1
                ? sun
                : normalize({float(sun.x * out), float(std::cos(angle)), float(sun.z * out)});
