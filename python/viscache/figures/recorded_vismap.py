@@ -105,12 +105,12 @@ MISSING = (
     Missing(
         figure="vismap-fig4",
         band=bands.LINES,
-        reason="not finished in 15 minutes beside other work",
+        reason="stopped after 11 minutes beside other work",
     ),
     Missing(
         figure="vismap-fig4",
         band=bands.ORDER,
-        reason="not finished in 15 minutes beside other work",
+        reason="stopped after 11 minutes beside other work",
     ),
     Missing(
         figure="vismap-fig10",
