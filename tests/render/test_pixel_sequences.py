@@ -57,8 +57,9 @@ def picture(kind: str, spp: int, seed: int, first_sample: int = 0) -> Any:
     return np.asarray(frame.image, np.float64)
 
 
-def exact_of_the_same_eye_points(kind: str, spp: int, seed: int, first_sample: int = 0) -> Any:
-    scene, camera, _ = made(kind)
+def without_picks(spp: int, seed: int, first_sample: int) -> Any:
+    """All lights at the eye points of `picture("picks", …)`."""
+    scene, camera, _ = made("picks")
     frame = vc.render(
         scene,
         vc.Direct(),
@@ -76,7 +77,7 @@ def test_picks_of_a_pixel_are_spread_better_than_those_of_passes() -> None:
         noise = np.zeros((*SIZE[::-1], 3))
         for first in range(0, SPP, spp):
             noise += picture("picks", spp, 5, first)
-            noise -= exact_of_the_same_eye_points("picks", spp, 5, first)
+            noise -= without_picks(spp, 5, first)
         return float(np.mean((noise * spp / SPP) ** 2))
 
     assert 0 < error(SPP) < 0.85 * error(1)

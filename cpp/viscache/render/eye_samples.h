@@ -10,10 +10,11 @@ namespace viscache {
 /// number per sample for choices. The choices are shuffled, because they would be correlated with the
 /// positions otherwise.
 ///
-/// All eye points of a pixel, of later frames too, go through one sequence: each takes a block of it, so
-/// their samples together are as evenly spread as those of a single point. The blocks are shuffled, because
-/// they would be correlated with the positions in the pixel otherwise. Powers of two samples leave the blocks
-/// nets.
+/// All eye points of a pixel go through one sequence: each takes a block of it, so their samples together are
+/// as evenly spread as those of a single point. The blocks are shuffled, because they would be correlated
+/// with the positions in the pixel otherwise. Powers of two samples leave the blocks nets.
+///
+/// Each frame has its own sequences, so passes are independent, and their differences tell the error.
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
     uint32_t first;  ///< index in the sequence of the eye point's first sample
