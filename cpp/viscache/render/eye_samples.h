@@ -6,6 +6,12 @@
 
 namespace viscache {
 
+/// A sample's number of its pixel in shuffled order; 0 stays 0. Nested: aligned blocks of 2^k numbers stay
+/// together, so the points of a sequence at these numbers are as evenly spread as before.
+inline uint32_t shuffled_sample(uint32_t sample, uint32_t shuffle) {
+    return owen_scramble(sample, shuffle) ^ owen_scramble(0, shuffle);
+}
+
 /// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
 /// number per sample for choices. The choices are shuffled, because they would be correlated with the
 /// positions otherwise.
@@ -26,10 +32,7 @@ struct EyeSamples {
         sy = rng.next_u32();
         choice_scramble = rng.next_u32();
         choice_shuffle = rng.next_u32();
-        // Nested: aligned blocks of blocks stay together
-        const uint32_t shuffle = rng.next_u32();
-        const uint32_t block = owen_scramble(eyes.sample(eye), shuffle) ^ owen_scramble(0, shuffle);
-        first = block * uint32_t(samples);
+        first = shuffled_sample(eyes.sample(eye), rng.next_u32()) * uint32_t(samples);
     }
     Vec2 position(int i) const { return sobol02(first + uint32_t(i), sx, sy); }
     float choice(int i) const {

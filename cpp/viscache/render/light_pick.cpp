@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viscache/render/eye_samples.h"
 #include "viscache/render/glossy_sums.h"
-#include "viscache/sampling/low_discrepancy.h"
-#include "viscache/sampling/rng.h"
 
 namespace viscache {
 
@@ -75,7 +74,7 @@ void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t pixe
     Rng rng(seed_, Purpose::kLightPick, pixel_stream, uint64_t(lights_->ends.group));
     const uint32_t first = rng.next_u32(), rest = rng.next_u32();
     const uint32_t scramble = rng.next_u32(), shuffle = rng.next_u32();
-    const uint32_t number = owen_scramble(sample, shuffle) ^ owen_scramble(0, shuffle);
+    const uint32_t number = shuffled_sample(sample, shuffle);
     const uint32_t step = owen_scramble_reversed(number, scramble) ^ owen_scramble_reversed(0, scramble);
     const uint64_t bits = uint64_t(first ^ step) << 32 | rest;
     const size_t before = picked_.size();
