@@ -1,8 +1,10 @@
 // Random numbers, low-discrepancy points, discrete distributions and octahedral maps.
 #include <pybind11/native_enum.h>
 
+#include "isa_argument.h"
 #include "real_numbers.h"
 #include "rows.h"
+#include "viscache/math/equal_area_batch.h"
 #include "viscache/math/octahedral.h"
 #include "viscache/sampling/direction_pattern.h"
 #include "viscache/sampling/distribution.h"
@@ -105,6 +107,30 @@ void bind_distribution(py::module_& t) {
         .def("__len__", &Distribution1D::size);
 }
 
+/// Points (N, 2), N a multiple of kEqualAreaLanes, to directions and back, in batches.
+py::tuple equal_area_round_trip(const FloatArray& points, const std::optional<std::string>& isa) {
+    require_rows(points, 2, "points");
+    const py::ssize_t rows = points.shape(0);
+    const size_t n = size_t(rows);
+    if (n % kEqualAreaLanes)
+        throw py::value_error("the number of points must be a multiple of 16, got " + std::to_string(n));
+    std::vector<float> u(n), v(n), x(n), y(n), z(n);
+    for (size_t i = 0; i < n; ++i) {
+        u[i] = *points.data(i, 0);
+        v[i] = *points.data(i, 1);
+    }
+    equal_area_to_directions(u.data(), v.data(), n, x.data(), y.data(), z.data(), isa_of(isa));
+    directions_to_equal_area(x.data(), y.data(), z.data(), n, u.data(), v.data(), isa_of(isa));
+    py::array_t<float> directions = rows_of<Vec3>(rows), back = rows_of<Vec2>(rows);
+    auto* d = reinterpret_cast<Vec3*>(directions.mutable_data());
+    auto* p = reinterpret_cast<Vec2*>(back.mutable_data());
+    for (size_t i = 0; i < n; ++i) {
+        d[i] = {x[i], y[i], z[i]};
+        p[i] = {u[i], v[i]};
+    }
+    return py::make_tuple(directions, back);
+}
+
 void bind_octahedral(py::module_& s, py::module_& t) {
     t.def(
         "direction_to_octahedral",
@@ -114,6 +140,8 @@ void bind_octahedral(py::module_& s, py::module_& t) {
         "octahedral_to_direction",
         [](const FloatArray& p) { return map_rows<Vec2>(p, "p", octahedral_to_direction); }, py::arg("p"),
         "Its inverse: (N, 2) to unit vectors (N, 3).");
+    t.def("equal_area_round_trip", &equal_area_round_trip, py::arg("points"), py::arg("isa") = py::none(),
+          "Equal-area map of points (N, 2) to directions (N, 3), and these back, in batches.");
     s.def(
         "direction_to_equal_area",
         [](const FloatArray& d) { return map_rows<Vec3>(d, "d", direction_to_equal_area); }, py::arg("d"),

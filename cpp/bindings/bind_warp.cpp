@@ -22,8 +22,8 @@ void def_warp(py::module_& s, const char* name, F f, const char* doc) {
 py::tuple first_hemisphere_batch(uint32_t scramble_x, uint32_t scramble_y, Float3 normal, bool cosine,
                                  const std::optional<std::string>& isa) {
     HemisphereBatch batch;
-    hemisphere_batch({scramble_x, scramble_y, frame_around(normalize(vec3(normal))), cosine}, 0, batch,
-                     isa_of(isa));
+    hemisphere_batch({scramble_x, scramble_y, frame_around(normalize(vec3(normal))), cosine}, 0,
+                     HemisphereBatch::kSize, batch, isa_of(isa));
     std::vector<Vec3> directions;
     for (size_t i = 0; i < HemisphereBatch::kSize; ++i)
         directions.push_back({batch.x[i], batch.y[i], batch.z[i]});

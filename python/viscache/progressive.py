@@ -45,8 +45,7 @@ __all__ = ["Progressive"]
 
 #: E|x| of a normal variable of standard deviation 1.
 MEAN_DEVIATION = math.sqrt(2 / math.pi)
-#: An estimate of noise needs some passes.
-LEAST_PASSES = 4
+LEAST_PASSES = 4  # an estimate of noise needs some
 
 
 @spelled
@@ -87,7 +86,8 @@ class Progressive:
     first_pass : int >= 0
         Number of the first pass. A pass is keyed by (seed, number), lights by the seed alone. So
         pictures of one seed converge to the same picture. Blocks of 512 samples per pixel are
-        independent of each other; within a block the samples are well spread.
+        independent of each other; within a block, samples of eyes, lights and skies, and picks, are
+        well spread over all passes.
     max_bytes : int in [2^20, 2^44]
         Room for the rows (`AqvcRows`).
 
@@ -169,7 +169,7 @@ class Progressive:
 
     @property
     def n_passes(self) -> int:
-        """Number of finished passes."""
+        """Finished passes."""
         return self._sums.n
 
     @property
@@ -277,8 +277,8 @@ class Progressive:
         """The mean of all passes.
 
         Its layers are those of `vc.render`. "variance" (H, W, 3) is, from the second pass on, the
-        variance of the mean's "color" between passes, with all noise in it. Passes are not
-        independent where one sequence of samples goes through a pixel, so it errs towards more.
+        variance of the mean's "color" between passes, with all noise in it. Sequences of samples
+        go through all passes, so it errs towards more: many times more after many passes.
         Counters of rays and queries and all timings are sums over passes.
 
         Raises
@@ -289,7 +289,7 @@ class Progressive:
         require(self.n_passes > 0, "there must be a pass", self.n_passes)
         layers = {name: layer.astype(np.float32) for name, layer in self._means().items()}
         if self.n_passes > 1:
-            layers["variance"] = self._variance().astype(np.float32)
+            layers["variance"] = self._sums.variance().astype(np.float32)
         return Frame(
             layers=layers,
             counters=dict(self._sums.counters),
@@ -299,20 +299,29 @@ class Progressive:
         )
 
     def error(self) -> float:
-        """The estimated `rel_l1_reflected` of the mean, from the noise between passes.
+        """The estimated `rel_l1_reflected` of the mean, from the noise of passes.
 
         Noise of eye samples and corrections, not the noise of lights that stay the same, nor the
         error of a cache that is not corrected. At least two passes are needed.
+
+        Notes
+        -----
+        Two parts of the passes are compared, whose samples are as well spread as those of all; it
+        errs towards more, by at most √3. Where lights are renewed, and for `Bdpt`, single passes
+        are compared: two parts would tell little of noise that pixels share.
         """
         require(self.n_passes >= 2, "there must be two passes", self.n_passes)
         light = light_on_surfaces(self.frame)
         assert light is not None
+        if self.renew or isinstance(self.integrator, Bdpt):
+            deviation = MEAN_DEVIATION * float(np.sqrt(self._sums.variance()).sum())
+        else:
+            deviation = float(np.abs(self._sums.deviation()).sum())
         total = float(np.abs(light).sum())
-        deviation = MEAN_DEVIATION * float(np.sqrt(self._variance()).sum())
         return deviation / total if total > 0 else 0.0
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the state: sums of all passes, and what caches keep. Complete or absent."""
+        """Write the state: sums of passes, and what caches keep. Complete or absent."""
         progressive_state.save(
             path, self._identity(), self._sums, self._next, self.rows, self._kept_arrays()
         )
@@ -451,10 +460,6 @@ class Progressive:
             else total / n
             for name, total in sums.items()
         }
-
-    def _variance(self) -> npt.NDArray[np.float64]:
-        n = self._sums.n
-        return self._sums.squares / (n * (n - 1))
 
     def _identity(self) -> dict[str, Any]:
         """What a saved state must agree with."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from viscache.aqvc_rows import AqvcRows
 from viscache.array_digests import arrays_digest
+from viscache.emitted_light import seen_emitters
 from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.frame import Frame
 from viscache.oracles.learned import Shares
@@ -40,6 +42,8 @@ OF_ONE_PASS = (
 DIGEST = "sha256"
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
+#: Earlier sums that are kept, so that one of them has about half of the passes.
+PARTS = 2
 
 
 @dataclass
@@ -54,6 +58,8 @@ class Sums:
     layers : dict of str to (H, W, C) float64
         Layers of the first hit are weighted by their coverage.
     squares : (H, W, 3) float64
+    parts : list of (n, (H, W, 3) float64)
+        Sums of the light on surfaces over the first n passes, for the last powers of two.
     counters, timings : dict
     parameters : dict
         Of the last pass.
@@ -67,6 +73,7 @@ class Sums:
     numbers: list[list[int]] = field(default_factory=list)
     layers: dict[str, Array] = field(default_factory=dict)
     squares: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    parts: list[tuple[int, Array]] = field(default_factory=list)
     counters: dict[str, Any] = field(default_factory=dict)
     timings: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -83,6 +90,7 @@ class Sums:
         else:
             deviation = color - self.layers["color"] / self.n
             self.squares += deviation**2 * (self.n / (self.n + 1))
+            self._keep_part()
         hits = frame.layers["coverage"].astype(np.float64) if "coverage" in frame.layers else 1.0
         for name, pixels in frame.layers.items():
             self.layers[name] += pixels * (hits if name in BY_HITS else 1.0)
@@ -104,6 +112,7 @@ class Sums:
             deviation = self.layers["color"] / self.n - other.layers["color"] / other.n
             between = deviation**2 * (self.n * other.n / (self.n + other.n))
             self.squares = self.squares + other.squares + between
+            self._keep_part()
             self.layers = {
                 name: p + other.layers[name]
                 for name, p in self.layers.items()
@@ -111,6 +120,7 @@ class Sums:
             }
         elif other.n:
             self.squares = other.squares.copy()
+            self.parts = list(other.parts)
             self.layers = {name: p.copy() for name, p in other.layers.items()}
             self.parameters = other.parameters
             self.shares = other.shares
@@ -121,6 +131,36 @@ class Sums:
         for name, seconds in other.timings.items():
             self.timings[name] = self.timings.get(name, 0.0) + seconds
         self.warnings += [w for w in other.warnings if w not in self.warnings]
+
+    def _keep_part(self) -> None:
+        """Keep the sum of all passes so far, if it is twice the last one that was kept."""
+        if not self.parts or self.n >= 2 * self.parts[-1][0]:
+            self.parts = [*self.parts, (self.n, self._light())][-PARTS:]
+
+    def _light(self) -> Array:
+        emitted = seen_emitters(self)
+        color = self.layers["color"]
+        return color.copy() if emitted is None else color - emitted
+
+    def variance(self) -> Array:
+        """The variance of the mean's colour from the noise between single passes.
+
+        Passes share the sequences of their samples, so it errs towards more.
+        """
+        return self.squares / (self.n * (self.n - 1))
+
+    def deviation(self) -> Array:
+        """How far the mean's light on surfaces is from that of endless passes, as draws.
+
+        It is the difference of two parts of the passes, scaled as for parts that are independent.
+        Each part goes through a sequence of its own, so that its error falls as the mean's does. If
+        this is as n^-p with p between 1/2 and 1, the draws are by up to √3 too large, never too
+        small.
+        """
+        m, first = min(self.parts, key=lambda part: abs(2 * part[0] - self.n))
+        rest = self.n - m
+        difference = first / m - (self._light() - first) / rest
+        return difference * math.sqrt(m * rest) / self.n
 
 
 def _joined(ranges: list[list[int]]) -> list[list[int]]:
@@ -171,9 +211,11 @@ def save(
         "warnings": sums.warnings,
         "shares": asdict(sums.shares) if sums.shares else None,
         "layers": list(sums.layers),
+        "parts": [n for n, _ in sums.parts],
         "rows": [],
     }
     arrays: dict[str, Any] = {"squares": sums.squares}
+    arrays |= {f"part {n}": total for n, total in sums.parts}
     arrays |= {f"kept {name}": values for name, values in kept.items()}
     arrays |= {f"layer {name}": pixels for name, pixels in sums.layers.items()}
     if rows is not None:
@@ -241,6 +283,7 @@ def load(
             numbers=records["numbers"],
             layers=layers,
             squares=arrays["squares"],
+            parts=[(n, arrays[f"part {n}"]) for n in records["parts"]],
             counters=records["counters"],
             timings=records["timings"],
             parameters=records["parameters"],

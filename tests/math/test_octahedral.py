@@ -12,6 +12,7 @@ _testing = _core._testing
 Array = npt.NDArray[np.float64]
 EQUAL_AREA = (maps.direction_to_equal_area, maps.equal_area_to_direction)
 OCTAHEDRAL = (_testing.direction_to_octahedral, _testing.octahedral_to_direction)
+ISAS = ["portable", "avx2", "avx512"]
 BOTH = pytest.mark.parametrize("pair", [OCTAHEDRAL, EQUAL_AREA], ids=["octahedral", "equal area"])
 
 
@@ -119,6 +120,24 @@ def test_the_equal_area_map_is_the_published_one() -> None:
     special = directions(1000)
     assert np.abs(equal_area_back(equal_area_there(special)) - special).max() < 5e-9
     assert np.abs(maps.direction_to_equal_area(special) - equal_area_there(special)).max() < 5e-7
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_batches_have_the_bits_of_single_points(isa: str) -> None:
+    if ISAS.index(isa) > ISAS.index(str(_core.best_isa())):
+        pytest.skip(f"this CPU has no {isa}")
+    inside = np.random.default_rng(6).random((4096, 2))
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 8)] * 2), -1).reshape(-1, 2)
+    p = np.concatenate([inside, grid, np.full((16, 2), 0.5)]).astype(np.float32)
+    directions, back = _testing.equal_area_round_trip(p, isa=isa)
+    single = maps.equal_area_to_direction(p)
+    assert directions.tobytes() == single.tobytes()
+    assert back.tobytes() == maps.direction_to_equal_area(single).tobytes()
+
+
+def test_a_batch_is_whole_vectors() -> None:
+    with pytest.raises(ValueError, match="multiple of 16, got 3"):
+        _testing.equal_area_round_trip(np.zeros((3, 2)))
 
 
 def test_the_equal_area_map_stretches_no_area() -> None:

@@ -1,4 +1,4 @@
-"""The eye points of a pixel in a frame share the sequences of their light samples and picks."""
+"""The eye points of a pixel share the sequences of their samples and picks, over all passes."""
 
 from typing import Any
 
@@ -41,12 +41,17 @@ def made(kind: str) -> tuple[vc.Scene, Any, Any]:
             camera,
             vc.Direct(n_area=0, n_environment=4, n_brdf=0),
         ),
+        "product": (
+            scene.with_environment(sky),
+            camera,
+            vc.Direct(n_area=0, environment="product", n_environment=4, passes=2),
+        ),
         "area": (vc.scenes.cornell_box(), vc.scenes.cornell_box().cameras[0], vc.Direct(n_area=4)),
         "picks": (lamps(), camera, vc.Direct(pick=8)),
     }[kind]
 
 
-KINDS = ("ambient", "sky", "even sky", "area", "picks")
+KINDS = ("ambient", "sky", "even sky", "product", "area", "picks")
 
 
 def picture(kind: str, spp: int, seed: int, first_sample: int = 0) -> Any:
@@ -57,33 +62,54 @@ def picture(kind: str, spp: int, seed: int, first_sample: int = 0) -> Any:
     return np.asarray(frame.image, np.float64)
 
 
-def without_picks(spp: int, seed: int, first_sample: int) -> Any:
-    """All lights at the eye points of `picture("picks", …)`."""
+def passes(kind: str, seed: int) -> Any:
+    """The mean of SPP frames of one sample that go on from each other."""
+    return np.mean([picture(kind, 1, seed, first) for first in range(SPP)], axis=0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_frames_that_go_on_have_the_samples_of_one_frame(kind: str) -> None:
+    together, apart = picture(kind, SPP, 5), passes(kind, 5)
+    np.testing.assert_allclose(apart, together, rtol=1e-5, atol=1e-6)
+    assert np.abs(apart - passes(kind, 6)).max() > 0.01  # other samples would show
+
+
+def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_it() -> None:
+    """Else what they learnt would tell something about samples that are still to come."""
+    scene, camera, product = made("product")
+
+    def frame(visibility: Any, spp: int, first_sample: int = 0) -> Any:
+        options = {"size": SIZE, "camera": camera, "spp": spp, "first_sample": first_sample}
+        return vc.render(scene, product, visibility=visibility, **options).image
+
+    for visibility, shared in ((vc.Exact(), True), (vc.VisMaps(), False)):
+        apart = (frame(visibility, 1) + frame(visibility, 1, 1)) / 2
+        away = np.abs(apart - frame(visibility, 2)).max()
+        assert (away < 1e-5) == shared
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_sequences_end_after_512_samples(kind: str) -> None:
+    """Sample 512 is not the sequence's next one: it begins a sequence of its own."""
+    first, next_one, other = (picture(kind, 1, 5, n) for n in (0, 511, 512))
+    assert np.abs(other - first).max() > 0.01
+    assert np.abs(other - next_one).max() > 0.01
+
+
+def test_picks_of_a_pixel_are_spread_better_than_independent_ones() -> None:
+    """Beside all lights at the same eye points."""
     scene, camera, _ = made("picks")
-    frame = vc.render(
-        scene,
-        vc.Direct(),
-        size=SIZE,
-        spp=spp,
-        seed=seed,
-        first_sample=first_sample,
-        camera=camera,
-    )
-    return np.asarray(frame.image, np.float64)
+
+    def noise(spp: int, seed: int) -> Any:
+        options = {"size": SIZE, "spp": spp, "seed": seed, "camera": camera}
+        return picture("picks", spp, seed) - vc.render(scene, vc.Direct(), **options).image
+
+    together = noise(SPP, 5)
+    independent = np.mean([noise(1, seed) for seed in range(SPP)], axis=0)
+    assert 0 < np.mean(together**2) < 0.85 * np.mean(independent**2)
 
 
-def test_picks_of_a_pixel_are_spread_better_than_those_of_passes() -> None:
-    def error(spp: int) -> float:
-        noise = np.zeros((*SIZE[::-1], 3))
-        for first in range(0, SPP, spp):
-            noise += picture("picks", spp, 5, first)
-            noise -= without_picks(spp, 5, first)
-        return float(np.mean((noise * spp / SPP) ** 2))
-
-    assert 0 < error(SPP) < 0.85 * error(1)
-
-
-@pytest.mark.parametrize("kind", ["ambient", "sky", "even sky"])
+@pytest.mark.parametrize("kind", ["ambient", "sky", "even sky", "product"])
 def test_samples_of_a_pixel_are_spread_better_than_independent_ones(kind: str) -> None:
     truth = np.mean([picture(kind, 256, 100 + i) for i in range(4)], axis=0)
     together = [np.mean((picture(kind, SPP, seed) - truth) ** 2) for seed in range(4)]

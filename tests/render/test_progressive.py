@@ -11,6 +11,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
+from viscache.progressive_state import Sums
 
 SIZE = (48, 32)
 ROOM = "room?triangles=3000"
@@ -83,6 +84,7 @@ def test_bytes_depend_on_neither_threads_nor_stops(
     assert sha(resumed.passes(3)) == want
     assert sha(parts.passes(3)) == want
     np.testing.assert_array_equal(resumed.frame.layers["variance"], whole.frame.layers["variance"])
+    assert resumed.error() == parts.error() == whole.error() > 0
 
 
 def test_an_interrupted_pass_leaves_nothing(room: vc.Scene) -> None:
@@ -124,6 +126,9 @@ def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
         first.frame.layers["variance"], whole.layers["variance"], rtol=1e-4, atol=1e-9
     )
     assert first.frame.counters["queries"] == whole.counters["queries"]
+    together = picture(room, **exact)
+    together.passes(6)
+    assert first.error() == pytest.approx(together.error(), rel=1e-4)
     with pytest.raises(ValueError, match="passes must be counted once"):
         first.merge(second)
     with pytest.raises(ValueError, match="seed must be 0 in both"):
@@ -255,14 +260,48 @@ def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room: vc
 
 def test_the_error_is_estimated_from_the_passes(room: vc.Scene) -> None:
     options: dict[str, Any] = {"visibility": "exact"}
-    truth = picture(room, first_pass=1000, **options).passes(96).image
+    truth = picture(room, first_pass=1024, **options).passes(128).image
     short = picture(room, **options)
-    frame = short.passes(8)
-    error = float(np.abs(frame.image - truth).sum() / truth.sum())
-    # Samples of one sequence are better spread than independent ones, so the estimate is high
-    assert 0.8 * error < short.error() < 3 * error
+    for n in (8, 24):
+        frame = short.passes(n)
+        error = float(np.abs(frame.image - truth).sum() / truth.sum())
+        # Two parts of a well-spread sequence are less alike than independent ones
+        assert 0.9 * error < short.error() < 2 * error
     done = picture(room, **options).until(rel_l1=1.1 * short.error(), passes=50)
-    assert done.parameters["passes"] <= 8
+    assert done.parameters["passes"] <= 32
+
+
+def test_the_error_of_well_spread_samples_is_not_that_of_single_passes() -> None:
+    """The noise between 64 passes of ambient occlusion tells more than twice their error."""
+
+    def made(first: int) -> vc.Progressive:
+        light = vc.AmbientOcclusion(n_samples=4, max_distance=None)
+        return vc.Progressive(
+            "cube_on_plane", light, visibility="exact", size=SIZE, first_pass=first
+        )
+
+    truth = np.mean([made(1024 + 512 * k).passes(64).image for k in range(4)], axis=0)
+    picture = made(0)
+    frame = picture.passes(64)
+    error = float(np.abs(frame.image - truth).sum() / truth.sum())
+    assert 0.9 * error < picture.error() < 2 * error
+    between = np.sqrt(frame.layers["variance"]).sum() / truth.sum() * np.sqrt(2 / np.pi)
+    assert between > 2 * error
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("n", [2, 3, 5, 8, 11, 24, 64])
+def test_parts_of_independent_passes_tell_the_error_of_their_mean(n: int) -> None:
+    rng = np.random.Generator(np.random.PCG64(n))
+    sums, truth = Sums(), 5.0
+    for k in range(n):
+        color = (truth + rng.standard_normal((60, 80, 3))).astype(np.float32)
+        sums.add(vc.Frame(layers={"color": color}, counters={}, timings={}, parameters={}), k)
+    estimated = np.sqrt((sums.deviation() ** 2).mean())
+    assert estimated == pytest.approx(1 / np.sqrt(n), rel=0.03)  # 14,400 draws: 4.5 deviations
+    m = min((m for m, _ in sums.parts), key=lambda m: abs(2 * m - n))
+    assert n / 4 <= m <= 3 * n / 4
+    assert len(sums.parts) <= 2
 
 
 def test_until_stops_by_seconds_or_passes(room: vc.Scene) -> None:

@@ -49,8 +49,11 @@ void EnvironmentProduct::draw(const EyeTile& eyes, size_t slot, const PointEstim
     const uint32_t eye = slots_[slot].eye;
     const ShadingPoint& sp = eyes.shading[eye];
     const size_t n = size_t(c_.integrator.n_environment);
-    const PointStream stream(c_.integrator.points, c_.seed, Purpose::kProduct, eyes.stream[eye],
-                             uint64_t(pass));
+    // Maps may have learnt from rays of the frames before, so the samples must be independent of theirs
+    const uint64_t sequence = c_.maps ? eyes.first_sample : eyes.sequence();
+    const uint32_t sample = c_.maps ? eyes.sample_of_frame(eye) : eyes.sample(eye);
+    const PointStream stream(c_.integrator.points, c_.seed, Purpose::kProduct, eyes.block.place[eye],
+                             sequence * uint64_t(c_.integrator.passes) + uint64_t(pass), sample, uint32_t(n));
     for (size_t i = slot * n; i < (slot + 1) * n; ++i) {
         DirectionSample& out = samples_[i];
         const ProductTree::Sample s = point.draw(stream.at(uint32_t(i - slot * n)));

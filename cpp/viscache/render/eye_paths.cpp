@@ -1,6 +1,5 @@
 #include "viscache/render/eye_paths.h"
 
-#include "viscache/sampling/pixel_place.h"
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
 

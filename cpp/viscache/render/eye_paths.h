@@ -5,6 +5,7 @@
 #include "viscache/math/parallel.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/tiles.h"
+#include "viscache/sampling/pixel_place.h"
 #include "viscache/scene/bsdf.h"
 #include "viscache/scene/film_camera.h"
 #include "viscache/scene/scene.h"
@@ -41,10 +42,11 @@ struct EyeTile {
 
     void reset(int width, int height);
     size_t size() const { return block.size(); }
-    /// Number of the eye point's sample of its pixel, in this frame.
-    uint32_t sample(size_t eye) const { return block.turn[eye] - uint32_t(first_sample); }
-    /// Random-number key that all samples of a pixel have in this frame; branches differ.
-    uint64_t pixel_stream(size_t eye) const { return stream[eye] - (uint64_t(sample(eye)) << kBranchBits); }
+    /// The sequences of a pixel's light samples: frames that go on from each other share `sequence()`, a
+    /// number, and `sample()` counts the pixel's samples in it. Their key is `block.place`.
+    uint64_t sequence() const { return first_sample / kSamplesPerSequence; }
+    uint32_t sample(size_t eye) const { return block.turn[eye] - uint32_t(sequence() * kSamplesPerSequence); }
+    uint32_t sample_of_frame(size_t eye) const { return block.turn[eye] - uint32_t(first_sample); }
 };
 
 /// Traces the eye paths of a frame.

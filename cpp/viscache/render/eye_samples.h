@@ -6,12 +6,6 @@
 
 namespace viscache {
 
-/// A sample's number of its pixel in shuffled order; 0 stays 0. Nested: aligned blocks of 2^k numbers stay
-/// together, so the points of a sequence at these numbers are as evenly spread as before.
-inline uint32_t shuffled_sample(uint32_t sample, uint32_t shuffle) {
-    return owen_scramble(sample, shuffle) ^ owen_scramble(0, shuffle);
-}
-
 /// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
 /// number per sample for choices. The choices are shuffled, because they would be correlated with the
 /// positions otherwise.
@@ -20,14 +14,15 @@ inline uint32_t shuffled_sample(uint32_t sample, uint32_t shuffle) {
 /// as evenly spread as those of a single point. The blocks are shuffled, because they would be correlated
 /// with the positions in the pixel otherwise. Powers of two samples leave the blocks nets.
 ///
-/// Each frame has its own sequences, so passes are independent, and their differences tell the error.
+/// Frames that go on from each other go on in the sequences: n frames have the samples of one frame of n
+/// times as many. So differences between passes overstate the error of their mean (progressive_state.py).
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
     uint32_t first;  ///< index in the sequence of the eye point's first sample
 
     /// `samples`: number of samples of every eye point of the frame.
     EyeSamples(uint64_t seed, Purpose purpose, const EyeTile& eyes, uint32_t eye, int samples) {
-        Rng rng(seed, purpose, eyes.pixel_stream(eye), 0);
+        Rng rng(seed, purpose, eyes.block.place[eye], eyes.sequence());
         sx = rng.next_u32();
         sy = rng.next_u32();
         choice_scramble = rng.next_u32();

@@ -96,7 +96,7 @@ private:
             if (i % kRowsPerCheck == 0) control.check();
             if (!is_black(eyes_.shading[i]))
                 counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
-            picks_.add(shade(i), eyes_.shading[i], eyes_.pixel_stream(i), eyes_.sample(i), wanted_.row(i));
+            picks_.add(shade(i), eyes_, uint32_t(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
         const TileContributions contributions(lights, eyes_, picks_);

@@ -59,22 +59,23 @@ void TilePicks::begin(const SharedLights& lights) {
     end_.clear();
 }
 
-void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t pixel_stream, uint32_t sample,
-                    Word* wanted) {
+void TilePicks::add(const EyeShade& shade, const EyeTile& eyes, uint32_t eye, Word* wanted) {
     // At most `most_` lights never need a choice
     if (most_ == 0 || lights_->ends.count <= most_) return;
+    const ShadingPoint& brdf = eyes.shading[eye];
     if (is_black(brdf)) {
         end_.push_back(picked_.size());
         return;
     }
     if (brdf.kind == MaterialKind::kGlossy)
-        contribution_row_glossy(*lights_, eye, brdf, wanted, contributions_);
+        contribution_row_glossy(*lights_, shade, brdf, wanted, contributions_);
     else
-        contribution_row(*lights_, eye, contributions_);
-    Rng rng(seed_, Purpose::kLightPick, pixel_stream, uint64_t(lights_->ends.group));
+        contribution_row(*lights_, shade, contributions_);
+    Rng rng(seed_, Purpose::kLightPick, eyes.block.place[eye],
+            eyes.sequence() * kLightGroups + uint64_t(lights_->ends.group));
     const uint32_t first = rng.next_u32(), rest = rng.next_u32();
     const uint32_t scramble = rng.next_u32(), shuffle = rng.next_u32();
-    const uint32_t number = shuffled_sample(sample, shuffle);
+    const uint32_t number = shuffled_sample(eyes.sample(eye), shuffle);
     const uint32_t step = owen_scramble_reversed(number, scramble) ^ owen_scramble_reversed(0, scramble);
     const uint64_t bits = uint64_t(first ^ step) << 32 | rest;
     const size_t before = picked_.size();

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "viscache/render/eye_paths.h"
 #include "viscache/render/shared_lights.h"
 
 namespace viscache {
@@ -33,9 +34,8 @@ public:
     void begin(const SharedLights& lights);
     /// Picks among the set bits of `wanted` for the next eye point, and clears the bits of the other lights.
     /// The offsets of a pixel's eye points go through one van der Corput sequence, so that together they pick
-    /// like one eye point with as many picks. `pixel_stream`, `sample`: as in EyeTile.
-    void add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t pixel_stream, uint32_t sample,
-             Word* wanted);
+    /// like one eye point with as many picks. Frames that go on from each other go on in it.
+    void add(const EyeShade& shade, const EyeTile& eyes, uint32_t eye, Word* wanted);
     /// What an eye point picked; empty: all lights, with weights of 1.
     std::span<const PickedLight> of(size_t eye) const {
         if (end_.empty()) return {};

@@ -31,124 +31,132 @@ ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float 
 
 namespace {
 
-/// Directions of one eye point and their data, as arrays for SIMD.
-struct SkyBatch {
+/// Samples of the environment from one eye point, of both techniques: f·cos·L / Σ_t n_t p_t (balance
+/// heuristic). They wait until vectors are full.
+class SkySamples {
+public:
     static constexpr size_t kSize = HemisphereBatch::kSize;
-    alignas(64) float x[kSize], y[kSize], z[kSize];
-    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos, and the density of the BRDF
-    Rgb radiance[kSize];
-    float pdf_light[kSize];
-};
 
-/// Samples of both techniques have the value f·cos·L / Σ_t n_t p_t (balance heuristic).
-struct SkySampler {
-    const EnvironmentMap& env;
-    const LobeConstants lobe;
-    Rgb throughput;
-    float n_light, n_brdf;
+    SkySamples(const EnvironmentMap& env, const ShadingPoint& point, Rgb throughput,
+               const IntegratorSettings& settings, WeightedSamples& out, Counters& counters)
+        : env_(env),
+          point_(point),
+          lobe_(lobe_constants(point)),
+          throughput_(throughput),
+          n_light_(float(settings.n_environment)),
+          n_brdf_(float(settings.n_brdf)),
+          out_(out),
+          counters_(counters) {}
 
-    /// Adds those of the first n samples of the batch that contribute. Their directions and light must be
-    /// set.
-    void add(SkyBatch& s, size_t n, WeightedSamples& out, Counters& counters) const {
-        const size_t whole = (n + 15) / 16 * 16;
-        for (size_t i = n; i < whole; ++i) {
-            s.x[i] = s.x[0];
-            s.y[i] = s.y[0];
-            s.z[i] = s.z[0];
-        }
-        reflect_directions(lobe, {s.x, s.y, s.z, s.r, s.g, s.b, s.pdf_brdf}, whole);
-        const float n_cells = n_light > 0 ? n_light : n_brdf;
-        out.at.make_room(n);
-        out.contribution.resize(out.at.room());
-        for (size_t i = 0; i < n; ++i) {
-            const float density = n_light * s.pdf_light[i] + n_brdf * s.pdf_brdf[i];
-            const Rgb value = throughput * Rgb{s.r[i], s.g[i], s.b[i]} * s.radiance[i] * (1 / density);
-            const float sum = value.x + value.y + value.z;
-            out.contribution[out.at.next()] = value;
-            const bool lit = s.r[i] + s.g[i] + s.b[i] > 0 && density > 0, finite = sum - sum == 0;
-            out.at.put({s.x[i], s.y[i], s.z[i]}, density, n_cells * s.pdf_light[i], lit && finite && sum > 0);
-            counters.non_finite += lit && !finite;
-        }
-        out.at.trim();
-        out.contribution.resize(out.at.size());
-    }
-};
+    bool black() const { return lobe_.black; }
 
-/// Adds directions drawn by the radiance of the environment.
-void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int n, SkyBatch& batch,
-                       WeightedSamples& out, Counters& counters) {
-    Vec2 points[SkyBatch::kSize];
-    EnvironmentMap::Sample drawn[SkyBatch::kSize];
-    for (int first = 0; first < n; first += int(SkyBatch::kSize)) {
-        const size_t count = std::min(SkyBatch::kSize, size_t(n - first));
-        if (sampler.env.is_constant()) {
-            sphere_batch(numbers.sx, numbers.sy, numbers.first + uint32_t(first), SkyBatch::kSize, batch.x,
-                         batch.y, batch.z);
-            std::fill_n(batch.radiance, count, sampler.env.eval({}));
-            std::fill_n(batch.pdf_light, count, sampler.env.pdf({}));
-        } else {
-            for (size_t i = 0; i < count; ++i) points[i] = numbers.position(first + int(i));
-            sampler.env.sample({points, count}, {drawn, count});
-            for (size_t i = 0; i < count; ++i) {
-                batch.x[i] = drawn[i].wi.x;
-                batch.y[i] = drawn[i].wi.y;
-                batch.z[i] = drawn[i].wi.z;
-                batch.radiance[i] = drawn[i].radiance;
-                batch.pdf_light[i] = drawn[i].pdf;
+    /// n directions drawn by the radiance of the environment.
+    void add_light_samples(const EyeSamples& numbers, int n) {
+        Vec2 points[kSize];
+        EnvironmentMap::Sample drawn[kSize];
+        alignas(64) float x[kSize], y[kSize], z[kSize];
+        for (int first = 0; first < n; first += int(kSize)) {
+            const size_t count = std::min(kSize, size_t(n - first));
+            if (env_.is_constant()) {
+                sphere_batch(numbers.sx, numbers.sy, numbers.first + uint32_t(first), whole(count), x, y, z);
+                for (size_t i = 0; i < count; ++i) put({{x[i], y[i], z[i]}, env_.eval({}), env_.pdf({})});
+            } else {
+                for (size_t i = 0; i < count; ++i) points[i] = numbers.position(first + int(i));
+                env_.sample({points, count}, {drawn, count});
+                for (size_t i = 0; i < count; ++i) put(drawn[i]);
             }
         }
-        sampler.add(batch, count, out, counters);
     }
-}
 
-/// Adds directions drawn by the BRDF.
-void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const EyeSamples& numbers, int n,
-                      SkyBatch& batch, WeightedSamples& out, Counters& counters) {
-    const HemisphereSequence cosines{numbers.sx, numbers.sy, frame_around(sp.ns), true};
-    HemisphereBatch drawn;
-    Vec3 wi[SkyBatch::kSize];
-    EnvironmentMap::Sample light[SkyBatch::kSize];
-    for (int first = 0; first < n; first += int(SkyBatch::kSize)) {
-        const int last = std::min(n, first + int(SkyBatch::kSize));
-        size_t count = 0;
-        if (!sampler.lobe.glossy) {
-            hemisphere_batch(cosines, numbers.first + uint32_t(first), drawn);
-            for (; count < size_t(last - first); ++count)
-                wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
-        } else {
-            for (int i = first; i < last; ++i)
-                if (const auto s = sample_bsdf(sp, numbers.choice(i), numbers.position(i)))
-                    wi[count++] = s->wi;
+    /// n directions drawn by the BRDF.
+    void add_brdf_samples(const EyeSamples& numbers, int n) {
+        const HemisphereSequence cosines{numbers.sx, numbers.sy, frame_around(point_.ns), true};
+        HemisphereBatch drawn;
+        Vec3 wi[kSize];
+        EnvironmentMap::Sample light[kSize];
+        for (int first = 0; first < n; first += int(kSize)) {
+            const int last = std::min(n, first + int(kSize));
+            size_t count = 0;
+            if (!lobe_.glossy) {
+                hemisphere_batch(cosines, numbers.first + uint32_t(first), uint32_t(last - first), drawn);
+                for (; count < size_t(last - first); ++count)
+                    wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
+            } else {
+                for (int i = first; i < last; ++i)
+                    if (const auto s = sample_bsdf(point_, numbers.choice(i), numbers.position(i)))
+                        wi[count++] = s->wi;
+            }
+            env_.look_up({wi, count}, {light, count});
+            for (size_t i = 0; i < count; ++i) put(light[i]);
         }
-        if (count == 0) continue;
-        sampler.env.look_up({wi, count}, {light, count});
-        for (size_t i = 0; i < count; ++i) {
-            batch.x[i] = wi[i].x;
-            batch.y[i] = wi[i].y;
-            batch.z[i] = wi[i].z;
-            batch.radiance[i] = light[i].radiance;
-            batch.pdf_light[i] = light[i].pdf;
-        }
-        sampler.add(batch, count, out, counters);
     }
-}
+
+    /// Adds the samples that wait, if they contribute.
+    void flush() {
+        if (size_ == 0) return;
+        for (size_t i = size_; i < whole(size_); ++i) {
+            x_[i] = x_[0];
+            y_[i] = y_[0];
+            z_[i] = z_[0];
+        }
+        reflect_directions(lobe_, {x_, y_, z_, r_, g_, b_, pdf_brdf_}, whole(size_));
+        const float n_cells = n_light_ > 0 ? n_light_ : n_brdf_;
+        out_.at.make_room(size_);
+        out_.contribution.resize(out_.at.room());
+        for (size_t i = 0; i < size_; ++i) {
+            const float density = n_light_ * pdf_light_[i] + n_brdf_ * pdf_brdf_[i];
+            const Rgb value = throughput_ * Rgb{r_[i], g_[i], b_[i]} * radiance_[i] * (1 / density);
+            const float sum = value.x + value.y + value.z;
+            out_.contribution[out_.at.next()] = value;
+            const bool lit = r_[i] + g_[i] + b_[i] > 0 && density > 0, finite = sum - sum == 0;
+            out_.at.put({x_[i], y_[i], z_[i]}, density, n_cells * pdf_light_[i], lit && finite && sum > 0);
+            counters_.non_finite += lit && !finite;
+        }
+        out_.at.trim();
+        out_.contribution.resize(out_.at.size());
+        size_ = 0;
+    }
+
+private:
+    static constexpr size_t whole(size_t n) { return (n + 15) / 16 * 16; }
+
+    void put(const EnvironmentMap::Sample& s) {
+        if (size_ == kSize) flush();
+        x_[size_] = s.wi.x;
+        y_[size_] = s.wi.y;
+        z_[size_] = s.wi.z;
+        radiance_[size_] = s.radiance;
+        pdf_light_[size_] = s.pdf;
+        ++size_;
+    }
+
+    const EnvironmentMap& env_;
+    const ShadingPoint& point_;
+    const LobeConstants lobe_;
+    const Rgb throughput_;
+    const float n_light_, n_brdf_;
+    WeightedSamples& out_;
+    Counters& counters_;
+
+    size_t size_ = 0;
+    alignas(64) float x_[kSize], y_[kSize], z_[kSize];
+    alignas(64) float r_[kSize], g_[kSize], b_[kSize], pdf_brdf_[kSize];  ///< f·cos, and the BRDF's density
+    Rgb radiance_[kSize];
+    float pdf_light_[kSize];
+};
 
 }  // namespace
 
 void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                              const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                              Counters& counters) {
-    const EnvironmentMap& env = *scene.environment();
-    const ShadingPoint& sp = eyes.shading[eye];
-    const SkySampler sampler{env, lobe_constants(sp), eyes.throughput[eye], float(settings.n_environment),
-                             float(settings.n_brdf)};
-    if (!sampler.lobe.black) {
-        SkyBatch batch;
-        add_light_samples(sampler,
-                          EyeSamples(seed, Purpose::kEnvironmentLight, eyes, eye, settings.n_environment),
-                          settings.n_environment, batch, out, counters);
-        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes, eye, settings.n_brdf),
-                         settings.n_brdf, batch, out, counters);
+    SkySamples samples(*scene.environment(), eyes.shading[eye], eyes.throughput[eye], settings, out,
+                       counters);
+    if (!samples.black()) {
+        const int n_light = settings.n_environment, n_brdf = settings.n_brdf;
+        samples.add_light_samples(EyeSamples(seed, Purpose::kEnvironmentLight, eyes, eye, n_light), n_light);
+        samples.add_brdf_samples(EyeSamples(seed, Purpose::kBrdf, eyes, eye, n_brdf), n_brdf);
+        samples.flush();
     }
     out.at.close(eye);
 }
@@ -163,7 +171,9 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
     HemisphereBatch batch;
     for (uint32_t i = 0; i < uint32_t(settings.n_ambient); ++i) {
         const uint32_t k = i % HemisphereBatch::kSize;
-        if (k == 0) hemisphere_batch(sequence, samples.first + i, batch);
+        if (k == 0)
+            hemisphere_batch(sequence, samples.first + i,
+                             std::min(uint32_t(settings.n_ambient) - i, HemisphereBatch::kSize), batch);
         const float cosine = batch.cosine[k];
         if (!(cosine > 0)) continue;
         const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;

@@ -15,13 +15,14 @@ struct HemisphereSequence {
 };
 
 struct HemisphereBatch {
-    static constexpr uint32_t kSize = 32;
+    static constexpr uint32_t kSize = 32, kLanes = 16;
     alignas(64) float x[kSize], y[kSize], z[kSize];
     alignas(64) float cosine[kSize];  ///< cosine to the frame's axis, >= 0
 };
 
-/// Points first … first + kSize − 1 of the sequence. All variants give the same bits.
-void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, HemisphereBatch& out,
+/// Points first … first + n − 1 of the sequence, n <= kSize; rounded up to whole vectors. All variants give
+/// the same bits.
+void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, uint32_t n, HemisphereBatch& out,
                       Isa isa = active_isa());
 
 }  // namespace viscache

@@ -30,6 +30,12 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return owen_scramble_reversed(reverse_bits(x), seed);
 }
 
+/// A sample's number of its pixel in shuffled order; 0 stays 0. Nested: aligned blocks of 2^k numbers stay
+/// together, so the points of a sequence at these numbers are as evenly spread as before.
+inline uint32_t shuffled_sample(uint32_t sample, uint32_t shuffle) {
+    return owen_scramble(sample, shuffle) ^ owen_scramble(0, shuffle);
+}
+
 /// The upper 24 bits as a number in [0, 1).
 inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
 

@@ -15,16 +15,22 @@ struct Point2 {
     double x, y;  ///< in [0, 1)
 };
 
-/// The point stream of one pixel and pass.
+/// The point stream of one pixel and pass, or the block of it that one of the pixel's samples takes. Blocks
+/// are shuffled as in EyeSamples.
 class PointStream {
 public:
-    PointStream(PointSet set, uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) : set_(set) {
+    PointStream(PointSet set, uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass,
+                uint32_t sample = 0, uint32_t points = 0)
+        : set_(set) {
         Rng rng(seed, purpose, pixel, pass);
         scramble_x_ = rng.next_u32();
         scramble_y_ = rng.next_u32();
         key_ = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
+        first_ = shuffled_sample(sample, rng.next_u32()) * points;
     }
+    /// Point i of the block.
     Point2 at(uint32_t i) const {
+        i += first_;
         constexpr uint64_t kWeyl = 0x9E3779B97F4A7C15ull;
         const uint64_t a = mix64(key_ + (2 * uint64_t(i) + 1) * kWeyl);
         if (set_ == PointSet::kIndependent) {
@@ -42,6 +48,7 @@ private:
     PointSet set_;
     uint32_t scramble_x_, scramble_y_;
     uint64_t key_;
+    uint32_t first_;
 };
 
 }  // namespace viscache

@@ -2,10 +2,20 @@
 
 #include <sstream>
 
+#include "viscache/math/equal_area_batch.h"
 #include "viscache/math/octahedral.h"
 #include "viscache/scene/latlong_resample.h"
 
 namespace viscache {
+
+namespace {
+
+constexpr size_t whole_lanes(size_t n) {
+    return (n + kEqualAreaLanes - 1) / kEqualAreaLanes * kEqualAreaLanes;
+}
+static_assert(Distribution2D::kBatch % kEqualAreaLanes == 0);
+
+}  // namespace
 
 EnvironmentMap EnvironmentMap::constant(Rgb radiance) {
     if (!usable_radiance(radiance)) {
@@ -37,8 +47,7 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
     return map;
 }
 
-size_t EnvironmentMap::texel(Vec3 wi) const {
-    const Vec2 p = direction_to_equal_area(wi);
+size_t EnvironmentMap::texel(Vec2 p) const {
     const int n = resolution();
     return texels_.index(size_t(std::min(int(p.x * float(n)), n - 1)),
                          size_t(std::min(int(p.y * float(n)), n - 1)));
@@ -52,10 +61,18 @@ float EnvironmentMap::density(const Rgb& radiance) const {
 void EnvironmentMap::look_up(std::span<const Vec3> wi, std::span<Sample> found) const {
     constexpr size_t kBatch = Distribution2D::kBatch;
     const Rgb* place[kBatch];
+    alignas(64) float x[kBatch], y[kBatch], z[kBatch], u[kBatch], v[kBatch];
     for (size_t first = 0; first < wi.size(); first += kBatch) {
-        const size_t count = std::min(kBatch, wi.size() - first);
+        const size_t count = std::min(kBatch, wi.size() - first), whole = whole_lanes(count);
+        for (size_t i = 0; i < whole; ++i) {
+            const Vec3 d = wi[first + std::min(i, count - 1)];
+            x[i] = d.x;
+            y[i] = d.y;
+            z[i] = d.z;
+        }
+        if (!is_constant()) directions_to_equal_area(x, y, z, whole, u, v);
         for (size_t i = 0; i < count; ++i) {
-            place[i] = &texels_[is_constant() ? 0 : texel(wi[first + i])];
+            place[i] = &texels_[is_constant() ? 0 : texel({u[i], v[i]})];
             __builtin_prefetch(place[i]);
         }
         for (size_t i = 0; i < count; ++i) found[first + i] = {wi[first + i], *place[i], density(*place[i])};
@@ -78,17 +95,23 @@ void EnvironmentMap::sample(std::span<const Vec2> u, std::span<Sample> samples) 
     };
     static_assert(OctahedralTexels::kTile % Distribution2D::kBlock == 0, "a block lies side by side");
     const auto block = [&](size_t row, size_t column) { return &texels_[texels_.index(column, row)]; };
-    Distribution2D::Cell cells[Distribution2D::kBatch];
-    for (size_t first = 0; first < u.size(); first += Distribution2D::kBatch) {
-        const size_t count = std::min(Distribution2D::kBatch, u.size() - first);
+    constexpr size_t kBatch = Distribution2D::kBatch;
+    Distribution2D::Cell cells[kBatch];
+    alignas(64) float column[kBatch], row[kBatch], x[kBatch], y[kBatch], z[kBatch];
+    for (size_t first = 0; first < u.size(); first += kBatch) {
+        const size_t count = std::min(kBatch, u.size() - first), whole = whole_lanes(count);
         choice_.sample(
             count, [&](size_t i) { return std::pair(u[first + i].x, u[first + i].y); }, block,
             luminance_in_double, cells);
+        for (size_t i = 0; i < whole; ++i) {
+            const auto& c = cells[std::min(i, count - 1)];
+            column[i] = place(c.column, c.u_column);
+            row[i] = place(c.row, c.u_row);
+        }
+        equal_area_to_directions(column, row, whole, x, y, z);
         for (size_t i = 0; i < count; ++i) {
-            const auto& c = cells[i];
-            const Vec2 p{place(c.column, c.u_column), place(c.row, c.u_row)};
-            const Rgb& pixel = texels_[texels_.index(c.column, c.row)];
-            samples[first + i] = {equal_area_to_direction(p), pixel, density(pixel)};
+            const Rgb& pixel = texels_[texels_.index(cells[i].column, cells[i].row)];
+            samples[first + i] = {{x[i], y[i], z[i]}, pixel, density(pixel)};
         }
     }
 }

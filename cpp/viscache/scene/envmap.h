@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "viscache/math/affine.h"
+#include "viscache/math/octahedral.h"
 #include "viscache/sampling/distribution2d.h"
 #include "viscache/scene/description.h"
 #include "viscache/scene/octahedral_texels.h"
@@ -29,7 +30,7 @@ public:
                                        int resolution = 0, int threads = 0);
 
     /// Radiance from the unit direction wi: the value of its texel, consistent with `sample` and `pdf`.
-    Rgb eval(Vec3 wi) const { return texels_[is_constant() ? 0 : texel(wi)]; }
+    Rgb eval(Vec3 wi) const { return texels_[is_constant() ? 0 : texel(direction_to_equal_area(wi))]; }
     /// Samples directions in proportion to luminance, one for each point of [0, 1)²; uniformly over the
     /// sphere for constant and black maps. Takes many points at once, because the tables of a large map
     /// exceed the CPU caches.
@@ -57,7 +58,7 @@ public:
 
 private:
     EnvironmentMap() = default;
-    size_t texel(Vec3 wi) const;
+    size_t texel(Vec2 p) const;
     float density(const Rgb& radiance) const;
 
     OctahedralTexels texels_;
