@@ -114,7 +114,8 @@ def render(
         voxels are for `NeePlusPlus`.
     first_sample : int >= 0, a multiple of spp
         Number of the first eye sample of each pixel. With one seed, frames of first samples 0, spp,
-        2·spp, ... have the same virtual lights and shared directions, and new samples of all else.
+        2·spp, ... have the same virtual lights and shared directions, and new samples of all else:
+        those of one frame of as many samples. So such frames are not independent of each other.
     audit : {"pixels", "queries"}, AuditPixels or AuditQueries, optional
         Lets exact rays answer some queries of an approximation as well, for `Frame.audit`: whole
         pixels for its rel_l1 and nrmse, or single queries for its bias and share of wrong answers.
