@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
 import sys
 
@@ -14,6 +13,7 @@ import viscache as vc
 from viscache import bench, cli
 from viscache.bench import against_peers, common, peer_cases, peer_environments, peer_page, peers
 from viscache.bench.equal_error import log_interval
+from viscache.bench.text import text as table
 
 
 class Fake:
@@ -208,6 +208,7 @@ def test_without_peers_all_are_skipped_by_name(tmp_path, monkeypatch):
         "mitsuba is not installed",
         "embreex is not installed",
         "bpy is not installed",
+        "pyluxcore is not installed",
     }
 
 
@@ -220,7 +221,7 @@ def test_a_peer_that_ends_is_an_error_with_its_status(monkeypatch):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["peers", "--only", "x"],
+        ["peers", "--threads", "1"],
         ["rays", "--environments", "x"],
         ["rays", "--make-environments"],
         ["rays", "-o", "x"],
@@ -229,6 +230,23 @@ def test_a_peer_that_ends_is_an_error_with_its_status(monkeypatch):
 def test_options_of_other_benches_are_refused(arguments, capsys):
     assert cli.main(["bench", *arguments]) != 0
     assert "option of the bench" in capsys.readouterr().err
+
+
+def test_chosen_cases_are_compared_alone(monkeypatch):
+    compared_names = []
+    monkeypatch.setattr(
+        against_peers, "_with_peers", lambda outcome, name, *_: compared_names.append(name)
+    )
+    against_peers.against_peers(True, only="environment, [rs]*")
+    assert compared_names == [
+        "environment, stairs 32x32, 4 + 4 samples",
+        "environment, room with a window 32x32, 4 + 4 samples",
+    ]
+    del compared_names[:]
+    against_peers.against_peers(True, only="rays, *")
+    assert compared_names == ["rays, room", "rays, random_triangles"]
+    with pytest.raises(ValueError, match="no case of the bench peers is named like 'x'"):
+        against_peers.against_peers(True, only="x")
 
 
 def test_pages_show_figures_and_what_was_left_out(tmp_path):
@@ -241,24 +259,27 @@ def test_pages_show_figures_and_what_was_left_out(tmp_path):
             {
                 **common.figure("AO vs y", 1.0, "s", baseline=2.0, ratios=[2.0, 3.0]),
                 **{"equal_error": 4.0, "equal_error_low": 3.25, "equal_error_high": 5.0},
+                **{"build_s": 1.5, "ratio_without_build": 1.25, "equal_error_without_build": 2.0},
             }
         ],
     }
     peer_page.write_pages(tmp_path, result)
     text = (tmp_path / "index.html").read_text("utf-8")
-    assert "A &lt;b&gt;" in text and "4.00 [3.25, 5.00]" in text
+    assert "A &lt;b&gt;" in text and "4.00 [3.25, 5.00], without its build 2.00<" in text
+    assert "2.50 [2.00, 3.00], without its build 1.25<" in text
+    assert "without its build of 1.5 s 1.25x, 2.00x" in table({**result, "bench": "peers"})
     assert "x is not installed" in text and "frame: 0.5, at most 0.01" in text
     assert json.loads((tmp_path / "peers.json").read_text("utf-8")) == result
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(peers.PEERS))
-def test_real_peers_agree_in_every_case(name, tmp_path, monkeypatch):
+def test_real_peers_agree_in_every_case(name, monkeypatch):
     package = peers.PEERS[name][0]
-    if importlib.util.find_spec(package) is None:
+    if peer_environments.interpreter(package, peer_environments.default_folder()) is None:
         pytest.skip(f"{package} is not installed")
     monkeypatch.setattr(against_peers, "PEERS", {name: peers.PEERS[name]})
-    outcome = against_peers.against_peers(True, environments=tmp_path)
+    outcome = against_peers.against_peers(True)
     assert outcome.answers_hold, outcome.answers
     if outcome.skipped:  # no LLVM, or one that does not suit Mitsuba
         pytest.skip(outcome.skipped[0]["reason"])

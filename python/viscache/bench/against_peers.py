@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Callable, Mapping
+from fnmatch import fnmatchcase
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -42,7 +44,9 @@ class Renderer(Protocol):
     def result(self) -> dict[str, Any]: ...
 
 
-def against_peers(quick: bool = False, *, environments: Path | None = None) -> Outcome:
+def against_peers(
+    quick: bool = False, *, environments: Path | None = None, only: str = "*"
+) -> Outcome:
     """Every case against every peer that there is; the others are skipped by name.
 
     Parameters
@@ -52,23 +56,39 @@ def against_peers(quick: bool = False, *, environments: Path | None = None) -> O
     environments : Path, optional
         The folder of `peer_environments.make_environments`; the default folder if absent. A peer
         without environment is looked for beside this package.
+    only : str
+        A pattern of file names, as in `fnmatch`, for the names of cases.
+
+    Raises
+    ------
+    ValueError
+        No case has such a name.
     """
     outcome = Outcome()
     folder = default_folder() if environments is None else environments
     turns = 3 if quick else 6
-    for name in ("room", "random_triangles"):
+    rays_of = {f"rays, {name}": name for name in ("room", "random_triangles")}
+    cases = picture_cases(quick)
+    titles = [title for title in (*rays_of, *(c.name for c in cases)) if fnmatchcase(title, only)]
+    if not titles:
+        raise ValueError(f"no case of the bench peers is named like {only!r}")
+    for title, name in rays_of.items():
+        if title not in titles:
+            continue
         scene = build_scene(f"{name}?triangles={5_000 if quick else 200_000}")
         rays = 20_000 if quick else 500_000
         _with_peers(
             outcome,
-            f"rays, {name}",
+            title,
             scene,
             folder,
-            lambda made, found, name=name, scene=scene, rays=rays: compare_rays(  # type: ignore[misc]
-                made, f"rays, {name}", scene, found, rays, turns
+            lambda made, found, title=title, scene=scene, rays=rays: compare_rays(  # type: ignore[misc]
+                made, title, scene, found, rays, turns
             ),
         )
-    for case in picture_cases(quick):
+    for case in cases:
+        if case.name not in titles:
+            continue
         _with_peers(
             outcome,
             case.name,
@@ -81,7 +101,8 @@ def against_peers(quick: bool = False, *, environments: Path | None = None) -> O
     outcome.notes.append(
         "CPU seconds of all threads, after a warm-up. Converged frames agree, or there is no"
         " figure. Equal samples: their time over ours. Equal error: their time × squared error"
-        " over ours, the geometric mean of the turns and its 95 % interval. Our frames are exact"
+        " over ours, the geometric mean of the turns and its 95 % interval. What they build for a"
+        " frame is in their time, but is not done again for more samples. Our frames are exact"
         " where no cache is named; rel_l1 of a cache is against our exact frame. Shared directions"
         " are traced exactly, too."
     )
@@ -199,6 +220,7 @@ def compare_pictures(
             del able[name]
     outcome.check(f"{case.name}: black", float(not reference.mean() > 0), 0)
     errors: dict[str, list[float]] = {}
+    builds: dict[str, list[float]] = {}
     runs: dict[str, Callable[[], Sample]] = {
         "ours": partial(_ours, case, case.render, reference, errors.setdefault("ours", []))
     }
@@ -210,10 +232,12 @@ def compare_pictures(
             else partial(_ours, case, way.render, reference, told)
         )
     for name, peer in able.items():
-        runs[name] = partial(_theirs, case, peer, reference, errors.setdefault(name, []))
+        lists = errors.setdefault(name, []), builds.setdefault(name, [])
+        runs[name] = partial(_theirs, case, peer, reference, *lists)
     samples = interleave(runs, turns)
-    # The first error is that of the warm-up
+    # The first ones are those of the warm-up
     later = {name: found[1:] for name, found in errors.items()}
+    built = {name: found[1:] for name, found in builds.items()}
     for name, peer in able.items():
         _figure(
             outcome,
@@ -222,14 +246,15 @@ def compare_pictures(
             name,
             peer,
             spp=case.spp,
-            **_equal_error(samples, later, "ours", name),
+            **_without_build(samples, built, "ours", name),
+            **_equal_error(samples, later, built, "ours", name),
         )
         for way in case.ways:
             told = later[way.label]
-            more = (
+            more = _without_build(samples, built, way.label, name) | (
                 {"rel_l1": float(np.mean(told))}
                 if way.biased
-                else _equal_error(samples, later, way.label, name)
+                else _equal_error(samples, later, built, way.label, name)
             )
             label = f"{case.name}, {way.label} vs {name}"
             _figure(outcome, label, samples, name, peer, ours=way.label, spp=case.spp, **more)
@@ -249,27 +274,71 @@ def _biased(case: PictureCase, way: Way, errors: list[float]) -> Sample:
     return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
 
 
-def _theirs(case: PictureCase, peer: Renderer, reference: Array, errors: list[float]) -> Sample:
-    time, _ = peer.run({**case.job, "spp": case.spp, "seed": 5_000 + len(errors)})
+def _theirs(
+    case: PictureCase,
+    peer: Renderer,
+    reference: Array,
+    errors: list[float],
+    builds: list[float],
+) -> Sample:
+    time, report = peer.run({**case.job, "spp": case.spp, "seed": 5_000 + len(errors)})
     errors.append(_squared_error(reference, peer.result()["image"]))
+    builds.append(float(report.get("build_cpu_s", 0)))
     return time
 
 
 def _equal_error(
     samples: Mapping[str, list[Sample]],
     errors: Mapping[str, list[float]],
+    builds: Mapping[str, list[float]],
     ours: str,
     theirs: str,
 ) -> dict[str, Any]:
-    """Their time × squared error over ours, with its interval; both errors."""
-    turns = zip(samples[ours], errors[ours], samples[theirs], errors[theirs], strict=True)
-    mean, low, high = log_interval([b.cpu_s * f / (a.cpu_s * e) for a, e, b, f in turns])
-    return {
+    """Their time to our error over our time, with its interval; both errors.
+
+    A build of theirs is done once, however many samples follow; the samples are as many times more
+    as their squared error is above ours.
+    """
+    turns = list(
+        zip(
+            samples[ours],
+            errors[ours],
+            samples[theirs],
+            errors[theirs],
+            builds[theirs],
+            strict=True,
+        )
+    )
+    mean, low, high = log_interval(
+        [(b + (t.cpu_s - b) * f / e) / o.cpu_s for o, e, t, f, b in turns]
+    )
+    made = {
         "equal_error": mean,
         "equal_error_low": low,
         "equal_error_high": high,
         "relative_rmse": float(np.sqrt(np.mean(errors[ours]))),
         "baseline_relative_rmse": float(np.sqrt(np.mean(errors[theirs]))),
+    }
+    if any(builds[theirs]):
+        made["equal_error_without_build"] = log_interval(
+            [(t.cpu_s - b) * f / (o.cpu_s * e) for o, e, t, f, b in turns]
+        )[0]
+    return made
+
+
+def _without_build(
+    samples: Mapping[str, list[Sample]],
+    builds: Mapping[str, list[float]],
+    ours: str,
+    theirs: str,
+) -> dict[str, Any]:
+    """Their CPU seconds of building, and the ratio without them; nothing if they build nothing."""
+    if not any(builds[theirs]):
+        return {}
+    turns = zip(samples[ours], samples[theirs], builds[theirs], strict=True)
+    return {
+        "build_s": statistics.median(builds[theirs]),
+        "ratio_without_build": statistics.median((t.cpu_s - b) / o.cpu_s for o, t, b in turns),
     }
 
 

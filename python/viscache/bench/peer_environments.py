@@ -15,6 +15,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "mitsuba": ("numpy", "mitsuba"),
     "embreex": ("numpy", "embreex"),
     "bpy": ("numpy", "bpy==4.2.*"),
+    "pyluxcore": ("numpy", "pyluxcore==2.11.*"),
 }
 
 

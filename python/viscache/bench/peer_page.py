@@ -61,10 +61,14 @@ def _row(f: Mapping[str, Any]) -> str:
         equal = _times(f["equal_error"], f["equal_error_low"], f["equal_error_high"])
     elif f.get("rel_l1") is not None:
         equal = f"rel_l1 {f['rel_l1']:.4f}"
+    ratio = _times(f["ratio"], f["low"], f["high"])
+    if f.get("build_s") is not None:
+        ratio += f", without its build {f['ratio_without_build']:.2f}"
+    if f.get("equal_error_without_build") is not None:
+        equal += f", without its build {f['equal_error_without_build']:.2f}"
     numbers = f"{f['value']:.4g}", f"{f['baseline']:.4g}"
     name = html.escape(f"{f['name']} {f.get('version', '')}".rstrip())
     cells = "".join(f'<td class="n">{n}</td>' for n in numbers)
-    ratio = _times(f["ratio"], f["low"], f["high"])
     return (
         f'<tr><th scope="row">{name}</th>{cells}<td>{html.escape(f["unit"])}</td>'
         f'<td class="n">{ratio}</td><td class="n">{equal}</td></tr>'

@@ -18,7 +18,11 @@ Job: TypeAlias = Callable[[Mapping[str, Any], Mapping[str, Any]], dict[str, Any]
 
 
 def serve(about: Mapping[str, Any], jobs: Mapping[str, Job]) -> None:
-    """Answer jobs until standard input ends. Only the job itself is timed."""
+    """Answer jobs until standard input ends. Only the job itself is timed.
+
+    A job's numbers are in its report. Its own `wall_s` and `cpu_s` take the place of what it took
+    in all.
+    """
     folder = Path(sys.argv[1])
     given: dict[str, Any] = {}
     made: dict[str, Any] = {}

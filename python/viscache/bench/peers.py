@@ -24,6 +24,8 @@ PEERS = {
     "mitsuba": ("mitsuba", "viscache.bench.peer_mitsuba"),
     "mitsuba-scalar": ("mitsuba", "viscache.bench.peer_mitsuba"),
     "cycles": ("bpy", "viscache.bench.peer_cycles"),
+    "luxcore": ("pyluxcore", "viscache.bench.peer_luxcore"),
+    "luxcore-cache": ("pyluxcore", "viscache.bench.peer_luxcore"),
     "embreex": ("embreex", "viscache.bench.peer_embreex"),
 }
 

@@ -23,6 +23,10 @@ def text(result: dict[str, Any]) -> str:
             line += f"  to equal error {f['equal_error']:.2f}x [{low:.2f}, {high:.2f}]"
         if f.get("rel_l1") is not None:
             line += f"  rel_l1 {f['rel_l1']:.4f}"
+        if f.get("build_s") is not None:
+            line += f"  without its build of {f['build_s']:.4g} s {f['ratio_without_build']:.2f}x"
+        if f.get("equal_error_without_build") is not None:
+            line += f", {f['equal_error_without_build']:.2f}x"
         lines.append(line)
     for s in result["skipped"]:
         lines.append(f"  skipped: {s['what']}: {s['reason']}")

@@ -26,7 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="make them there with venv and pip, and measure nothing",
     )
     own = parser.add_argument_group("parity")
-    own.add_argument("--only", metavar="GLOB", help="scenes with such names, e.g. 'material/*'")
+    own.add_argument(
+        "--only", metavar="GLOB", help="scenes with such names, e.g. 'material/*'; cases of peers"
+    )
     own.add_argument("-o", "--output", metavar="DIR", help="folder of the page; of peers too")
     own.add_argument("--threads", type=int, metavar="N", help="all cores by default")
 
@@ -59,10 +61,10 @@ def run(arguments: argparse.Namespace) -> int:
 def _peers(arguments: argparse.Namespace) -> Callable[[bool], Any]:
     from viscache.bench.against_peers import against_peers
 
-    for name in ("only", "threads"):
-        if getattr(arguments, name) is not None:
-            raise ValueError(f"--{name} is an option of the bench parity alone")
-    return partial(against_peers, environments=_environments(arguments))
+    if arguments.threads is not None:
+        raise ValueError("--threads is an option of the bench parity alone")
+    only = {} if arguments.only is None else {"only": arguments.only}
+    return partial(against_peers, environments=_environments(arguments), **only)
 
 
 def _environments(arguments: argparse.Namespace) -> Path:
@@ -98,7 +100,9 @@ def _parity(arguments: argparse.Namespace) -> Callable[[bool], Any] | None:
         if arguments.output is not None:
             raise ValueError("--output is an option of the benches parity and peers alone")
         if set_:
-            raise ValueError(f"--{next(iter(set_))} is an option of the bench parity alone")
+            name = next(iter(set_))
+            whose = "benches parity and peers" if name == "only" else "bench parity"
+            raise ValueError(f"--{name} is an option of the {whose} alone")
         return None
     if arguments.threads is not None and arguments.threads < 1:
         raise ValueError(f"threads must be >= 1, got {arguments.threads}")
