@@ -17,6 +17,7 @@ from viscache.bench import (
     vismap_variance,
     which_cache,
 )
+from viscache.bench.text import text
 
 
 def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
@@ -39,6 +40,11 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
     assert progressive.gain_over(4.0, 3.0, 1.0, 2.0) == 6
     made = which_cache.gain_figure("x", found["exact"], found["picks"], (3.0, 2.0), passes=4)
     assert made["ratio"] == pytest.approx(6) and made["gain_rel"] == pytest.approx(9)
+    machine = {"processor": "p", "cores": 2}
+    printed = text(
+        {"bench": "b", "machine": machine, "figures": [made], "skipped": [], "answers": []}
+    )
+    assert "6.00x [" in printed and "relMSE 9.00x" in printed
     assert (made["value"], made["baseline"]) == (1.0, 4.0)
     assert (made["cpu_s"], made["exact_cpu_s"]) == (2.0, 3.0)
 

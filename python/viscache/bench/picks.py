@@ -106,7 +106,7 @@ def picks(quick: bool = False) -> Outcome:
     outcome.notes.append(
         "Ratios: mean squared error times CPU seconds, exact over the other, with the 95 % interval"
         " of a bootstrap over seeds. Values: the same of the other, relative to the squared mean."
-        " rel_gain: by squared errors relative to each pixel, floor 5 % of the mean."
+        " gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
     )
     return outcome
 
@@ -147,7 +147,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
                 baseline=float(found["exact"][0].mean() * np.mean(seconds["exact"])),
                 ratios=sorted([low, gain, high]),
                 goal=None if "use" in options else case.goals.get(options.get("pick", 0)),
-                rel_gain=relative[0],
+                gain_rel=relative[0],
                 rel_low=relative[1],
                 rel_high=relative[2],
                 nmse=float(found[way][0].mean()),

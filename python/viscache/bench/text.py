@@ -14,6 +14,8 @@ def text(result: dict[str, Any]) -> str:
         line = f"  {f['name']:<62} {f['value']:>9.4g} {f['unit']}"
         if f["ratio"] is not None:
             line += f"  {f['ratio']:.2f}x [{f['low']:.2f}, {f['high']:.2f}]"
+        if f.get("gain_rel") is not None:
+            line += f"  relMSE {f['gain_rel']:.2f}x"
         if f["goal"] is not None:
             line += f"  goal {f['goal']:g}: {'holds' if f['holds'] else 'missed'}"
         if f.get("at_most") is not None:
