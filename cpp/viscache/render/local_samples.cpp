@@ -94,7 +94,7 @@ public:
     /// Adds the samples that wait, if they contribute.
     void flush() {
         if (size_ == 0) return;
-        for (size_t i = size_; i < whole(size_); ++i) {
+        for (size_t i = size_; i < std::min(whole(size_), kSize); ++i) {
             x_[i] = x_[0];
             y_[i] = y_[0];
             z_[i] = z_[0];
