@@ -90,6 +90,20 @@ def test_another_unbiased_way_takes_turns_to_equal_error(case):
     assert second["equal_error_low"] < second["equal_error"] < second["equal_error_high"]
 
 
+def test_peers_may_have_another_number_of_samples_to_converge(case):
+    class Counting(Fake):
+        asked = ()
+
+        def run(self, job):
+            self.asked += (job["spp"],)
+            return super().run(job)
+
+    fake = Counting(case)
+    other = dataclasses.replace(case, peer_reference_spp=case.reference_spp + 1)
+    against_peers.compare_pictures(common.Outcome(), other, {"fake": fake}, 2)
+    assert fake.asked == (case.reference_spp + 1, *[case.spp] * 3)
+
+
 def halved(frame):
     frame.layers["color"] *= 0.5
     return frame

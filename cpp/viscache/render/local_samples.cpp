@@ -94,11 +94,6 @@ public:
     /// Adds the samples that wait, if they contribute.
     void flush() {
         if (size_ == 0) return;
-        for (size_t i = size_; i < std::min(whole(size_), kSize); ++i) {
-            x_[i] = x_[0];
-            y_[i] = y_[0];
-            z_[i] = z_[0];
-        }
         reflect_directions(lobe_, {x_, y_, z_, r_, g_, b_, pdf_brdf_}, whole(size_));
         const float n_cells = n_light_ > 0 ? n_light_ : n_brdf_;
         out_.at.make_room(size_);
@@ -139,7 +134,8 @@ private:
     Counters& counters_;
 
     size_t size_ = 0;
-    alignas(64) float x_[kSize], y_[kSize], z_[kSize];
+    alignas(64) float x_[kSize] = {}, y_[kSize] = {},
+                      z_[kSize] = {};  ///< lanes without a sample are zero or old
     alignas(64) float r_[kSize], g_[kSize], b_[kSize], pdf_brdf_[kSize];  ///< f·cos, and the BRDF's density
     Rgb radiance_[kSize];
     float pdf_light_[kSize];

@@ -209,7 +209,8 @@ def compare_pictures(
     for name, peer in list(able.items()):
         try:
             peer.give(**case.arrays)
-            peer.run({**case.job, "spp": case.reference_spp, "seed": 10_001})
+            spp = case.peer_reference_spp or case.reference_spp
+            peer.run({**case.job, "spp": spp, "seed": 10_001})
         except PeerError as error:  # e.g. Mitsuba with an LLVM that does not suit it
             outcome.skip(f"{case.name} vs {name}", str(error))
             del able[name]
