@@ -134,8 +134,8 @@ private:
     Counters& counters_;
 
     size_t size_ = 0;
-    alignas(64) float x_[kSize] = {}, y_[kSize] = {},
-                      z_[kSize] = {};  ///< lanes without a sample are zero or old
+    // Lanes without a sample are zero or old
+    alignas(64) float x_[kSize] = {}, y_[kSize] = {}, z_[kSize] = {};
     alignas(64) float r_[kSize], g_[kSize], b_[kSize], pdf_brdf_[kSize];  ///< f·cos, and the BRDF's density
     Rgb radiance_[kSize];
     float pdf_light_[kSize];
