@@ -38,12 +38,12 @@ inline Part larger(Part a, Part b) { return a > b ? a : b; }
 inline Part fused(Part a, Part b, Part c) { return a * b + c; }
 inline Part about_inverse(Part a) { return 1 / a; }
 inline Part about_inverse_root(Part a) {
-    Part r;
+    Part r{};
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = 1 / std::sqrt(a[i]);
     return r;
 }
 inline Part select(uint32_t lanes, Part a, Part b) {
-    Part r;
+    Part r{};
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
     return r;
 }
