@@ -38,7 +38,7 @@ inline Part larger(Part a, Part b) { return a > b ? a : b; }
 inline float smallest(Part a) { return std::min(std::min(a[0], a[1]), std::min(a[2], a[3])); }
 inline float largest(Part a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Part select(uint32_t lanes, Part a, Part b) {
-    Part r;
+    Part r{};
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
     return r;
 }
