@@ -38,14 +38,14 @@ inline Part larger(Part a, Part b) { return a > b ? a : b; }
 inline Part fused(Part a, Part b, Part c) { return a * b + c; }
 inline Part about_inverse(Part a) { return 1 / a; }
 inline Part about_inverse_root(Part a) {
-    Part r{};
+    Part r;
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = 1 / std::sqrt(a[i]);
     return r;
 }
 inline Part select(uint32_t lanes, Part a, Part b) {
-    Part r{};
-    for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
-    return r;
+    using Lanes = decltype(Part{} > Part{});
+    const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
+    return chosen ? a : b;
 }
 template <class Vector>
 inline void keep(float* to, const Vector& from, uint32_t lanes) {

@@ -38,9 +38,9 @@ inline Part larger(Part a, Part b) { return a > b ? a : b; }
 inline float smallest(Part a) { return std::min(std::min(a[0], a[1]), std::min(a[2], a[3])); }
 inline float largest(Part a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Part select(uint32_t lanes, Part a, Part b) {
-    Part r{};
-    for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
-    return r;
+    using Lanes = decltype(Part{} > Part{});
+    const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
+    return chosen ? a : b;
 }
 template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
