@@ -307,8 +307,8 @@ class Progressive:
         Notes
         -----
         Two parts of the passes are compared, whose samples are as well spread as those of all; it
-        errs towards more, by at most √3. Where lights are renewed, and for `Bdpt`, single passes
-        are compared: two parts would tell little of noise that pixels share.
+        errs towards more, by √3 at most or so. Where lights are renewed, and for `Bdpt`, single
+        passes are compared: two parts would tell little of noise that pixels share.
         """
         require(self.n_passes >= 2, "there must be two passes", self.n_passes)
         light = light_on_surfaces(self.frame)

@@ -154,8 +154,7 @@ class Sums:
 
         It is the difference of two parts of the passes, scaled as for parts that are independent.
         Each part goes through a sequence of its own, so that its error falls as the mean's does. If
-        this is as n^-p with p between 1/2 and 1, the draws are by up to √3 too large, never too
-        small.
+        this is as n^-p, the draws of halves are right at p = 1/2 and √3 times too large at p = 1.
         """
         m, first = min(self.parts, key=lambda part: abs(2 * part[0] - self.n))
         rest = self.n - m
