@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -25,13 +26,13 @@ def swept(folder: Path, **more: Any) -> Any:
 
 def picture(folder: Path, of: str) -> Path:
     """The picture of the first frame whose parameters have these words."""
-    with sqlite3.connect(folder / "sweep.sqlite") as db:
+    with closing(sqlite3.connect(folder / "sweep.sqlite")) as db, db:
         query = "select file from frames where parameters like ? order by key"
         return folder / db.execute(query, (f"%{of}%",)).fetchone()[0]
 
 
 def forget_comparisons(folder: Path) -> None:
-    with sqlite3.connect(folder / "sweep.sqlite") as db:
+    with closing(sqlite3.connect(folder / "sweep.sqlite")) as db, db:
         db.execute("delete from comparisons")
 
 
@@ -93,7 +94,7 @@ def test_a_store_without_hashes_of_layers_stays_readable(tmp_path: Path) -> None
     """It checks the colour alone, as it did, until a picture is stored anew."""
     before = swept(tmp_path)
     target = picture(tmp_path, '"Exact"')
-    with sqlite3.connect(tmp_path / "sweep.sqlite") as db:
+    with closing(sqlite3.connect(tmp_path / "sweep.sqlite")) as db, db:
         db.execute("drop table hashes")
     other_layer("depth")(target)
     forget_comparisons(tmp_path)
@@ -148,7 +149,7 @@ def test_a_damaged_database_is_one_line_with_its_name(
 ) -> None:
     swept(tmp_path)
     path = tmp_path / "sweep.sqlite"
-    with sqlite3.connect(path) as db:
+    with closing(sqlite3.connect(path)) as db, db:
         db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         db.execute("PRAGMA journal_mode=DELETE")
     rng = np.random.default_rng(seed)

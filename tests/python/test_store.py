@@ -6,6 +6,7 @@ import os
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +111,6 @@ def test_a_file_that_is_no_store_is_refused(tmp_path: Path) -> None:
 
 def test_the_store_uses_a_write_ahead_log(tmp_path: Path) -> None:
     Store(tmp_path).close()
-    with sqlite3.connect(tmp_path / "sweep.sqlite") as db:
+    with closing(sqlite3.connect(tmp_path / "sweep.sqlite")) as db, db:
         assert db.execute("PRAGMA journal_mode").fetchone() == ("wal",)
     db.close()

@@ -56,8 +56,11 @@ void check_required(std::string_view json, const std::string& path) {
     }
 }
 
-tinygltf::FsCallbacks file_callbacks() {
-    tinygltf::FsCallbacks fs{};
+/// All files are read by `read_file`, which holds the rule of allowed files. Newer versions of tinygltf keep
+/// their own functions unless one more is given.
+template <class Callbacks, class Reader>
+void set_file_callbacks(Reader& reader) {
+    Callbacks fs{};
     fs.FileExists = [](const std::string& name, void*) {
         std::error_code error;
         return std::filesystem::is_regular_file(name, error);
@@ -71,7 +74,16 @@ tinygltf::FsCallbacks file_callbacks() {
     fs.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
         return false;
     };
-    return fs;
+    if constexpr (requires { fs.GetFileSizeInBytes; })
+        fs.GetFileSizeInBytes = [](size_t* size, std::string*, const std::string& name, void*) {
+            *size = size_t(check_file(name));
+            return true;
+        };
+    if constexpr (std::is_same_v<decltype(reader.SetFsCallbacks(fs)), bool>) {
+        if (!reader.SetFsCallbacks(fs)) throw std::logic_error("tinygltf takes no functions that read files");
+    } else {
+        reader.SetFsCallbacks(fs);
+    }
 }
 
 /// Keeps the bytes of data URIs. Images in buffers are read later, with bounds checks.
@@ -99,7 +111,7 @@ void GltfReader::parse() {
     check_required(json, path_);
 
     tinygltf::TinyGLTF reader;
-    reader.SetFsCallbacks(file_callbacks());
+    set_file_callbacks<tinygltf::FsCallbacks>(reader);
     reader.SetImageLoader(keep_image, nullptr);
     const std::string folder = std::filesystem::path(path_).parent_path().string();
     std::string error, warning;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Mapping
 from dataclasses import fields
@@ -31,12 +32,16 @@ class ParameterRows:
             if f.name in self.by_name:
                 row, default = self.by_name[f.name], self.default(f.name)
                 shown = "{}" if isinstance(default, Mapping) else repr(default).replace("'", '"')
-                lines.append(f"    {f.name} : {row['kind']}, default {shown}")
+                lines.append(f"{f.name} : {row['kind']}, default {shown}")
                 lines.append(
-                    textwrap.fill(row["doc"], 92, initial_indent=8 * " ", subsequent_indent=8 * " ")
+                    textwrap.fill(row["doc"], 88, initial_indent=4 * " ", subsequent_indent=4 * " ")
                 )
+
+        def indented(place: re.Match[str]) -> str:  # since Python 3.13 docstrings have no indent
+            return textwrap.indent("\n".join(lines), place[1])
+
         if cls.__doc__:
-            cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
+            cls.__doc__ = re.sub(r"^( *)\{parameters\}$", indented, cls.__doc__, flags=re.M)
         return cls
 
     def core(self, *settings: Any) -> Any:
