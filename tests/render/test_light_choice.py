@@ -12,11 +12,12 @@ import pytest
 from scipy import stats
 
 import viscache as vc
-from render.mitsuba_frames import area_layers, assert_same, ours, theirs
+from render.mitsuba_frames import SIZE, area_layers, ours, theirs
 from render.mitsuba_scene import Look, Model, ball, box, quad
 from render.strip_lights import strip_lights
 from render.ztest import compare
 from viscache._core import _testing
+from viscache.testing.student import blocks
 
 Array = npt.NDArray[Any]
 WAYS = ("each", "tree")
@@ -218,15 +219,18 @@ def lamps(count: int) -> Model:
 @pytest.mark.parametrize(("count", "n_area"), [(60, 4)], ids=["tree"])
 def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_path: Path) -> None:
     model, direct = lamps(count), vc.Direct(n_area=n_area)
-    # Noise has heavy tails at the lamps: many frames tell its variance. Mitsuba draws the lamps in
-    # another order each time that it loads them, so its frames differ from run to run
+    # Noise has heavy tails at the lamps, on both sides: means of 4 × 4 pixels are compared, from many
+    # frames. Mitsuba draws the lamps in another order each time that it loads them, so its frames
+    # differ from run to run
     spp = 128 // n_area
-    reference = theirs(mi, model.to_mitsuba(mi, (48, 32), tmp_path), spp=32, seeds=64)
-    image = ours(model.to_viscache(), direct, spp=spp, seeds=48)
-    assert_same(image, reference)
+    reference = blocks(theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=32, seeds=64), 4)
+    image = blocks(ours(model.to_viscache(), direct, spp=spp, seeds=48), 4)
+    found = compare(image, reference, edge=2)
+    assert found.same, found
+    assert not compare(0.97 * image, reference, edge=2).same
     dropped = replace(model, parts=model.parts[:-1])
-    wrong = ours(dropped.to_viscache(), direct, spp=spp, seeds=16)
-    assert not compare(wrong, reference).same
+    wrong = blocks(ours(dropped.to_viscache(), direct, spp=spp, seeds=16), 4)
+    assert not compare(wrong, reference, edge=2).same
 
 
 @pytest.mark.stat
