@@ -219,7 +219,7 @@ def lamps(count: int) -> Model:
 @pytest.mark.parametrize(("count", "n_area"), [(60, 4)], ids=["tree"])
 def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_path: Path) -> None:
     model, direct = lamps(count), vc.Direct(n_area=n_area)
-    # Noise has heavy tails at the lamps, on both sides: means of 4 × 4 pixels are compared, from many
+    # Noise has heavy tails at the lamps, on both sides: means of 4 × 4 pixels are compared, of many
     # frames. Mitsuba draws the lamps in another order each time that it loads them, so its frames
     # differ from run to run
     spp = 128 // n_area
