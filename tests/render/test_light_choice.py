@@ -221,7 +221,7 @@ def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_pat
     model, direct = lamps(count), vc.Direct(n_area=n_area)
     # Noise has heavy tails at the lamps, on both sides: means of 4 × 4 pixels are compared, of many
     # frames. Mitsuba draws the lamps in another order each time that it loads them, so its frames
-    # differ from run to run
+    # differ from run to run. One percent of the energy would need far more frames; three are seen
     spp = 128 // n_area
     reference = blocks(theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=32, seeds=64), 4)
     image = blocks(ours(model.to_viscache(), direct, spp=spp, seeds=48), 4)

@@ -43,7 +43,8 @@ inline Vec3 octahedral_to_direction(Vec2 p) {
 }
 
 /// Cosine and sine of an angle in [0, π/2], given as its distance a from π/4. The polynomials of Cephes, to
-/// the last places of a double; only arithmetic, so that loops over them vectorise.
+/// the last places of a double, so that directions find their texels again (in float: sampling/warp.h). Only
+/// arithmetic, so that loops over them vectorise.
 inline std::array<double, 2> cos_sin_from_eighth(double a) {
     const double s = a * a;
     const double sine =
