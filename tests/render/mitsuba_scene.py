@@ -150,7 +150,8 @@ class Model:
             scene["env"] = {"type": "envmap", "bitmap": mi.Bitmap(self.env)}
         elif self.env is not None:
             scene["env"] = {"type": "constant", "radiance": _rgb(self.env)}
-        return mi.load_dict(scene)
+        # Merging what is alike would order the lamps anew each time, and so change the noise
+        return mi.load_dict(scene, optimize=False)
 
     def _sensor(self, mi: Any, size: tuple[int, int]) -> dict[str, Any]:
         at = mi.ScalarTransform4f().look_at(origin=self.origin, target=self.target, up=self.up)
