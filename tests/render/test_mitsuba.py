@@ -50,7 +50,7 @@ def cornell() -> Path:
 def cornell_reference(mi: Any, cornell: Path) -> Images:
     to_world = mi.ScalarTransform4f([[-1, 0, 0, 0], [0, 1, 0, 1], [0, 0, -1, 6.8], [0, 0, 0, 1]])
     camera = mi.load_dict(sensor(to_world, SIZE, fov=19.5, fov_axis="x"))
-    return theirs(mi, mi.load_file(str(cornell)), sensor=camera, spp=128)
+    return theirs(mi, mi.load_file(str(cornell)), sensor=camera, spp=32)
 
 
 def test_the_cornell_box_has_mitsubas_direct_light(
@@ -104,7 +104,7 @@ def point_reference(mi: Any, tmp_path_factory: pytest.TempPathFactory) -> Images
 
 
 def test_point_and_directional_light_is_mitsubas(point_reference: Images) -> None:
-    assert_same(ours(POINTS.to_viscache(), spp=64), point_reference)
+    assert_same(ours(POINTS.to_viscache()), point_reference)
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ SKY = Model((FLOOR, BLOCK, GLOBE), env=(0.5, 0.8, 1.3))
 
 @pytest.fixture(scope="module")
 def sky_reference(mi: Any, tmp_path_factory: pytest.TempPathFactory) -> Images:
-    return theirs(mi, SKY.to_mitsuba(mi, SIZE, tmp_path_factory.mktemp("sky")), spp=96)
+    return theirs(mi, SKY.to_mitsuba(mi, SIZE, tmp_path_factory.mktemp("sky")), spp=24)
 
 
 @pytest.mark.parametrize(("light", "brdf"), [(16, 16), (32, 0), (0, 32)])
@@ -150,8 +150,12 @@ def test_a_sky_without_one_body_is_told_apart(sky_reference: Images) -> None:
     assert not compare(ours(wrong.to_viscache(), seeds=4), sky_reference).same
 
 
-def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
-    """A sky with a soft sun to one side; no two axes alike."""
+def smooth_map(width: int = 1024) -> npt.NDArray[np.float32]:
+    """A sky with a soft sun to one side; no two axes alike.
+
+    Mitsuba puts the first and the last row at the poles, and so the sun up to half a row higher:
+    of 128 rows, its frames have 0.14 % more light than ours, of 512 rows 0.04 %.
+    """
     v, u = np.meshgrid(
         (np.arange(width // 2) + 0.5) / (width // 2),
         (np.arange(width) + 0.5) / width,
@@ -168,10 +172,10 @@ def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
 def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
     model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
     image = ours(model.to_viscache())
     assert_same(image, reference)
-    turned = replace(model, env=np.ascontiguousarray(np.roll(smooth_map(), 32, axis=1)))
+    turned = replace(model, env=np.ascontiguousarray(np.roll(smooth_map(), 128, axis=1)))
     assert not compare(ours(turned.to_viscache(), seeds=4), reference).same, (
         "45° of rotation are not seen"
     )
@@ -186,8 +190,8 @@ def test_area_lights_of_two_colours_and_sizes_are_mitsubas(mi: Any, tmp_path: Pa
         quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
     )
     model = Model((FLOOR, BLOCK, GLOBE, *lamps))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
-    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
+    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference, edge=4)
     for wrong in (lamps[:1], (lamps[0], lamps[1].reversed())):
         image = ours(replace(model, parts=(FLOOR, BLOCK, GLOBE, *wrong)).to_viscache(), seeds=4)
         assert not compare(image, reference).same
@@ -202,8 +206,8 @@ def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
         origin=(0.3, 1.6, 3.0),
         target=(0, 0.2, 0),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
-    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
+    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32), spp=8), reference, edge=4)
     assert not compare(ours(without(model, "spheres", 1).to_viscache(), seeds=4), reference).same
 
 
@@ -218,10 +222,8 @@ def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_p
         points=(((0.5, 2.5, 0.5), (4, 4, 4)),),
         env=(0.4, 0.5, 0.6),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
-    assert_same(
-        ours(model.to_viscache(), vc.Direct(n_environment=16, n_brdf=16), spp=32), reference
-    )
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
+    assert_same(ours(model.to_viscache(), vc.Direct(n_environment=16, n_brdf=16), spp=8), reference)
     rougher = replace(metal, roughness=roughness * 1.2)
     wrong = replace(model, parts=tuple(replace(p, look=rougher) for p in model.parts))
     assert not compare(ours(wrong.to_viscache(), seeds=4), reference).same
@@ -234,7 +236,7 @@ def test_a_textured_floor_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     look = Look(base_color=(1, 0.8, 0.6), texture=texture)
     model = Model((replace(FLOOR, look=look), BLOCK), points=(((0.5, 2.5, 1.5), (8, 8, 8)),))
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
-    assert_same(ours(model.to_viscache(), spp=64), reference)
+    assert_same(ours(model.to_viscache()), reference)
     upside_down = replace(look, texture=np.ascontiguousarray(texture[::-1]))
     wrong = replace(model, parts=(replace(FLOOR, look=upside_down), BLOCK))
     assert not compare(ours(wrong.to_viscache(), seeds=4), reference).same
@@ -247,7 +249,7 @@ def test_back_sides_are_mitsubas(two_sided: bool, mi: Any, tmp_path: Path) -> No
     back = quad((0.3, 0.2, 0), (1.2, 0, 0), (0, 1.2, 0), look=look).reversed()
     model = Model((FLOOR, front, back), points=(((0, 2.0, 2.0), (8, 8, 8)),), env=(0.2, 0.2, 0.2))
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
-    assert_same(ours(model.to_viscache(), spp=64), reference)
+    assert_same(ours(model.to_viscache()), reference)
 
 
 def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None:
@@ -256,7 +258,7 @@ def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None
     model = Model((FLOOR, globe), points=(((1.5, 2.5, 2.5), (9, 9, 9)),), target=(0, 0.5, 0))
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
     faceted = replace(model, parts=(FLOOR, ball((0, 0.7, 0), 0.7, 12, look=GREY)))
-    image = ours(model.to_viscache(), spp=64)
+    image = ours(model.to_viscache())
     assert_same(image, reference)
     assert not compare(ours(faceted.to_viscache(), seeds=4), reference).same
 
@@ -282,8 +284,8 @@ def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None
         points=(((0.3, 2.0, 1.0), (8e3, 8e3, 8e3)),),
         env=(0.3, 0.4, 0.5),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=6, spp=96)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=4), spp=64)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=6, spp=24)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=4))
     assert_same(image, reference, SPECULAR_TOLERANCE)
     shallow = ours(model.to_viscache(), replace(BARE, max_depth=1), spp=16, seeds=4)
     assert not compare(shallow, reference, tolerance=SPECULAR_TOLERANCE).same, (
@@ -303,8 +305,8 @@ def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path:
         points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
         env=(0.3, 0.6, 0.9),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=96)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=24)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=12))
     assert_same(image, reference, SPECULAR_TOLERANCE)
     denser = replace(glass, eta=eta * 1.1)
     wrong = replace(
@@ -328,8 +330,8 @@ def test_thin_plates_show_what_mitsuba_sees_through_and_in_them(mi: Any, tmp_pat
         points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
         env=(0.3, 0.6, 0.9),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=96)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=24)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=12))
     assert_same(image, reference, SPECULAR_TOLERANCE)
     for other in (replace(plate, eta=2.0), replace(plate, thin=False)):
         wrong = tuple(replace(p, look=other) for p in model.parts[1:])
