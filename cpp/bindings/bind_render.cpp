@@ -105,6 +105,7 @@ void bind_render(py::module_& m) {
         .def_readwrite("vpl_candidates", &IntegratorSettings::vpl_candidates)
         .def_readwrite("vpl_eye_points", &IntegratorSettings::vpl_eye_points)
         .def_readwrite("vpl_bound", &IntegratorSettings::vpl_bound)
+        .def_readwrite("interleave", &IntegratorSettings::interleave)
         .def_readwrite("pick", &IntegratorSettings::pick)
         .def_readwrite("p_mode", &IntegratorSettings::p_mode)
         .def_readwrite("cosmin", &IntegratorSettings::cosmin);

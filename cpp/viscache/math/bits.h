@@ -26,6 +26,14 @@ inline size_t words_for(size_t bits) { return (bits + kWordBits - 1) / kWordBits
 inline size_t row_words_for(size_t columns) {
     return (words_for(columns) + kRowAlignmentWords - 1) / kRowAlignmentWords * kRowAlignmentWords;
 }
+/// The bits of word w that are in [first, last).
+inline Word range_bits(size_t w, size_t first, size_t last) {
+    const auto below = [w](size_t k) {
+        if (k <= w * kWordBits) return Word{0};
+        return k >= (w + 1) * kWordBits ? ~Word{0} : (Word{1} << (k % kWordBits)) - 1;
+    };
+    return below(last) & ~below(first);
+}
 /// Calls visit(k) for every set bit, in increasing order of k.
 template <class Visit>
 void for_each_bit(std::span<const Word> words, Visit visit) {

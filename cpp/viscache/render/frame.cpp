@@ -94,8 +94,9 @@ private:
         picks_.begin(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
+            const ColumnRange asked = lights.ends.columns_of(eyes_.block, i);
             if (!is_black(eyes_.shading[i]))
-                counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
+                counters.non_finite += wanted_row(lights, shade(i), asked, wanted_.row(i));
             picks_.add(shade(i), eyes_, uint32_t(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);

@@ -67,10 +67,11 @@ void TilePicks::add(const EyeShade& shade, const EyeTile& eyes, uint32_t eye, Wo
         end_.push_back(picked_.size());
         return;
     }
+    const ColumnRange asked = lights_->ends.columns_of(eyes.block, eye);
     if (brdf.kind == MaterialKind::kGlossy)
         contribution_row_glossy(*lights_, shade, brdf, wanted, contributions_);
     else
-        contribution_row(*lights_, shade, contributions_);
+        contribution_row(*lights_, shade, asked, contributions_);
     Rng rng(seed_, Purpose::kLightPick, eyes.block.place[eye],
             eyes.sequence() * kLightGroups + uint64_t(lights_->ends.group));
     const uint32_t first = rng.next_u32(), rest = rng.next_u32();
@@ -79,10 +80,13 @@ void TilePicks::add(const EyeShade& shade, const EyeTile& eyes, uint32_t eye, Wo
     const uint32_t step = owen_scramble_reversed(number, scramble) ^ owen_scramble_reversed(0, scramble);
     const uint64_t bits = uint64_t(first ^ step) << 32 | rest;
     const size_t before = picked_.size();
-    const std::span<const float> columns(contributions_.data(), lights_->ends.count);
+    const std::span<const float> columns(contributions_.data() + asked.first, asked.size());
     if (pick_columns(columns, most_, double(bits >> 11) * 0x1p-53, picked_)) {
         std::fill_n(wanted, row_words_for(lights_->ends.count), Word{0});
-        for (size_t p = before; p < picked_.size(); ++p) set_bit(wanted, picked_[p].column);
+        for (size_t p = before; p < picked_.size(); ++p) {
+            picked_[p].column += uint32_t(asked.first);
+            set_bit(wanted, picked_[p].column);
+        }
     }
     end_.push_back(picked_.size());
 }

@@ -68,7 +68,8 @@ struct IntegratorSettings {
     int vpl_eye_points = 64;                       ///< camera points at which candidates are weighted
     float vpl_bound = 0.01f;  ///< × scene diagonal; its square is added to d²; 0 = unbounded
 
-    int pick = 0;  ///< lights per eye point of each group that all eye points share; 0 = all
+    int interleave = 1;  ///< sets of shared directions, which the eye points of a pixel ask in turns
+    int pick = 0;        ///< lights per eye point of each group that all eye points share; 0 = all
 
     PMode p_mode = PMode::kLastVertex;
     float cosmin = 0.05f;  ///< cosθ is clamped to this in densities

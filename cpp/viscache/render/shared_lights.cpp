@@ -42,14 +42,10 @@ inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 namespace {
 
 template <class Columns>
-Columns columns_of(const SharedLights& s, const EyeShade& eye) {
+Columns columns_of(const SharedLights& s, const EyeShade& eye, ColumnRange range) {
     const FarEnds& e = s.ends;
-    return {e.x.data(),  e.y.data(),
-            e.z.data(),  e.nx.data(),
-            e.ny.data(), e.nz.data(),
-            s.r.data(),  s.g.data(),
-            s.b.data(),  words_for(e.count) * kWordBits,
-            s.bound2,    cone_row(s, eye.position)};
+    return {e.x.data(), e.y.data(), e.z.data(), e.nx.data(), e.ny.data(), e.nz.data(),
+            s.r.data(), s.g.data(), s.b.data(), range,       s.bound2,    cone_row(s, eye.position)};
 }
 
 }  // namespace
@@ -65,16 +61,17 @@ const float* cone_row(const SharedLights& s, Vec3 position) {
     return row.data();
 }
 
-uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, Word* row) {
+uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, ColumnRange range, Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
+            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye, row);
         case Isa::kAvx2:
-            return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
+            return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye, row);
 #endif
         default:
-            return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
+            return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range), eye,
+                                        row);
     }
 }
 
@@ -84,31 +81,35 @@ void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const fl
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, shares,
-                                       rows, scratch.data());
+            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, s.ends.columns()),
+                                       eye, shares, rows, scratch.data());
         case Isa::kAvx2:
-            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, shares, rows,
-                                     scratch.data());
+            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, s.ends.columns()),
+                                     eye, shares, rows, scratch.data());
 #endif
         default:
-            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, shares,
+            return portable::at_most_any(s.ends.semantic,
+                                         columns_of<portable::Columns>(s, eye, s.ends.columns()), eye, shares,
                                          rows, scratch.data());
     }
 }
 
-void contribution_row(const SharedLights& s, const EyeShade& eye, std::vector<float>& row) {
+void contribution_row(const SharedLights& s, const EyeShade& eye, ColumnRange range,
+                      std::vector<float>& row) {
     row.resize(s.ends.x.size());
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row.data());
+            avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye,
+                                      row.data());
             return;
         case Isa::kAvx2:
-            avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row.data());
+            avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye,
+                                    row.data());
             return;
 #endif
         default:
-            portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye,
+            portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range), eye,
                                         row.data());
     }
 }
@@ -117,10 +118,15 @@ Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
-        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
+            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, s.ends.columns()),
+                                   eye, row);
+        case Isa::kAvx2:
+            return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, s.ends.columns()), eye,
+                                 row);
 #endif
-        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
+        default:
+            return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, s.ends.columns()),
+                                     eye, row);
     }
 }
 

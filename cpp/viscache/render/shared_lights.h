@@ -40,17 +40,20 @@ struct EyeShade {
 const float* cone_row(const SharedLights& lights, Vec3 position);
 
 /// Unoccluded geometry factor g of every column: cosθ/d² times the cone's factor (point), cosθ (direction),
-/// cosθ·cosθ'/(d² + bound²) (VPL). Sets the bits of `row` where 0 < g < ∞. Returns the number of columns with
-/// g = ∞, which are dropped and counted as non-finite.
-uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
+/// cosθ·cosθ'/(d² + bound²) (VPL). Sets the bits of `row`, zeroed on entry, of the columns in `range` where
+/// 0 < g < ∞ and the value is not black. Returns the number of columns with g = ∞, which are dropped and
+/// counted as non-finite.
+uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, ColumnRange range, Word* row);
 
 /// Sets in row i the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i]
 /// times the mean of the positive ones. `scratch` is resized to one float per column.
 void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<const float> shares,
                   std::span<Word* const> rows, std::vector<float>& scratch);
 
-/// Unoccluded contribution g·(r + g + b) of every column, padded; 0 where it is infinite.
-void contribution_row(const SharedLights& lights, const EyeShade& eye, std::vector<float>& row);
+/// Unoccluded contribution g·(r + g + b) of the columns in `range`; 0 where it is infinite. `row` has one
+/// float per column, padded; those of other columns may hold anything.
+void contribution_row(const SharedLights& lights, const EyeShade& eye, ColumnRange range,
+                      std::vector<float>& row);
 
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);

@@ -23,7 +23,7 @@ public:
         if (is_black(sp)) return;
         const EyeShade shade{eyes_.block.position[eye], sp.ng, sp.ns};
         std::vector<Word> wanted(row_words_for(lights_.ends.count)), one(wanted.size());
-        wanted_row(lights_, shade, wanted.data());
+        wanted_row(lights_, shade, lights_.ends.columns_of(eyes_.block, eye), wanted.data());
         for_each_bit(wanted, [&](size_t k) {
             if (k >= columns.size()) return;
             set_bit(one.data(), k);

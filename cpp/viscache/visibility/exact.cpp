@@ -45,24 +45,35 @@ static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> orde
     }
 }
 
-/// True if the rows of a block are worth sorting. Sorting costs about as much as tracing 20 columns; the
-/// later groups of a tile use the same order.
-bool ExactOracle::in_space(const EyeBlock& eyes, const FarEnds& lights) {
+/// The order in which the rows of a block are traced: rows that ask the same columns stand together, and in
+/// space if that is worth it. Sorting in space costs about as much as tracing 20 columns; the later groups of
+/// a tile use the same order. Empty: as in the tile.
+std::span<const uint32_t> ExactOracle::order_of(const EyeBlock& eyes, const FarEnds& lights) {
     constexpr size_t kFewColumns = 64;
-    if (order_.size() == eyes.size()) return true;
-    if (!by_light_ || eyes.size() <= 16 || lights.count < kFewColumns) return false;
-    order_ = packet_order(eyes.origin);
-    return true;
+    const size_t sets = lights.sets();
+    if (!by_light_ || eyes.size() <= 16) return {};
+    const bool sorted = order_.size() == eyes.size();
+    const bool in_space = sorted || lights.count / sets >= kFewColumns;
+    if (in_space && !sorted) order_ = packet_order(eyes.origin);
+    if (sets == 1) return in_space ? std::span<const uint32_t>(order_) : std::span<const uint32_t>();
+    order_by_set_.clear();
+    for (size_t set = 0; set < sets; ++set)
+        for (size_t i = 0; i < eyes.size(); ++i) {
+            const uint32_t eye = in_space ? order_[i] : uint32_t(i);
+            if (lights.set_of(eyes, eye) == set) order_by_set_.push_back(eye);
+        }
+    return order_by_set_;
 }
 
 void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters) {
     uint64_t queries = 0;
-    if (in_space(eyes, lights)) {
-        gather_rows(wanted, order_, wanted_in_order_);
+    const std::span<const uint32_t> order = order_of(eyes, lights);
+    if (!order.empty()) {
+        gather_rows(wanted, order, wanted_in_order_);
         visible_in_order_.reset(wanted.rows(), wanted.columns());
-        queries = trace_rows(eyes, order_, lights, wanted_in_order_, visible_in_order_);
-        scatter_rows(visible_in_order_, order_, visible);
+        queries = trace_rows(eyes, order, lights, wanted_in_order_, visible_in_order_);
+        scatter_rows(visible_in_order_, order, visible);
     } else {
         queries = trace_rows(eyes, {}, lights, wanted, visible);
     }

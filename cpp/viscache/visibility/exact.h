@@ -46,7 +46,7 @@ private:
         Coherence flag;
     };
     static std::vector<Plan> plans(std::optional<PacketOrder> order, std::optional<Coherence> flag);
-    bool in_space(const EyeBlock& eyes, const FarEnds& lights);
+    std::span<const uint32_t> order_of(const EyeBlock& eyes, const FarEnds& lights);
     uint64_t trace_rows(const EyeBlock& eyes, std::span<const uint32_t> order, const FarEnds& lights,
                         const BitMatrix& wanted, BitMatrix& visible);
     size_t rows16_by_light(size_t first, const EyeBlock& eyes, std::span<const uint32_t> order,
@@ -68,6 +68,7 @@ private:
     QueryLog* log_ = nullptr;
     Trial<Plan> block_plan_;
     std::vector<uint32_t> order_;  ///< the tile's eye points along a spatial tree; empty: not sorted so far
+    std::vector<uint32_t> order_by_set_;
     BitMatrix wanted_in_order_, visible_in_order_;
     CoherenceTrial pairs_flag_;
     // For `pairs` and `samples`: direction bins of the connections, and indices sorted by bin

@@ -49,6 +49,12 @@ struct EyeBlock {
     }
 };
 
+/// Columns [first, last) of a block.
+struct ColumnRange {
+    size_t first, last;
+    size_t size() const { return last - first; }
+};
+
 /// A light group that all eye points share: the columns of a block.
 struct FarEnds {
     Semantic semantic = Semantic::kPoint;
@@ -61,6 +67,22 @@ struct FarEnds {
     size_t count = 0;         ///< columns in use
     float t_max = kInfinity;  ///< length of rays to directions; unused for positions
     int group = 0;            ///< index of the light group: selects C_E and refinement
+    /// Ends of sets of columns: an eye point of turn t asks those of set t mod size alone. Empty: all eye
+    /// points ask all columns.
+    std::vector<uint32_t> set_end;
+
+    ColumnRange columns() const { return {0, count}; }
+    size_t sets() const { return set_end.empty() ? 1 : set_end.size(); }
+    /// The set that an eye point asks.
+    size_t set_of(const EyeBlock& eyes, size_t eye) const {
+        return set_end.empty() ? 0 : eyes.turn[eye] % set_end.size();
+    }
+    /// Its columns.
+    ColumnRange columns_of(const EyeBlock& eyes, size_t eye) const {
+        if (set_end.empty()) return columns();
+        const size_t set = set_of(eyes, eye);
+        return {set ? set_end[set - 1] : 0, set_end[set]};
+    }
 };
 
 /// A connection whose far end belongs to one eye point.

@@ -29,8 +29,9 @@ INTENSITY = 4.0
 C_E = 8
 #: Directions that all eye points share: of a sky, and around both sides of a surface.
 SKY_DIRECTIONS, SPHERE_DIRECTIONS = 256, 513
-#: Of the sky's, each eye point's own choice; the time that this saves goes into more eye points.
-PICKED_DIRECTIONS, MORE_EYE_POINTS = 16, 2
+#: Directions of the sky in sets, which the eye points of a pixel ask in turns; the time that this
+#: saves goes into more eye points, one for each set.
+DEALT_DIRECTIONS, SETS = 512, 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -216,30 +217,32 @@ def _lights(room: Scene, camera: _core.Camera, side: int, count: int, quick: boo
 def _lit_by(
     sky: Array, scene: Scene, camera: _core.Camera, side: int, quick: bool, name: str
 ) -> PictureCase:
-    samples = 4
+    samples = spp = 4
 
     def frame(integrator: Direct, spp: int, seed: int) -> Frame:
         return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
 
     own = Direct(n_area=0, n_environment=samples, n_brdf=samples)
     shared = Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
-    picked = replace(shared, pick=PICKED_DIRECTIONS)
+    dealt = replace(shared, n_environment=DEALT_DIRECTIONS, interleave=SETS)
     return PictureCase(
         name=f"{name} {side}x{side}, {samples} + {samples} samples",
         scene=scene,
         render=lambda spp, seed: frame(own, spp, seed),
         job={"job": "sky", "samples": samples, "albedo": ALBEDO, **_view(camera, side)},
         arrays={"camera": _axes(camera), "sky": sky},
-        spp=4,
-        reference_spp=1024 if quick else 256,
+        spp=spp,
+        # Below the errors of all ways
+        reference_spp=1024 if quick else 512,
+        peer_reference_spp=1024 if quick else 256,
         ways=(
             Way(
                 label=f"{SKY_DIRECTIONS} shared directions",
                 render=lambda spp, seed: frame(shared, spp, seed),
             ),
             Way(
-                label=f"{PICKED_DIRECTIONS} of {SKY_DIRECTIONS} shared directions",
-                render=lambda spp, seed: frame(picked, MORE_EYE_POINTS * spp, seed),
+                label=f"{DEALT_DIRECTIONS} shared directions in {SETS} sets",
+                render=lambda n, seed: frame(dealt, SETS // spp * n, seed),
             ),
         ),
     )

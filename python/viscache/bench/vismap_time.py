@@ -7,7 +7,9 @@ large enough to share records.
 from __future__ import annotations
 
 import statistics
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from viscache.bench.common import Outcome, build_scene, figure
 from viscache.cases.map_renders import Picture, images, paper_maps, samples_in
@@ -19,6 +21,8 @@ __all__ = ["equal_time"]
 
 SAMPLES = 30
 GUIDED = VisMaps(sampling="guided")
+#: The rival without maps: shared directions in sets, as in `viscache bench peers`.
+DEALT, SETS = 512, 16
 #: Limit of look-ups, J and records together, in µs per pixel and core.
 MOST_US = 5.0
 #: Limit of the time to build the cache of 128×96 pixels.
@@ -59,7 +63,7 @@ def equal_time(outcome: Outcome, quick: bool) -> None:
     """Gains in equal time, the cost of look-ups, the time to build a cache."""
     for full in CASES:
         # Small pictures have too few pixels to share records, so they have no goals
-        case = replace(full, goals={}) if quick else full
+        case = replace(full, goals={}, renders=QUICK_RENDERS) if quick else full
         picture = Picture(
             scene=build_scene(case.quick_scene if quick else case.scene),
             size=QUICK_SIZE if quick else case.size,
@@ -67,11 +71,13 @@ def equal_time(outcome: Outcome, quick: bool) -> None:
         ways = {"control variate, alpha 1": paper_maps(None), "guided": GUIDED}
         for name, maps in ways.items():
             frames = [picture.maps(SAMPLES, maps) for _ in range(3)]
-            _gain(
-                outcome, case, picture, name, maps, frames, QUICK_RENDERS if quick else case.renders
-            )
+            kept = replace(maps, cache=picture.build_cache(), update=False)
+            _gain(outcome, case, picture, name, frames, partial(picture.maps, SAMPLES, kept))
             if name == "guided":
                 _costs(outcome, case, picture, frames)
+        frames = [picture.dealt(DEALT, SETS) for _ in range(3)]
+        rival = f"{DEALT} shared directions in {SETS} sets"
+        _gain(outcome, case, picture, rival, frames, partial(picture.dealt, DEALT, SETS))
     outcome.notes.append("equal time is that of all processors, records made anew each time")
 
 
@@ -80,16 +86,14 @@ def _gain(
     case: Case,
     picture: Picture,
     name: str,
-    maps: VisMaps,
     frames: list[Frame],
-    renders: int,
+    make: Callable[[int], Frame],
 ) -> None:
-    seconds = statistics.median(frame.timings["cpu_s"] for frame in frames)
-    equal = samples_in(picture, seconds)
-    kept = replace(maps, cache=picture.build_cache(), update=False)
+    """The variance of `make(seed)` beside product sampling in the time of `frames`."""
+    equal = samples_in(picture, statistics.median(frame.timings["cpu_s"] for frame in frames))
     left = variance_ratio(
-        images(lambda seed: picture.maps(SAMPLES, kept, seed), range(renders)),
-        images(lambda seed: picture.product(equal, seed), range(100, 100 + renders)),
+        images(make, range(case.renders)),
+        images(lambda seed: picture.product(equal, seed), range(100, 100 + case.renders)),
     )
     outcome.figures.append(
         figure(
@@ -99,8 +103,8 @@ def _gain(
             baseline=1.0,
             ratios=left.gains,
             goal=case.goals.get(name),
-            samples=SAMPLES,
             samples_of_baseline=equal,
+            energy_z=left.energy_z,
         )
     )
 

@@ -45,6 +45,17 @@ class Picture:
         """A frame with maps."""
         return self._frame(samples, seed, visibility)
 
+    def dealt(self, directions: int, sets: int, seed: int = 0) -> Frame:
+        """A frame with directions that all eye points share, one eye point for each set."""
+        return render(
+            self.scene,
+            Direct(environment="shared", n_environment=directions, interleave=sets, centred=True),
+            camera=self.camera,
+            size=self.size,
+            spp=sets,
+            seed=seed,
+        )
+
     def _direct(self, samples: int) -> Direct:
         return Direct(environment="product", n_environment=samples, centred=True)
 

@@ -60,6 +60,11 @@ class Direct:
     centred : bool
         Primary rays go through the centres of pixels instead of random positions. There is no
         antialiasing; for comparisons of variance.
+    interleave : int >= 1
+        Sets to which shared directions are dealt; the eye points of a pixel ask the sets in turns,
+        so each costs `n_environment` / `interleave` rays. With as many samples per pixel, a pixel
+        asks all directions once (interleaved sampling, Keller, Heidrich 2001), and rays of the same
+        set stay as coherent as those of all.
     pick : int >= 0
         Lights that each eye point picks from each group that all eye points share: point and spot
         lights, directional lights, shared directions. Only these are asked for. They are picked by
@@ -80,6 +85,7 @@ class Direct:
     passes: int = 1
     points: Literal["even", "independent"] = "even"
     centred: bool = False
+    interleave: int = 1
     pick: int = 0
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
@@ -123,7 +129,7 @@ class Whitted:
     pick : int >= 0
         As in `Direct`. Virtual point lights are a group of their own: with `pick=16`, an eye point
         asks for 16 of the `n_vpls`.
-    n_area, light_choice, n_environment, n_brdf, p_mode, cosmin
+    n_area, light_choice, n_environment, n_brdf, interleave, p_mode, cosmin
         As in `Direct`.
     """
 
@@ -139,6 +145,7 @@ class Whitted:
     n_environment: int = 16
     n_brdf: int = 16
     environment: Literal["mis", "shared"] = "mis"
+    interleave: int = 1
     pick: int = 0
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
@@ -283,6 +290,16 @@ def _check_samples(s: Direct | Whitted) -> None:
         value = getattr(s, name)
         require(0 <= value <= 1 << 16, f"{name} must be in [0, 65536]", value)
     require(0 <= s.pick <= 1 << 20, "pick must be in [0, 2^20]", s.pick)
+    require(
+        s.interleave == 1 or s.environment == "shared",
+        'interleave must be 1 without environment="shared"',
+        s.interleave,
+    )
+    require(
+        1 <= s.interleave <= max(1, s.n_environment),
+        "interleave must be >= 1 and at most n_environment",
+        s.interleave,
+    )
     _check_density(s)
 
 
