@@ -25,6 +25,7 @@ SMALL = (
     "progressive",
     "which-cache",
     "picks",
+    "skies",
     "meter",
     "shafts-elsewhere",
     "oracle",

@@ -10,9 +10,9 @@ import pytest
 
 from viscache.bench import (
     common,
+    frame_errors,
     meter,
     persistent_bias,
-    picks,
     progressive,
     vismap_variance,
     which_cache,
@@ -35,8 +35,8 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
         "picks": (np.full(n, 1.0), np.full(n, 1.0)),
     }
     seconds = {"exact": [3.0] * n, "picks": [2.0] * n}
-    assert picks._gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
-    assert picks._gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
+    assert frame_errors.gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
+    assert frame_errors.gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
     assert progressive.gain_over(4.0, 3.0, 1.0, 2.0) == 6
     made = which_cache.gain_figure("x", found["exact"], found["picks"], (3.0, 2.0), passes=4)
     assert made["ratio"] == pytest.approx(6) and made["gain_rel"] == pytest.approx(9)
@@ -52,7 +52,7 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
 def test_an_interval_of_a_gain_covers_the_seeds() -> None:
     r = np.random.default_rng(0)
     found = {"exact": (4 + r.normal(0, 0.4, 64), r.random(64)), "a": (np.ones(64), r.random(64))}
-    gain, low, high = picks._gain(found, {"exact": [1.0] * 64, "a": [1.0] * 64}, "a", 0)
+    gain, low, high = frame_errors.gain(found, {"exact": [1.0] * 64, "a": [1.0] * 64}, "a", 0)
     # Four standard errors of the mean wide, within what a bootstrap leaves
     assert low < gain < high and high - low == pytest.approx(4 * 0.4 / 8, rel=0.25)
 
@@ -61,12 +61,12 @@ def test_the_noise_of_the_reference_is_taken_out_of_squared_errors() -> None:
     truth = np.full((2, 4, 4, 3), 2.0)
     truth[:, :2] = 4.0
     noise = np.array([0.5, -0.5])[:, None, None, None]
-    errors = picks.Errors(truth + noise)
+    errors = frame_errors.Errors(truth + noise)
     image = truth[:1] + 1.0
     # The mean of two references varies by 0.5²: of the square of 1 that much is left out
     nmse, relative = errors.of(image)
     assert nmse == pytest.approx((1 - 0.25) / 9)
-    floor = (picks.DARK * 3) ** 2
+    floor = (frame_errors.DARK * 3) ** 2
     assert relative == pytest.approx(0.75 * np.mean([1 / (4 + floor), 1 / (16 + floor)]))
     assert errors.of(truth[:1])[0] == pytest.approx(-0.25 / 9)
 
@@ -89,8 +89,8 @@ def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences() -> N
     exact = r.random((9, 4, 4, 3))
     off = np.linspace(-1, 1, 9)[:, None, None, None]
     t = 0.5 / (np.std(off, ddof=1) / 3)
-    assert picks.energy_z(exact + off + 0.5, exact) == pytest.approx(t)
-    assert picks.energy_z(exact + off, exact) == pytest.approx(0, abs=1e-9)
+    assert frame_errors.energy_z(exact + off + 0.5, exact) == pytest.approx(t)
+    assert frame_errors.energy_z(exact + off, exact) == pytest.approx(0, abs=1e-9)
 
 
 def covered(error_seen: float) -> dict[str, Any]:

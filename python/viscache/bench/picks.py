@@ -8,7 +8,6 @@ they hold for one frame alone.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +17,7 @@ import numpy.typing as npt
 
 from viscache.bench.aligned import opened
 from viscache.bench.common import Outcome, figure
+from viscache.bench.frame_errors import Errors, energy_z, gain
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
@@ -29,11 +29,8 @@ Array = npt.NDArray[Any]
 
 #: The largest |z| of the energy of picks against exact frames of the same seeds.
 MOST_Z = 4.0
-#: Floor of the relative error, as a share of the picture's mean.
-DARK = 0.05
 #: Seeds of frames of the converged picture start here.
 FIRST_REFERENCE = 1000
-BOOTSTRAP = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,15 +134,15 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     for way, options in ways.items():
         if way == "exact":
             continue
-        gain, low, high = _gain(found, seconds, way, 0)
-        relative = _gain(found, seconds, way, 1)
+        ratio, low, high = gain(found, seconds, way, 0)
+        relative = gain(found, seconds, way, 1)
         outcome.figures.append(
             figure(
                 f"{case.name}: {way} vs exact",
                 float(found[way][0].mean() * np.mean(seconds[way])),
                 "nMSE·s",
                 baseline=float(found["exact"][0].mean() * np.mean(seconds["exact"])),
-                ratios=sorted([low, gain, high]),
+                ratios=sorted([low, ratio, high]),
                 goal=None if "use" in options else case.goals.get(options.get("pick", 0)),
                 gain_rel=relative[0],
                 rel_low=relative[1],
@@ -159,46 +156,6 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
         if "pick" in options or "use" in options:
             z = energy_z(np.stack(images[way]), np.stack(images["exact"]))
             outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
-
-
-class Errors:
-    """Squared errors of frames against the mean of other frames, whose own noise is taken out."""
-
-    def __init__(self, converged: Array) -> None:
-        self.picture = converged.mean(axis=0)
-        self.noise = converged.var(axis=0, ddof=1) / len(converged)
-        self.mean = float(self.picture.mean())
-
-    def of(self, images: Array) -> tuple[Array, Array]:
-        """Relative to the squared mean of the picture, and to each pixel; one value per frame."""
-        square = np.square(images - self.picture) - self.noise
-        floor = (DARK * self.mean) ** 2
-        relative = square / (np.square(self.picture) + floor)
-        return square.mean(axis=(1, 2, 3)) / self.mean**2, relative.mean(axis=(1, 2, 3))
-
-
-def energy_z(ours: Array, exact: Array) -> float:
-    """Student's t of the difference of the frames' means, paired by seeds."""
-    differences = (ours - exact).mean(axis=(1, 2, 3))
-    noise = float(differences.std(ddof=1)) / math.sqrt(len(differences))
-    return float(differences.mean()) / max(noise, 1e-30)
-
-
-def _gain(
-    found: Mapping[str, tuple[Array, Array]],
-    seconds: Mapping[str, list[float]],
-    way: str,
-    number: int,
-) -> tuple[float, float, float]:
-    """Exact over the other way, of error times seconds, with its interval."""
-    rows = np.stack(
-        [found["exact"][number], seconds["exact"], found[way][number], seconds[way]], axis=1
-    )
-    chosen = np.random.default_rng(0).integers(0, len(rows), (BOOTSTRAP, len(rows)))
-    means = np.concatenate([rows.mean(axis=0, keepdims=True), rows[chosen].mean(axis=1)])
-    gains = means[:, 0] * means[:, 1] / np.maximum(means[:, 2] * means[:, 3], 1e-30)
-    low, high = np.quantile(gains[1:], [0.025, 0.975])
-    return float(gains[0]), float(low), float(high)
 
 
 def _reference_seeds(case: Case) -> range:

@@ -25,6 +25,7 @@ from viscache.bench.progressive import progressive
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
 from viscache.bench.shafts_elsewhere import shafts_elsewhere
+from viscache.bench.skies import skies
 from viscache.bench.sweep import sweep
 from viscache.bench.tune import tune_scenes
 from viscache.bench.vismap_variance import vismap_variance
@@ -88,6 +89,10 @@ BENCHES: dict[str, BenchInfo] = {
     "picks": BenchInfo(
         description="error over time: exact, cached, or a few lights picked by each eye point",
         function=picks,
+    ),
+    "skies": BenchInfo(
+        description="error over time under real skies: own samples, or directions in sets",
+        function=skies,
     ),
     "meter": BenchInfo(
         description="audits of cached frames: coverage of their intervals, and their cost",
