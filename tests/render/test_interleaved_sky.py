@@ -123,10 +123,14 @@ def test_every_way_to_the_exact_answer_gives_the_same_bytes(
     np.testing.assert_array_equal(other.layers["environment"], base.layers["environment"])
 
 
-@pytest.mark.parametrize("n", [128, 1024], ids=["as in the tile", "in space"])
-def test_threads_change_no_byte(n: int) -> None:
-    base = frame_of(with_sets(n, SETS), threads=1, size=(150, 140))
-    again = frame_of(with_sets(n, SETS), threads=5, size=(150, 140))
+@pytest.mark.parametrize(
+    ("n", "sets"),
+    [(128, SETS), (1024, SETS), (2000, 2000)],
+    ids=["as in the tile", "in space", "sets of one"],
+)
+def test_threads_change_no_byte(n: int, sets: int) -> None:
+    base = frame_of(with_sets(n, sets), threads=1, size=(150, 140))
+    again = frame_of(with_sets(n, sets), threads=5, size=(150, 140))
     assert again.sha256 == base.sha256 and again.counters == base.counters
 
 

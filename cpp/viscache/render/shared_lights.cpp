@@ -48,6 +48,12 @@ Columns columns_of(const SharedLights& s, const EyeShade& eye, ColumnRange range
             s.r.data(), s.g.data(), s.b.data(), range,       s.bound2,    cone_row(s, eye.position)};
 }
 
+/// All columns, padded to words.
+template <class Columns>
+Columns columns_of(const SharedLights& s, const EyeShade& eye) {
+    return columns_of<Columns>(s, eye, {0, words_for(s.ends.count) * kWordBits});
+}
+
 }  // namespace
 
 const float* cone_row(const SharedLights& s, Vec3 position) {
@@ -81,15 +87,14 @@ void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const fl
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, s.ends.columns()),
-                                       eye, shares, rows, scratch.data());
+            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, shares,
+                                       rows, scratch.data());
         case Isa::kAvx2:
-            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, s.ends.columns()),
-                                     eye, shares, rows, scratch.data());
+            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, shares, rows,
+                                     scratch.data());
 #endif
         default:
-            return portable::at_most_any(s.ends.semantic,
-                                         columns_of<portable::Columns>(s, eye, s.ends.columns()), eye, shares,
+            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, shares,
                                          rows, scratch.data());
     }
 }
@@ -118,15 +123,10 @@ Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, s.ends.columns()),
-                                   eye, row);
-        case Isa::kAvx2:
-            return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, s.ends.columns()), eye,
-                                 row);
+            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
+        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
 #endif
-        default:
-            return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, s.ends.columns()),
-                                     eye, row);
+        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
     }
 }
 

@@ -56,12 +56,14 @@ std::span<const uint32_t> ExactOracle::order_of(const EyeBlock& eyes, const FarE
     const bool in_space = sorted || lights.count / sets >= kFewColumns;
     if (in_space && !sorted) order_ = packet_order(eyes.origin);
     if (sets == 1) return in_space ? std::span<const uint32_t>(order_) : std::span<const uint32_t>();
-    order_by_set_.clear();
-    for (size_t set = 0; set < sets; ++set)
-        for (size_t i = 0; i < eyes.size(); ++i) {
-            const uint32_t eye = in_space ? order_[i] : uint32_t(i);
-            if (lights.set_of(eyes, eye) == set) order_by_set_.push_back(eye);
-        }
+    std::vector<uint32_t> begin(sets + 1);
+    for (size_t eye = 0; eye < eyes.size(); ++eye) ++begin[lights.set_of(eyes, eye) + 1];
+    for (size_t set = 0; set < sets; ++set) begin[set + 1] += begin[set];
+    order_by_set_.resize(eyes.size());
+    for (size_t i = 0; i < eyes.size(); ++i) {
+        const uint32_t eye = in_space ? order_[i] : uint32_t(i);
+        order_by_set_[begin[lights.set_of(eyes, eye)]++] = eye;
+    }
     return order_by_set_;
 }
 

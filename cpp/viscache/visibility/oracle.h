@@ -71,7 +71,6 @@ struct FarEnds {
     /// points ask all columns.
     std::vector<uint32_t> set_end;
 
-    ColumnRange columns() const { return {0, count}; }
     size_t sets() const { return set_end.empty() ? 1 : set_end.size(); }
     /// The set that an eye point asks.
     size_t set_of(const EyeBlock& eyes, size_t eye) const {
@@ -79,7 +78,7 @@ struct FarEnds {
     }
     /// Its columns.
     ColumnRange columns_of(const EyeBlock& eyes, size_t eye) const {
-        if (set_end.empty()) return columns();
+        if (set_end.empty()) return {0, count};
         const size_t set = set_of(eyes, eye);
         return {set ? set_end[set - 1] : 0, set_end[set]};
     }
