@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Errors", "energy_z", "gain"]
+from viscache.bench.common import figure
+
+__all__ = ["Errors", "energy_z", "gain", "gain_figure"]
 
 Array = npt.NDArray[Any]
 
@@ -58,3 +60,33 @@ def gain(
     gains = means[:, 0] * means[:, 1] / np.maximum(means[:, 2] * means[:, 3], 1e-30)
     low, high = np.quantile(gains[1:], [0.025, 0.975])
     return float(gains[0]), float(low), float(high)
+
+
+def gain_figure(
+    name: str,
+    found: Mapping[str, tuple[Array, Array]],
+    seconds: Mapping[str, list[float]],
+    way: str,
+    base: str = "exact",
+    goal: float | None = None,
+) -> dict[str, Any]:
+    """The gain of a way over the base by both errors, with errors and seconds of the two."""
+    ratio, low, high = gain(found, seconds, way, 0, base)
+    relative = gain(found, seconds, way, 1, base)
+    nmse, base_nmse = (float(found[w][0].mean()) for w in (way, base))
+    spent, base_spent = (float(np.mean(seconds[w])) for w in (way, base))
+    return figure(
+        name,
+        nmse * spent,
+        "nMSE·s",
+        baseline=base_nmse * base_spent,
+        ratios=sorted([low, ratio, high]),
+        goal=goal,
+        gain_rel=relative[0],
+        rel_low=relative[1],
+        rel_high=relative[2],
+        nmse=nmse,
+        base_nmse=base_nmse,
+        seconds=spent,
+        base_seconds=base_spent,
+    )

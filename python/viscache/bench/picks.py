@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.bench.aligned import opened
-from viscache.bench.common import Outcome, figure
-from viscache.bench.frame_errors import Errors, energy_z, gain
+from viscache.bench.common import Outcome
+from viscache.bench.frame_errors import Errors, energy_z, gain_figure
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
@@ -134,23 +134,13 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     for way, options in ways.items():
         if way == "exact":
             continue
-        ratio, low, high = gain(found, seconds, way, 0)
-        relative = gain(found, seconds, way, 1)
         outcome.figures.append(
-            figure(
+            gain_figure(
                 f"{case.name}: {way} vs exact",
-                float(found[way][0].mean() * np.mean(seconds[way])),
-                "nMSE·s",
-                baseline=float(found["exact"][0].mean() * np.mean(seconds["exact"])),
-                ratios=sorted([low, ratio, high]),
+                found,
+                seconds,
+                way,
                 goal=None if "use" in options else case.goals.get(options.get("pick", 0)),
-                gain_rel=relative[0],
-                rel_low=relative[1],
-                rel_high=relative[2],
-                nmse=float(found[way][0].mean()),
-                exact_nmse=float(found["exact"][0].mean()),
-                seconds=float(np.mean(seconds[way])),
-                exact_seconds=float(np.mean(seconds["exact"])),
             )
         )
         if "pick" in options or "use" in options:

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.bench.aligned import opened
-from viscache.bench.common import Outcome, figure
-from viscache.bench.frame_errors import Errors, energy_z, gain
+from viscache.bench.common import Outcome
+from viscache.bench.frame_errors import Errors, energy_z, gain_figure
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct
@@ -106,23 +106,8 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     for way in WAYS:
         if way == OWN:
             continue
-        ratio, low, high = gain(found, seconds, way, 0, OWN)
-        relative = gain(found, seconds, way, 1, OWN)
         outcome.figures.append(
-            figure(
-                f"{case.name}: {way} vs {OWN}",
-                float(found[way][0].mean() * np.mean(seconds[way])),
-                "nMSE·s",
-                baseline=float(found[OWN][0].mean() * np.mean(seconds[OWN])),
-                ratios=sorted([low, ratio, high]),
-                gain_rel=relative[0],
-                rel_low=relative[1],
-                rel_high=relative[2],
-                nmse=float(found[way][0].mean()),
-                own_nmse=float(found[OWN][0].mean()),
-                seconds=float(np.mean(seconds[way])),
-                own_seconds=float(np.mean(seconds[OWN])),
-            )
+            gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN)
         )
         z = energy_z(np.stack(images[way]), np.stack(images[OWN]))
         outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
