@@ -47,7 +47,7 @@ from viscache.voxel_counts import VoxelCounts
 __all__ = ["render"]
 
 
-#: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
+#: Eye samples of the largest tiles (render/tiles.h); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16
 #: Oracles that draw at random do so anew for each first sample: an odd number far from other seeds.
 SEED_STEP = 0x9E3779B97F4A7C15

@@ -216,7 +216,7 @@ def test_an_interrupted_frame_writes_nothing() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        frame(scene(), table, progress=stop, size=(512, 384))
+        frame(scene(), table, progress=stop, size=(1024, 768))
     assert table.frames == 0
     assert frame(scene(), table).counters["reused_kept"] == 0
 

@@ -27,6 +27,7 @@ SMALL = (
     "picks",
     "skies",
     "meter",
+    "threads",
     "shafts-elsewhere",
     "oracle",
     "memory",

@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from codebase.repository import text
-from viscache import Aqvc, NeePlusPlus, Whitted, cli, scenes
+from viscache import Aqvc, NeePlusPlus, Whitted, cli, metrics, render, scenes
 from viscache.bench import registry as benches
 from viscache.figures import FIGURES
 from viscache.figures.aqvc_nee import discarded
@@ -138,6 +138,20 @@ def test_counts_of_which_cache_are_measured() -> None:
     assert close(more_rays, room["rays"]) and close(fewer, room["blocked"])
     (named,) = [r for r in rows(text(PAGE), "Which cache when") if r[0] == "no bias allowed"]
     assert named[-1] == f"{rays}, {blocked}, {more_rays}, {fewer}"
+
+
+@pytest.mark.slow
+def test_the_caption_at_the_head_is_measured() -> None:
+    """As scripts/readme_picture.py renders it."""
+    caption = text("README.md").splitlines()[2]
+    said = re.search(r"with (\d+) queries per shadow ray and rel_l1 (\S+) %", caption)
+    assert said is not None
+    options = {"scene": scenes.room(), "integrator": Whitted(n_vpls=512)}
+    options |= {"size": (480, 300), "spp": 16}
+    exact, cached = render(**options), render(**options, visibility=Aqvc(c_e=16))
+    error = 100 * metrics.compare(cached, exact, metrics=["rel_l1"])["rel_l1"]
+    assert float(said[1]) == pytest.approx(cached.counters["ray_reduction"], rel=TOLERANCE)
+    assert float(said[2]) == pytest.approx(error, rel=TOLERANCE)
 
 
 def test_a_count_that_is_off_by_more_is_noticed() -> None:

@@ -18,9 +18,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileSamples = 128;           // edge of a tile, in eye samples
-constexpr int kTileSamplesFewLights = 256;  // for frames whose shared groups have at most kFewLights columns
-constexpr size_t kFewLights = 256;
+constexpr size_t kManyDirections = 16;      // that all eye points share, for tiles of directions
 constexpr size_t kEyesPerBatch = 256;       // largest number of eye points per batch of local samples
 constexpr size_t kPairsPerBatch = 1 << 16;  // bounds the queries of a batch
 constexpr size_t kRowsPerCheck = 256;       // eye points between checks for an interrupt
@@ -412,14 +410,15 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     out.prepare_s = wall_seconds() - preparing;
     if (product && maps) make_forecast(*product, context.tracer, source, counters, control, out);
 
-    size_t largest = 0;
+    bool directions = false;
     for (const SharedLights& s : context.shared) {
-        largest = std::max(largest, s.ends.count);
+        directions |= s.ends.semantic == Semantic::kDirection && s.ends.count >= kManyDirections;
         if (s.ends.group == int(LightGroup::kVpl)) out.n_vpls = s.ends.count;
     }
-    out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
+    // The tiles do not depend on the oracles, so that any oracle can answer the recorded queries of a frame
+    const TileRule& rule = directions ? kTilesOfDirections : kTiles;
     const int dealt = source.dealt_tile_edge();
-    if (dealt) out.tile_edge_px = dealt;
+    out.tile_edge_px = dealt ? dealt : tile_edge(rule, frame.width, frame.height, frame.spp);
     const auto tiles =
         tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
     if (frame.part > 0) counters = out.counters = {};  // the first part counts the work that all parts repeat

@@ -27,6 +27,7 @@ from viscache.bench.shafts import shafts
 from viscache.bench.shafts_elsewhere import shafts_elsewhere
 from viscache.bench.skies import skies
 from viscache.bench.sweep import sweep
+from viscache.bench.threads import threads
 from viscache.bench.tune import tune_scenes
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
@@ -97,6 +98,10 @@ BENCHES: dict[str, BenchInfo] = {
     "meter": BenchInfo(
         description="audits of cached frames: coverage of their intervals, and their cost",
         function=meter,
+    ),
+    "threads": BenchInfo(
+        description="wall-clock time with one thread, two, … and all cores; the bytes are the same",
+        function=threads,
     ),
     "shafts-elsewhere": BenchInfo(
         description="visible_matrix and oracle.block by shafts against packets of rays",

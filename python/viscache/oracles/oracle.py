@@ -22,8 +22,9 @@ from viscache.settings.visibility import Aqvc, Exact, VisMaps
 
 __all__ = ["BlockAnswer", "Oracle", "PairAnswer"]
 
-#: Points of a tile: as many as the renderer's tiles have eye samples, by the number of far ends.
-MANY_ENDS, TILE_POINTS, TILE_POINTS_FEW_ENDS = 256, 128 * 128, 256 * 256
+#: Points of a tile, as many as the renderer's tiles have eye samples (render/tiles.h): for far ends
+#: in general, and for so many directions that the aligned batch can pay.
+TILE_POINTS, TILE_POINTS_OF_DIRECTIONS, MANY_DIRECTIONS = 64 * 64, 128 * 128, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,7 +298,8 @@ class Oracle:
 
     @staticmethod
     def _most(ends: FarEnds) -> int:
-        return TILE_POINTS if len(ends) > MANY_ENDS else TILE_POINTS_FEW_ENDS
+        directions = ends.kind == "directions" and len(ends) >= MANY_DIRECTIONS
+        return TILE_POINTS_OF_DIRECTIONS if directions else TILE_POINTS
 
     def parameters(self) -> dict[str, Any]:
         """Names and values of the visibility setting."""
