@@ -22,7 +22,7 @@ from viscache.settings.integrators import Direct
 from viscache.settings.visibility import Aqvc, PaperForm
 
 C_E = 16.0
-SIZE, QUICK_SIZE = (640, 400), (240, 150)
+SIZE = (640, 400)
 #: Orders of pixels, and the numbers of random grids and orders.
 ORDERS = ("scanline", "hm", "random")
 GRIDS, QUICK_GRIDS = 12, 4
@@ -35,7 +35,7 @@ def figure3(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
     """Stairs in the sun with and without refinement."""
-    shot = Shot(scene=scenes.stairs(), integrator=Direct(), size=size or _size(quick))
+    shot = Shot(scene=scenes.stairs(), integrator=Direct(), size=size or SIZE)
     exact = shot.frame()
     found: dict[str, dict[str, Trade]] = {"default": {}, "paper": {}}
     for refinement in ("off", "on"):
@@ -63,10 +63,6 @@ def figure3(
     return outcome
 
 
-def _size(quick: bool) -> tuple[int, int]:
-    return QUICK_SIZE if quick else SIZE
-
-
 def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], path: Path) -> Path:
     figure = new_figure(9.0, 6.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
@@ -87,7 +83,7 @@ def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
     """A cube's shadow with each order of the pixels."""
-    shot = Shot(scene=scenes.cube_on_plane(), integrator=Direct(), size=size or _size(quick))
+    shot = Shot(scene=scenes.cube_on_plane(), integrator=Direct(), size=size or SIZE)
     exact = shot.frame()
     table: list[dict[str, Any]] = []
     frames: dict[str, Frame] = {}

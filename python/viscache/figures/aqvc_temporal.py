@@ -29,7 +29,7 @@ from viscache.temporal import flicker
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4
-SIZE, QUICK_SIZE = (320, 200), (80, 50)
+SIZE, QUICK_SIZE = (320, 200), (160, 100)
 TRIANGLES, QUICK_TRIANGLES = 100_000, 20_000
 #: A ball crosses the living room between the camera and the corner.
 BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
