@@ -11,7 +11,7 @@ import viscache as vc
 
 OWN_SKY = vc.Direct(n_area=0, n_environment=1, n_brdf=0)
 SHARED_SKY = vc.Direct(n_area=0, environment="shared", n_environment=16)
-ONE_LIGHT = vc.Direct(n_area=0, environment="shared", n_environment=8)
+FEW_DIRECTIONS = vc.Direct(n_area=0, environment="shared", n_environment=8)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_tiles_of_many_shared_directions_are_larger(scene: vc.Scene) -> None:
     """The aligned batch sorts triangles once for all points of a tile."""
     sizes = ((256, 256), (512, 512), (1024, 1024))
     assert [edge(scene, size, integrator=SHARED_SKY) for size in sizes] == [64, 128, 256]
-    assert edge(scene, (512, 512), integrator=ONE_LIGHT) == 64
+    assert edge(scene, (512, 512), integrator=FEW_DIRECTIONS) == 64
 
 
 def test_tiles_depend_on_no_oracle_and_no_threads(scene: vc.Scene) -> None:
