@@ -20,7 +20,8 @@ struct TileRule {
 };
 
 /// Data of small tiles stay in the processor's cache, and many tiles keep many threads busy. 64² eye samples
-/// take the least CPU time or within 2 % of it, cached or exact; 32² take up to a tenth more.
+/// take the least CPU time or within 5 % of it, cached or exact, and 32² within 11 %
+/// (docs/performance/threads.md).
 constexpr TileRule kTiles = {.least = 32, .most = 64, .enough = 64};
 /// For frames whose eye points share many directions: the aligned batch (vlf/aligned_batch.h) sorts the
 /// triangles of a direction once for all eye points of a tile.
