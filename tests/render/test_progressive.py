@@ -200,7 +200,8 @@ def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
     assert whole.frame.counters["tiles_not_kept"] == 0
     assert 0 < small.rows.bytes <= small.rows.max_bytes < whole.rows.bytes
     kept = small.rows.cells / whole.rows.cells
-    assert saved[0] / saved[1] == pytest.approx(kept, rel=0.3)
+    # Tiles of few cells are kept first, and their cells save more
+    assert kept <= saved[0] / saved[1] < 1.3 * kept
     tiles = [{tile for tile, _, _ in p.rows._state()} for p in (small, whole) if p.rows]
     assert len(tiles[1] - tiles[0]) == small.frame.counters["tiles_not_kept"]
 
