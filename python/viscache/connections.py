@@ -32,6 +32,9 @@ from viscache.settings.spelling import spelled
 
 __all__ = ["Connections", "Samples", "connections"]
 
+#: Samples of the sky by lobes, where "environment" names directions that all eye points share.
+LOBES = "lobes"
+
 Answer: TypeAlias = "BlockAnswer | PairAnswer | npt.NDArray[Any] | tuple[Any, Any]"
 
 
@@ -68,7 +71,9 @@ class Connections:
         Lights shared by all eye points, by light group: "point", "directional", "vpl", and
         "environment" with shared directions.
     samples : dict of str to Samples
-        Samples that belong to one eye point each: "area", "environment", "ambient".
+        Samples that belong to one eye point each: "area", "environment", "ambient", and "lobes":
+        samples of the sky by lobes, beside its shared directions. Their light is in the layer
+        "environment", and so are their counters.
     """
 
     def __init__(
@@ -100,7 +105,7 @@ class Connections:
         self._light_number = {GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
         self.groups = {GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
         self.samples = {
-            GROUPS[group]: Samples(self._taps.samples(group))
+            self._samples_name(group): Samples(self._taps.samples(group))
             for group in self._taps.sample_groups()
         }
 
@@ -151,7 +156,7 @@ class Connections:
                 block["bits"], len(ends), block.get("weights"), counted(group), timings
             )
         for number, samples in result["samples"].items():
-            group = GROUPS[number]
+            group = self._samples_name(number)
             found[group] = PairAnswer(
                 samples["visible"],
                 samples.get("weights"),
@@ -242,6 +247,9 @@ class Connections:
         own = [f"{name}: {len(samples)} samples" for name, samples in self.samples.items()]
         return f"Connections({len(self.eyes)} eye points; {', '.join([*shared, *own])})"
 
+    def _samples_name(self, number: int) -> str:
+        return LOBES if GROUPS[number] in self.groups else GROUPS[number]
+
     def _number(self, group: str) -> int:
         require(group in self.groups, f"group must be one of {', '.join(self.groups)}", group)
         return self._light_number[group]
@@ -271,7 +279,12 @@ class Connections:
             seen, weights = answer if isinstance(answer, tuple) else (answer, None)
         seen = np.asarray(seen)
         require(seen.dtype == bool, f"answers[{group!r}] must be bool", seen.dtype)
-        given.samples(GROUPS.index(group), seen, _finite(weights, group), *order)
+        given.samples(_group_number(group), seen, _finite(weights, group), *order)
+
+
+def _group_number(name: str) -> int:
+    """The light group of a name in `Connections.groups` or `Connections.samples`."""
+    return GROUPS.index("environment" if name == LOBES else name)
 
 
 def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:

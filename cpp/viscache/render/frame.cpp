@@ -76,8 +76,9 @@ public:
         for (int g = 0; g < kLightGroups; ++g) {
             const auto of_group = [&](const SharedLights& s) { return s.ends.group == g; };
             const auto lights = std::find_if(c_.shared.begin(), c_.shared.end(), of_group);
-            const bool exact =
-                lights == c_.shared.end() ? oracle_->is_exact_own(g) : oracle_->is_exact(lights->ends);
+            const bool own = lights == c_.shared.end() || lights->has_lobes();
+            const bool exact = (lights == c_.shared.end() || oracle_->is_exact(lights->ends)) &&
+                               (!own || oracle_->is_exact_own(g));
             if (!out.groups[size_t(g)].empty() && !exact) return false;
         }
         return true;
@@ -171,10 +172,22 @@ private:
                                 add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_,
                                                         counters);
                         });
+        if (sky_lobes())
+            add_batches(Semantic::kSolidAngle, LightGroup::kEnvironment, most_lobe_samples(s), counters,
+                        stages, clock, control, [&](uint32_t eye) {
+                            if (has_lobe(eyes_.shading[eye]))
+                                add_lobe_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+                        });
         if (s.ambient && !s.ambient_aligned)
             add_batches(Semantic::kSolidAngle, LightGroup::kAmbient, s.n_ambient, counters, stages, clock,
                         control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
+    }
+
+    /// Whether samples of lobes go with shared directions of the sky.
+    bool sky_lobes() const {
+        return std::any_of(c_.shared.begin(), c_.shared.end(), [](const auto& s) { return s.has_lobes(); }) &&
+               std::any_of(eyes_.shading.begin(), eyes_.shading.end(), has_lobe);
     }
 
     /// Goes through batches of eye points in the oracle's order: makes their samples (at most `samples` per

@@ -52,8 +52,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         keep(points, Semantic::kPoint, LightGroup::kPoint);
         keep(directions, Semantic::kDirection, LightGroup::kDirectional);
         if (scene.environment() && integrator.environment == EnvironmentSampling::kShared) {
-            SharedLights sky =
-                shared_sky(*scene.environment(), integrator.n_environment, integrator.interleave, frame.seed);
+            SharedLights sky = shared_sky(*scene.environment(), integrator, frame.seed);
             keep(sky, Semantic::kDirection, LightGroup::kEnvironment);
         }
     }

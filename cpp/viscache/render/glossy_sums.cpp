@@ -42,8 +42,10 @@ VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, floa
 template <Semantic kSemantic, class Visit>
 VISCACHE_INLINE void for_each_block(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
                                     const Word* row, Visit visit) {
-    alignas(64) float x[16], y[16], z[16], scale[16];
+    alignas(64) float x[16], y[16], z[16], scale[16], pdf[16];
     RgbBlock f;
+    // Samples of sharp lobes bring the rest (balance heuristic)
+    const bool balanced = s.has_lobes() && lobe.share > 0;
     const float* const cone = cone_row(s, eye.position);
     for (size_t w = 0; w < row_words_for(s.ends.count); ++w)
         for (size_t q = 0; q < kWordBits && row[w] >> q; q += 16) {
@@ -53,6 +55,10 @@ VISCACHE_INLINE void for_each_block(const SharedLights& s, const EyeShade& eye, 
             aim<kSemantic>(s, eye.position, k, x, y, z, scale);
             if (cone)
                 for (size_t i = 0; i < 16; ++i) scale[i] *= cone[k + i];
+            if (balanced) {
+                density16(lobe, x, y, z, pdf);
+                for (size_t i = 0; i < 16; ++i) scale[i] *= 1 / (1 + s.lobe_ratio[k + i] * pdf[i]);
+            }
             glossy16(lobe, x, y, z, f);
             visit(k, mask, f, scale);
         }
@@ -121,7 +127,7 @@ VISCACHE_INLINE void contributions_body(const SharedLights& s, const EyeShade& e
 
 /// The lobe; nothing if it reflects no light.
 std::optional<LobeConstants> lobe_of(const SharedLights& s, const ShadingPoint& brdf) {
-    LobeConstants lobe = lobe_constants(brdf);
+    LobeConstants lobe = sharp_lobe(brdf);
     if (lobe.black) return {};
     // A mirror reflects no light without an extent
     if (s.punctual && brdf.mirror) lobe.f0 = {};

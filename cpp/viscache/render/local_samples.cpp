@@ -1,6 +1,7 @@
 #include "viscache/render/local_samples.h"
 
 #include "viscache/render/eye_samples.h"
+#include "viscache/render/shared_sky.h"
 #include "viscache/sampling/hemisphere_batch.h"
 #include "viscache/sampling/sphere_batch.h"
 #include "viscache/scene/lobes.h"
@@ -37,14 +38,14 @@ class SkySamples {
 public:
     static constexpr size_t kSize = HemisphereBatch::kSize;
 
-    SkySamples(const EnvironmentMap& env, const ShadingPoint& point, Rgb throughput,
-               const IntegratorSettings& settings, WeightedSamples& out, Counters& counters)
+    SkySamples(const EnvironmentMap& env, const ShadingPoint& point, const LobeConstants& lobe,
+               Rgb throughput, float n_light, float n_brdf, WeightedSamples& out, Counters& counters)
         : env_(env),
           point_(point),
-          lobe_(lobe_constants(point)),
+          lobe_(lobe),
           throughput_(throughput),
-          n_light_(float(settings.n_environment)),
-          n_brdf_(float(settings.n_brdf)),
+          n_light_(n_light),
+          n_brdf_(n_brdf),
           out_(out),
           counters_(counters) {}
 
@@ -82,9 +83,10 @@ public:
                 for (; count < size_t(last - first); ++count)
                     wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
             } else {
-                for (int i = first; i < last; ++i)
-                    if (const auto s = sample_bsdf(point_, numbers.choice(i), numbers.position(i)))
-                        wi[count++] = s->wi;
+                for (int i = first; i < last; ++i) {
+                    const float u_lobe = lobe_.share < 1 ? numbers.choice(i) : 0;
+                    if (const auto s = sample_bsdf(point_, u_lobe, numbers.position(i))) wi[count++] = s->wi;
+                }
             }
             env_.look_up({wi, count}, {light, count});
             for (size_t i = 0; i < count; ++i) put(light[i]);
@@ -146,12 +148,29 @@ private:
 void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                              const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                              Counters& counters) {
-    SkySamples samples(*scene.environment(), eyes.shading[eye], eyes.throughput[eye], settings, out,
-                       counters);
+    const int n_light = settings.n_environment, n_brdf = settings.n_brdf;
+    const ShadingPoint& point = eyes.shading[eye];
+    SkySamples samples(*scene.environment(), point, lobe_constants(point), eyes.throughput[eye],
+                       float(n_light), float(n_brdf), out, counters);
     if (!samples.black()) {
-        const int n_light = settings.n_environment, n_brdf = settings.n_brdf;
         samples.add_light_samples(EyeSamples(seed, Purpose::kEnvironmentLight, eyes, eye, n_light), n_light);
         samples.add_brdf_samples(EyeSamples(seed, Purpose::kBrdf, eyes, eye, n_brdf), n_brdf);
+        samples.flush();
+    }
+    out.at.close(eye);
+}
+
+void add_lobe_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
+                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
+                      Counters& counters) {
+    const int sets = settings.interleave;
+    const size_t set = sets > 1 ? eyes.block.turn[eye] % size_t(sets) : 0;
+    const int n_light = set_size(settings.n_environment, sets, set), n = set_size(settings.n_brdf, sets, set);
+    const LobeConstants lobe = sharp_lobe(eyes.shading[eye]);
+    if (lobe.share > 0 && n > 0) {
+        SkySamples samples(*scene.environment(), eyes.shading[eye], lobe, eyes.throughput[eye],
+                           float(n_light), float(n), out, counters);
+        samples.add_brdf_samples(EyeSamples(seed, Purpose::kBrdf, eyes, eye, most_lobe_samples(settings)), n);
         samples.flush();
     }
     out.at.close(eye);

@@ -38,6 +38,14 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
 void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                              const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                              Counters& counters);
+/// Largest number of samples of the lobe of one eye point, beside shared directions of the sky.
+inline int most_lobe_samples(const IntegratorSettings& s) {
+    return (s.n_brdf + s.interleave - 1) / s.interleave;
+}
+/// Samples of a sharp lobe of an eye point, beside its set of shared directions (`shared_sky`).
+void add_lobe_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
+                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
+                      Counters& counters);
 void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
                          WeightedSamples& out);
 

@@ -50,7 +50,8 @@ struct IntegratorSettings {
     int n_area = 16;  ///< light samples, over all area lights
     LightChoice light_choice = LightChoice::kContribution;
     int n_environment = 16;  ///< light samples of the environment
-    int n_brdf = 16;         ///< BRDF samples of the environment, and at glossy points of area lights
+    int n_brdf = 16;  ///< BRDF samples of the environment, and at glossy points of area lights; beside shared
+                      ///< directions, of sharp lobes alone, and dealt to the sets
     EnvironmentSampling environment = EnvironmentSampling::kMis;
     int passes = 1;  ///< passes of n_environment product samples each
     PointSet points = PointSet::kZeroTwo;

@@ -157,6 +157,7 @@ void SharedLights::set_cone(const SpotCone& cone) {
 void SharedLights::pad() {
     if (!cones.empty()) cones.resize(ends.count);
     const size_t padded = row_words_for(ends.count) * kWordBits;
+    if (!lobe_ratio.empty()) lobe_ratio.resize(padded, 0.f);
     for (auto* v : {&ends.x, &ends.y, &ends.z, &ends.nx, &ends.ny, &ends.nz, &ends.tx, &ends.ty, &ends.tz,
                     &ends.density, &r, &g, &b})
         v->resize(padded, 0.f);

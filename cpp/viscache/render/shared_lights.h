@@ -18,9 +18,13 @@ struct SharedLights {
     std::vector<float> r, g,
         b;                        ///< intensity, irradiance or reflected flux density; padded with zeros
     std::vector<SpotCone> cones;  ///< of points, one per column; empty without a spot light
-    float bound2 = 0;             ///< for VPLs: added to d² in the geometry term; 0 = unbounded
-    bool punctual = false;        ///< the lights have no extent, so that no reflected ray meets them
+    /// Of directions whose light samples of sharp lobes bring as well: number of these samples of an eye
+    /// point over the density of the column's set; padded. Empty: there are none.
+    std::vector<float> lobe_ratio;
+    float bound2 = 0;       ///< for VPLs: added to d² in the geometry term; 0 = unbounded
+    bool punctual = false;  ///< the lights have no extent, so that no reflected ray meets them
     bool empty() const { return ends.count == 0; }
+    bool has_lobes() const { return !lobe_ratio.empty(); }
 
     /// Adds a column. Shadow rays stop at `end`; `value` is the RGB factor of the contributions.
     void add(Vec3 position, Vec3 normal, Vec3 end, Rgb value, float density);

@@ -8,7 +8,9 @@
 
 namespace viscache {
 
-SharedLights shared_sky(const EnvironmentMap& environment, int n, int sets, uint64_t seed) {
+SharedLights shared_sky(const EnvironmentMap& environment, const IntegratorSettings& settings,
+                        uint64_t seed) {
+    const int n = settings.n_environment, sets = settings.interleave;
     constexpr uint64_t kAllPixels = ~uint64_t{0};
     Rng rng(seed, Purpose::kEnvironmentLight, kAllPixels, 0);
     const uint32_t scramble_x = rng.next_u32(), scramble_y = rng.next_u32();
@@ -19,14 +21,18 @@ SharedLights shared_sky(const EnvironmentMap& environment, int n, int sets, uint
     SharedLights sky;
     for (size_t set = 0; set < size_t(sets); ++set) {
         // Runs of the sequence are as evenly spread as its beginning
-        const size_t first = size_t(n) * set / size_t(sets), last = size_t(n) * (set + 1) / size_t(sets);
-        const std::span run = std::span(samples).subspan(first, last - first);
+        const size_t size = size_t(set_size(n, sets, set));
+        const std::span run = std::span(samples).subspan(size_t(n) * set / size_t(sets), size);
+        const float lobes = float(set_size(settings.n_brdf, sets, set));
         std::stable_sort(run.begin(), run.end(), [](const auto& a, const auto& b) {
             return direction_bin<16>(a.wi) < direction_bin<16>(b.wi);
         });
-        for (const auto& s : run)
-            if (s.pdf > 0 && max_component(s.radiance) > 0)
-                sky.add(s.wi, {}, s.wi, s.radiance * (1 / (float(run.size()) * s.pdf)), float(n) * s.pdf);
+        for (const auto& s : run) {
+            if (!(s.pdf > 0 && max_component(s.radiance) > 0)) continue;
+            const float density = float(size) * s.pdf;
+            sky.add(s.wi, {}, s.wi, s.radiance * (1 / density), float(n) * s.pdf);
+            if (settings.n_brdf > 0) sky.lobe_ratio.push_back(lobes / density);
+        }
         if (sets > 1) sky.ends.set_end.push_back(uint32_t(sky.ends.count));
     }
     return sky;

@@ -28,6 +28,11 @@ inline bool is_black(const ShadingPoint& sp) {
            !(sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
 }
 
+/// True if a lobe may reflect light beside the diffuse part.
+inline bool has_lobe(const ShadingPoint& sp) {
+    return sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0;
+}
+
 /// f(wo, wi) without the cosine, per steradian; symmetric in wo and wi; zero below either normal. Diffuse:
 /// base/π. Glossy: a lobe of GGX's or Beckmann's microfacets with Schlick's Fresnel term F of `specular` =
 /// F0, plus the diffuse part below it (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1

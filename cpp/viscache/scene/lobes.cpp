@@ -32,6 +32,13 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
     return k;
 }
 
+LobeConstants sharp_lobe(const ShadingPoint& point) {
+    LobeConstants k = lobe_constants(point);
+    // Straight above, the lobe is share/(4π α²) of the albedo, and a diffuse surface 1/π
+    k.share = k.share > 4 * kSharp * k.alpha2 ? 1 : 0;
+    return k;
+}
+
 namespace {
 
 inline __attribute__((always_inline)) void reflect_body(const LobeConstants& k, const ReflectedDirections& d,

@@ -33,6 +33,13 @@ struct LobeConstants {
 
 LobeConstants lobe_constants(const ShadingPoint& point);
 
+/// A lobe is sharp if its peak is so many times the reflection of a diffuse surface of the same albedo.
+/// Chosen for samples beside shared directions of the sky (docs/performance/skies.md).
+constexpr float kSharp = 3;
+/// The same, but `share` is 1 where the lobe is sharp, so that densities are those of its samples alone, and
+/// 0 elsewhere.
+LobeConstants sharp_lobe(const ShadingPoint& point);
+
 /// f·cos of a diffuse surface.
 inline __attribute__((always_inline)) void diffuse16(const LobeConstants& k, const float* x, const float* y,
                                                      const float* z, RgbBlock& out) {

@@ -1,6 +1,6 @@
 #pragma once
-// Finds the fastest of several ways to trace the current packets, by timing. Affects speed only: all ways
-// give the same answers.
+// Finds the fastest of several ways to trace the current packets, by timing. All ways give the same answers,
+// but for one in 10⁹ that Embree's flags round differently (docs/performance/exact.md).
 #include <cstddef>
 #include <ctime>
 #include <optional>

@@ -11,7 +11,8 @@
 
 namespace viscache {
 
-/// The rays that share a packet. Affects speed only.
+/// The rays that share a packet. Affects speed only; Embree's flag also one answer in 10⁹
+/// (coherence_trial.h).
 enum class PacketOrder {
     kByLight,  ///< 16 neighbouring eye points towards one light: the fastest. Neighbours in space where many
                ///< lights share the cost of sorting, else in the order of the tile

@@ -6,7 +6,7 @@ samples with other seeds; its noise is taken out of the errors.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,14 +29,13 @@ MOST_Z = 4.0
 #: Seeds of frames of the converged picture start here.
 FIRST_REFERENCE = 1000
 OWN = "4 + 4 own samples"
+SETS = Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
 #: Integrator and samples per pixel; the sets are those of `viscache bench peers`, chosen elsewhere.
 WAYS = {
     OWN: (Direct(n_area=0, n_environment=4, n_brdf=4), 4),
     "1 + 1 own samples": (Direct(n_area=0, n_environment=1, n_brdf=1), 16),
-    "512 directions in 16 sets": (
-        Direct(n_area=0, environment="shared", n_environment=512, interleave=16),
-        16,
-    ),
+    "512 directions in 16 sets": (SETS, 16),
+    "the sets, without samples of lobes": (replace(SETS, n_brdf=0), 16),
 }
 
 REFERENCE = Direct(n_area=0, n_environment=8, n_brdf=8)

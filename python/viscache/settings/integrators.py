@@ -46,10 +46,13 @@ class Direct:
     n_brdf : int >= 0
         Samples per eye point by the BRDF: of the environment, and at glossy points of area lights.
         They are combined with those of the lights by the balance heuristic (Veach, Guibas 1995).
+        Beside shared directions, they are of the environment by sharp lobes alone, and are dealt to
+        the sets of `interleave` as the directions are. A lobe is sharp if its peak is at least
+        three times the reflection of a diffuse surface of the same albedo.
     environment : {"mis", "product", "shared"}
         "mis": as above. "product": `n_environment` directions per eye point and pass, drawn by
         light × reflection, without `n_brdf`. `VisMaps` always does this. "shared": `n_environment`
-        directions drawn by radiance once per frame, the same for all eye points, without `n_brdf`.
+        directions drawn by radiance once per frame, the same for all eye points.
         The error then appears as bands instead of noise. Tiles are answered as a whole: by level
         waves of `Aqvc`, or by the aligned batch of `Exact(sky_engine="auto")`.
     passes : int >= 1

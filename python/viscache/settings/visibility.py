@@ -35,9 +35,10 @@ class Exact:
     order : {"auto", "by_light", "by_pixel"}
         Rays of a packet: from 16 neighbouring eye points to one light (nearly always the fastest),
         or from one eye point to 16 lights. By default short trials during rendering choose it,
-        together with `coherent`. Answers do not depend on it.
+        together with `coherent`.
     coherent : bool, optional
-        Embree's traversal flag; chosen by the trials by default. Answers do not depend on it.
+        Embree's traversal flag; chosen by the trials by default. It changes about one answer in
+        10⁹ by rounding (docs/performance/exact.md); set it where every bit counts.
     sky_engine : {"embree", "batch", "auto"}
         The engine for directions that all eye points share: directional lights and, with
         environment="shared", the sky. "batch": for each direction, all triangles are tested against
@@ -49,10 +50,11 @@ class Exact:
         The engine for points that all eye points share: point lights and virtual point lights.
         "packets": 16 rays at a time. "shafts": the hull of a light and many neighbouring eye points
         is tested against the scene, and rays answer only what its bounds of rounding leave open.
-        Answers are the same bit for bit. It pays where eye points lie more densely than triangles,
-        as with many samples per pixel (docs/performance/exact.md has figures). "auto": shafts, but
-        packets in frames with too few queries to pay for the tree of the scene, where points ask
-        for few lights, and where a trial of eight lights leaves many packets to be traced. Scenes
+        Answers are those of packets with `coherent=False`, bit for bit. It pays where eye points
+        lie more densely than triangles, as with many samples per pixel (docs/performance/exact.md
+        has figures). "auto": shafts, but packets in frames with too few queries to pay for the tree
+        of the scene, where points ask for few lights, and where a trial of eight lights leaves many
+        packets to be traced. Scenes
         with instances, or too large for the tree (4 GiB), keep packets, and so do rays other than
         `Embree()`. `Frame.parameters["engine"]` counts what shafts did.
     """

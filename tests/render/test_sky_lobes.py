@@ -1,0 +1,199 @@
+"""Samples of lobes beside shared directions of the sky, by the balance heuristic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from render.mitsuba_scene import Look, Model, box, quad
+from viscache._core import CoatKind
+from viscache.audit_result import QueryErrors
+
+SETS = 8
+SIZE = (24, 18)
+PLASTIC = Look(kind="glossy", base_color=(0.4, 0.3, 0.2), specular=(0.2, 0.2, 0.2), roughness=0.1)
+LOOKS = {
+    "plastic": PLASTIC,
+    "metal": Look(kind="glossy", base_color=(0, 0, 0), roughness=0.08),
+    "rough metal": Look(kind="glossy", base_color=(0, 0, 0), roughness=0.6),
+    "rough coat": Look(kind="glossy", roughness=0.05, coat=CoatKind.ROUGH),
+    "smooth coat": Look(kind="glossy", roughness=0.02, coat=CoatKind.SMOOTH),
+}
+
+
+def sky() -> Any:
+    """Brighter on one side, with one bright patch that lobes may miss."""
+    rows, columns = np.mgrid[0:32, 0:64]
+    made = np.stack([1 + columns / 16, 2 - rows / 32, 0 * rows + 0.5], -1).astype(np.float32)
+    made[8:10, 20:23] = 30
+    return made
+
+
+@cache
+def scene(look: Look) -> vc.Scene:
+    """Two boxes on a floor, all of one material."""
+    parts = (
+        quad((-4, 0, 4), (8, 0, 0), (0, 0, -8), look=look),
+        box((-1.2, 0, -0.4), (-0.3, 1.1, 0.5), look=look),
+        box((0.3, 0, -0.9), (1.1, 0.6, 0.2), look=look),
+    )
+    model = Model(parts, origin=(0, 2, 4), target=(0, 0.3, 0), fov_deg=40)
+    return model.to_viscache().with_environment(sky())
+
+
+def shared(lobes: int, sets: int = SETS, n: int = 64, **more: Any) -> vc.Direct:
+    """Directions and samples of lobes in sets; as many samples of each eye point's as given."""
+    given: dict[str, Any] = {"environment": "shared", "n_environment": n, "n_area": 0} | more
+    return vc.Direct(**{"interleave": sets, "n_brdf": lobes * sets} | given)
+
+
+def frame_of(
+    integrator: Any, visibility: Any = None, look: Look = PLASTIC, **more: Any
+) -> vc.Frame:
+    given: dict[str, Any] = {"size": SIZE, "spp": SETS} | more
+    return vc.render(scene(look), integrator, visibility=visibility, **given)
+
+
+def light(frame: vc.Frame) -> Any:
+    return np.asarray(frame.layers["environment"], np.float64)
+
+
+@cache
+def truth(look: Look) -> Any:
+    """Own samples, many of them."""
+    return light(frame_of(vc.Direct(n_environment=64, n_brdf=64, n_area=0), look=look, spp=64))
+
+
+def blocks(image: Any) -> Any:
+    """Means of blocks of 6×6 pixels: a wrong weight may move light from one place to another."""
+    return image.mean(-1).reshape(3, 6, 4, 6).mean((1, 3)).ravel()
+
+
+@pytest.mark.parametrize("look", LOOKS.values(), ids=LOOKS)
+@pytest.mark.parametrize(
+    "integrator",
+    [
+        shared(1),
+        shared(3, sets=1, n=16),
+        shared(0, sets=7, n=50, n_brdf=10),
+        shared(0, n_brdf=3),
+        shared(1, n=256, pick=6),
+    ],
+    ids=["sets", "all", "unequal sets", "sets without lobes", "picks"],
+)
+def test_means_over_seeds_are_those_of_own_samples(look: Look, integrator: vc.Direct) -> None:
+    """z-test of the picture and of its parts; the control is 10 % brighter."""
+    seeds = range(512 if integrator.n_brdf < integrator.interleave else 96)
+    frames = [light(frame_of(integrator, look=look, seed=s)) for s in seeds]
+    means = np.array([image.mean() for image in frames])
+    error = means.std(ddof=1) / np.sqrt(len(means))
+    expected = truth(look)
+    assert abs(means.mean() - expected.mean()) < 3.5 * error + 0.002 * expected.mean()
+    assert abs(1.1 * means.mean() - expected.mean()) > 3.5 * error + 0.002 * expected.mean()
+    parts = np.array([blocks(image) for image in frames])
+    spread = parts.std(0, ddof=1) / np.sqrt(len(parts))
+    z = (parts.mean(0) - blocks(expected)) / (spread + 0.01 * blocks(expected))
+    assert np.abs(z).max() < 4
+
+
+def squared_error(n_brdf: int, look: Look, n: int = 64) -> float:
+    frames = [light(frame_of(shared(n_brdf, n=n), look=look, seed=s)) for s in range(1, 7)]
+    return float(np.mean([np.square(f - truth(look)).mean() for f in frames]))
+
+
+@pytest.mark.parametrize("look", [LOOKS["metal"], LOOKS["smooth coat"]], ids=["metal", "coat"])
+def test_lobes_find_what_shared_directions_miss(look: Look) -> None:
+    none, one = squared_error(0, look), squared_error(1, look)
+    assert one < none / 4
+    # It is the lobe that helps, not one ray more: 72 instead of 64 directions
+    assert squared_error(0, look, n=72) > none / 4
+
+
+def test_a_frame_without_lobes_does_not_change() -> None:
+    diffuse = Look(base_color=(0.4, 0.3, 0.2))
+    without, with_lobes = (frame_of(shared(n), look=diffuse) for n in (0, 4))
+    assert with_lobes.sha256 == without.sha256 and with_lobes.counters == without.counters
+    assert frame_of(shared(4)).sha256 != frame_of(shared(0)).sha256
+
+
+def test_each_eye_point_with_a_lobe_asks_for_its_samples() -> None:
+    asked = [frame_of(shared(n)).counters["groups"]["environment"]["queries"] for n in (0, 1, 4)]
+    hits = float(frame_of(shared(0)).layers["coverage"].sum()) * SETS
+    assert 0 < asked[1] - asked[0] <= hits
+    assert asked[2] - asked[0] == pytest.approx(4 * (asked[1] - asked[0]), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "visibility",
+    [
+        lambda: vc.Exact(order="by_light"),
+        lambda: vc.Exact(order="by_pixel"),
+        lambda: vc.Aqvc(c_e=1e-3),
+    ],
+    ids=["by light", "by pixel", "cache with small cells"],
+)
+def test_every_way_to_the_exact_answer_gives_the_same_bytes(
+    visibility: Callable[[], Any],
+) -> None:
+    base = frame_of(shared(2), threads=1, size=(90, 70))
+    other = frame_of(shared(2), visibility=visibility(), threads=3, size=(90, 70))
+    np.testing.assert_array_equal(light(other), light(base))
+
+
+@pytest.mark.parametrize("visibility", ["exact", "aqvc"])
+def test_threads_change_no_byte(visibility: str) -> None:
+    one, five = (frame_of(shared(2), visibility, threads=t, size=(150, 140), spp=2) for t in (1, 5))
+    assert one.sha256 == five.sha256 and one.counters == five.counters
+
+
+def test_frames_that_go_on_draw_the_next_samples() -> None:
+    together = light(frame_of(shared(1)))
+    apart = np.mean(
+        [light(frame_of(shared(1), spp=1, first_sample=s)) for s in range(SETS)], axis=0
+    )
+    np.testing.assert_allclose(apart, together, rtol=1e-5, atol=1e-6)
+
+
+def test_the_cache_answers_lobes_and_corrections_undo_its_errors() -> None:
+    """Means over seeds of corrected frames are those of exact ones, where the cache's are not."""
+    common: dict[str, Any] = {"size": (48, 36), "spp": 2}
+    coarse = vc.Aqvc(c_e=20, c_finest=20, refinement="off", exact_groups=())
+
+    def means(**given: Any) -> Any:
+        return np.array(
+            [light(frame_of(shared(2), **given, seed=s, **common)).mean() for s in range(60)]
+        )
+
+    exact, plain = means(), means(visibility=coarse)
+    corrected = means(visibility=coarse, use="correct")
+    for found, biased in ((plain, True), (corrected, False)):
+        difference = found - exact
+        z = difference.mean() / (difference.std(ddof=1) / np.sqrt(len(difference)))
+        assert (abs(z) > 4) == biased
+
+
+def test_connections_have_lobes_of_their_own_name() -> None:
+    conn = vc.connections(scene(PLASTIC), shared(2), size=SIZE, spp=SETS)
+    assert set(conn.groups) == {"environment"} and set(conn.samples) == {"lobes"}
+    answers = conn.answers(vc.Aqvc(c_e=8))
+    made, cached = conn.frame(answers), frame_of(shared(2), vc.Aqvc(c_e=8))
+    assert made.sha256 == cached.sha256 and made.counters["rays"] == cached.counters["rays"]
+    dark = light(conn.frame({"environment": answers["environment"]}))
+    assert (dark <= light(made)).all() and dark.mean() < 0.98 * light(made).mean()
+
+
+def test_audits_count_lobes() -> None:
+    """The audited bias of all queries is the difference of the frames."""
+    coarse = vc.Aqvc(c_e=30, exact_groups=())
+    cached = frame_of(shared(4), coarse, size=(48, 36), audit=vc.AuditQueries(share=1.0))
+    exact = frame_of(shared(4), size=(48, 36))
+    assert isinstance(cached.audit, QueryErrors)
+    found = cached.audit.groups["environment"].bias
+    difference = light(cached).mean() / light(exact).mean() - 1
+    assert found is not None and found.value == pytest.approx(difference, rel=1e-3)
+    assert abs(difference) > 1e-4
