@@ -84,7 +84,7 @@ public:
                     wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
             } else {
                 for (int i = first; i < last; ++i) {
-                    const float u_lobe = lobe_.share < 1 ? numbers.choice(i) : 0;
+                    const float u_lobe = lobe_.share < 1 ? numbers.choice(i) : 0;  // 0 chooses the lobe
                     if (const auto s = sample_bsdf(point_, u_lobe, numbers.position(i))) wi[count++] = s->wi;
                 }
             }
