@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, box, quad
 from viscache._core import CoatKind
 from viscache.audit_result import QueryErrors
@@ -114,9 +115,11 @@ def test_lobes_find_what_shared_directions_miss(look: Look) -> None:
     assert squared_error(0, look, n=72) > none / 4
 
 
-def test_a_frame_without_lobes_does_not_change() -> None:
-    diffuse = Look(base_color=(0.4, 0.3, 0.2))
-    without, with_lobes = (frame_of(shared(n), look=diffuse) for n in (0, 4))
+@pytest.mark.parametrize(
+    "look", [Look(base_color=(0.4, 0.3, 0.2)), LOOKS["rough metal"]], ids=["diffuse", "broad lobe"]
+)
+def test_a_frame_without_sharp_lobes_does_not_change(look: Look) -> None:
+    without, with_lobes = (frame_of(shared(n), look=look) for n in (0, 4))
     assert with_lobes.sha256 == without.sha256 and with_lobes.counters == without.counters
     assert frame_of(shared(4)).sha256 != frame_of(shared(0)).sha256
 
@@ -149,6 +152,16 @@ def test_every_way_to_the_exact_answer_gives_the_same_bytes(
 def test_threads_change_no_byte(visibility: str) -> None:
     one, five = (frame_of(shared(2), visibility, threads=t, size=(150, 140), spp=2) for t in (1, 5))
     assert one.sha256 == five.sha256 and one.counters == five.counters
+
+
+def hashes() -> list[str]:
+    """Of a frame of each material."""
+    return [frame_of(shared(2), look=look).sha256 for look in LOOKS.values()]
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_every_instruction_set_gives_the_same_bytes(isa: str) -> None:
+    assert printed_by(isa, "render.test_sky_lobes", "hashes()") == str(hashes())
 
 
 def test_frames_that_go_on_draw_the_next_samples() -> None:

@@ -54,9 +54,9 @@ class Exact:
         lie more densely than triangles, as with many samples per pixel (docs/performance/exact.md
         has figures). "auto": shafts, but packets in frames with too few queries to pay for the tree
         of the scene, where points ask for few lights, and where a trial of eight lights leaves many
-        packets to be traced. Scenes
-        with instances, or too large for the tree (4 GiB), keep packets, and so do rays other than
-        `Embree()`. `Frame.parameters["engine"]` counts what shafts did.
+        packets to be traced. Scenes with instances, or too large for the tree (4 GiB), keep
+        packets, and so do rays other than `Embree()`. `Frame.parameters["engine"]` counts what
+        shafts did.
     """
 
     order: Literal["auto", "by_light", "by_pixel"] = "auto"
