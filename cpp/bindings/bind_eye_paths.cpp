@@ -38,9 +38,8 @@ void bind_eye_paths(py::module_& m) {
             if (light.ndim() != 2) throw py::value_error("light must have shape (H, W)");
             const Tile all{0, 0, int(light.shape(1)), int(light.shape(0))};
             const auto pixels = along_curve({&all, 1});
-            std::vector<float> values;
-            for (const auto& [x, y] : pixels) values.push_back(light.at(y, x));
-            const auto drawn = draw_audit_pixels(pixels, values, n, seed, first_sample);
+            const auto drawn = draw_audit_pixels(pixels, {light.data(), size_t(light.size())},
+                                                 size_t(light.shape(1)), n, seed, first_sample);
             py::array_t<double> out({py::ssize_t(drawn.size()), py::ssize_t(3)});
             auto rows = out.mutable_unchecked<2>();
             for (py::ssize_t i = 0; i < rows.shape(0); ++i) {

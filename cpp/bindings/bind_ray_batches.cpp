@@ -3,8 +3,10 @@
 #include "caster_queries.h"
 #include "isa_argument.h"
 #include "real_numbers.h"
+#include "viscache/visibility/packet_choice.h"
 #include "viscache/visibility/ray_batch.h"
 #include "viscache/visibility/ray_order.h"
+#include "viscache/visibility/shadow_ray.h"
 
 namespace viscache::bindings {
 
@@ -43,6 +45,23 @@ py::tuple order_of(const AnyFloatArray& o, const AnyFloatArray& d, const std::op
     return py::make_tuple(py::array_t<uint32_t>(py::ssize_t(sorted.size()), sorted.data()), share);
 }
 
+/// True if rays between 16 pairs of points are traced with the coherent flag.
+bool coherent_between(const RayCaster& caster, const FloatArray& from, const FloatArray& to) {
+    const Vec3 *origins = rows3(from, "origins"), *ends = rows3(to, "ends");
+    RayPacket16 packet;
+    for (size_t i = 0; i < 16; ++i) set_lane(packet, int(i), {origins[i], 0, ends[i] - origins[i], 1});
+    return flag_between(caster, packet) == Coherence::kCoherent;
+}
+
+/// True if the first 16 rows of bits are traced by light.
+bool by_light(const std::vector<std::vector<bool>>& wanted) {
+    BitMatrix bits(wanted.size(), wanted.at(0).size());
+    for (size_t row = 0; row < wanted.size(); ++row)
+        for (size_t k = 0; k < wanted[row].size(); ++k)
+            if (wanted[row][k]) bits.set(row, k);
+    return order_of_rows(bits, 0) == PacketOrder::kByLight;
+}
+
 }  // namespace
 
 void bind_ray_batches(py::module_& m) {
@@ -53,6 +72,10 @@ void bind_ray_batches(py::module_& m) {
     t.def("ray_order", &order_of, py::arg("origins"), py::arg("directions"), py::kw_only(),
           py::arg("isa") = py::none(),
           "The order in which rays without order are traced, and their share in order.");
+    t.def("coherent_between", &coherent_between, py::arg("caster"), py::arg("origins"), py::arg("ends"),
+          "Whether rays between 16 pairs of points (16, 3) are traced with Embree's coherent flag.");
+    t.def("by_light", &by_light, py::arg("wanted"),
+          "Whether a block of up to 16 rows, with these bits asked, is traced by light.");
 }
 
 }  // namespace viscache::bindings

@@ -5,7 +5,7 @@
 #include "interrupt.h"
 #include "real_numbers.h"
 #include "table_reflection.h"
-#include "viscache/visibility/coherence_trial.h"
+#include "viscache/math/cpu_time.h"
 #include "viscache/vismap/point_estimate.h"
 
 namespace viscache::bindings {

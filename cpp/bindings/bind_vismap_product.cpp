@@ -3,7 +3,7 @@
 #include "real_numbers.h"
 #include "rows.h"
 #include "table_reflection.h"
-#include "viscache/visibility/coherence_trial.h"
+#include "viscache/math/cpu_time.h"
 #include "viscache/vismap/product_tree.h"
 
 namespace viscache::bindings {

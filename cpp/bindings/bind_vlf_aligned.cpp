@@ -130,7 +130,6 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
     const AlignedOrder order = by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
                                        : embree_order(caster.scene().placed_triangles(), call.origin.size());
     std::optional<Coherence> flag;
-    if (!by_axis && order == AlignedOrder::kByPoint) flag = Coherence::kIncoherent;
     if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
     call.run(
         [&](std::span<Word> rows, Control& control) {

@@ -3,9 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/oracle.h"
-#include "viscache/visibility/ray_caster.h"
+#include "viscache/visibility/packet_choice.h"
 #include "viscache/visibility/shadow_ray.h"
 
 namespace viscache {
@@ -17,7 +16,7 @@ struct Miss {
 
 class MissTracer {
 public:
-    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
+    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
 
     /// `flush` throws `Cancelled` soon after `control` requests it.
     void watch(const Control& control) { control_ = &control; }
@@ -31,19 +30,15 @@ public:
         for (size_t first = 0; first < misses_.size(); first += kPiece) {
             if (control_) control_->check();
             const std::span piece(sorted_.data() + first, std::min(kPiece, misses_.size() - first));
-            flag_.piece([&](Coherence flag) {
-                for (size_t i = 0; i < piece.size(); i += 16)
-                    trace16(eyes, lights, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), value,
-                            flag);
-                return piece.size();
-            });
+            for (size_t i = 0; i < piece.size(); i += 16)
+                trace16(eyes, lights, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), value);
         }
         misses_.clear();
         return rays;
     }
 
 private:
-    static constexpr size_t kPiece = 1024;  ///< rays between checks for cancellation, timed together
+    static constexpr size_t kPiece = 1024;  ///< rays between checks for cancellation
     /// Stable counting sort.
     void sort_by_light(size_t lights) {
         begin_.assign(lights + 1, 0);
@@ -52,8 +47,7 @@ private:
         sorted_.resize(misses_.size());
         for (const Miss& m : misses_) sorted_[begin_[m.light]++] = m;
     }
-    void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value,
-                 Coherence flag) {
+    void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value) {
         RayPacket16 packet;
         for (size_t i = 0; i < 16; ++i) {
             const Miss& m = rays[std::min(i, rays.size() - 1)];
@@ -65,6 +59,7 @@ private:
             packet.dy[i] = lights.ty[m.light];
             packet.dz[i] = lights.tz[m.light];
         }
+        const Coherence flag = flag_from(caster_, packet);
         aim16(packet, lights, extent_);
         const uint32_t mask = (1u << rays.size()) - 1;
         uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag));
@@ -76,7 +71,6 @@ private:
 
     const RayCaster& caster_;
     float extent_;
-    CoherenceTrial flag_;
     const Control* control_ = nullptr;
     std::vector<Miss> misses_, sorted_;
     std::vector<uint32_t> begin_;

@@ -180,18 +180,15 @@ void SampleRows::trace(const LocalSamples& samples, std::span<Word> visible) {
         if (control_) control_->check();
         const std::span<const uint32_t> piece(by_column_.data() + first,
                                               std::min(kPiece, rays_.size() - first));
-        flag_.piece([&](Coherence flag) {
-            for (size_t i = 0; i < piece.size(); i += 16)
-                trace16(samples, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), visible, flag);
-            return piece.size();
-        });
+        for (size_t i = 0; i < piece.size(); i += 16)
+            trace16(samples, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), visible);
     }
 }
 
 /// Traces the rays with these indices. Their answers are stored in the rows of the cells, or directly for the
 /// sample.
 void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> numbers,
-                         std::span<Word> visible, Coherence flag) {
+                         std::span<Word> visible) {
     const int n = int(numbers.size());
     RayPacket16 packet;
     for (int i = 0; i < n; ++i) {
@@ -199,6 +196,7 @@ void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> 
         set_lane(packet, i, samples.ray(*tile_->eyes, r.eye, r.sample, extent_));
     }
     pad_lanes(packet, n);
+    const Coherence flag = samples.is_direction() ? Coherence::kIncoherent : flag_between(caster_, packet);
     const uint32_t mask = (1u << n) - 1;
     for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
          seen &= seen - 1) {

@@ -12,14 +12,13 @@
 #include "viscache/aqvc/cell_steps.h"
 #include "viscache/aqvc/light_cells.h"
 #include "viscache/aqvc/row_kernels.h"
-#include "viscache/visibility/coherence_trial.h"
-#include "viscache/visibility/ray_caster.h"
+#include "viscache/visibility/packet_choice.h"
 
 namespace viscache {
 
 class SampleRows {
 public:
-    SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
+    SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
     void watch(const Control& control) { control_ = &control; }
 
     /// Begins a tile and a light group with the given C_E per level. Runs have at most `batch` eye points.
@@ -60,13 +59,11 @@ private:
     bool step_slab(const CellSteps::Step& step, bool last, size_t slab, size_t row, RowCounts& counts);
     void queue_rays(const LocalSamples& samples, size_t row, const CellSteps::Step& step);
     void trace(const LocalSamples& samples, std::span<Word> visible);
-    void trace16(const LocalSamples& samples, std::span<const uint32_t> numbers, std::span<Word> visible,
-                 Coherence flag);
+    void trace16(const LocalSamples& samples, std::span<const uint32_t> numbers, std::span<Word> visible);
     void answer(const LocalSamples& samples, size_t row, std::span<Word> visible) const;
 
     const RayCaster& caster_;
     float extent_;
-    CoherenceTrial flag_;
     const Control* control_ = nullptr;
     const RowKernels& kernels_ = row_kernels(active_isa());
     const TileAnchors* tile_ = nullptr;

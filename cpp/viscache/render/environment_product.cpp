@@ -2,8 +2,8 @@
 
 #include <chrono>
 
+#include "viscache/math/cpu_time.h"
 #include "viscache/render/local_samples.h"
-#include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 

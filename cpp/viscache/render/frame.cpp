@@ -322,15 +322,16 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
     const double start = thread_cpu_seconds();
     const auto pixels = along_curve(tiles);
     const double share = double(pixels.size()) / (double(out.width) * out.height);
-    std::vector<float> light(pixels.size());
+    std::vector<float> light(size_t(out.width) * size_t(out.height));
     const auto at = [&](uint32_t x, uint32_t y) { return size_t(y) * size_t(out.width) + x; };
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        const size_t p = at(pixels[i].first, pixels[i].second);
+    for (const auto& [x, y] : pixels) {
+        const size_t p = at(x, y);
         const Rgb seen = out.color[p] - out.emitted[p];
-        light[i] = seen.x + seen.y + seen.z;
+        light[p] = seen.x + seen.y + seen.z;
     }
     const size_t n = size_t(std::ceil(double(c.frame.audit_pixels) * share));
-    const auto drawn = draw_audit_pixels(pixels, light, n, c.frame.seed, c.frame.first_sample);
+    const auto drawn =
+        draw_audit_pixels(pixels, light, size_t(out.width), n, c.frame.seed, c.frame.first_sample);
     out.stages.audit += thread_cpu_seconds() - start;
 
     FrameResult exact = empty_result(c, false);

@@ -1,6 +1,6 @@
 #pragma once
 // CPU time of a frame's stages.
-#include "viscache/visibility/coherence_trial.h"
+#include "viscache/math/cpu_time.h"
 
 namespace viscache {
 

@@ -82,22 +82,46 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description, int thr
     return scene;
 }
 
+/// Area of all triangles of a mesh.
+static double area_of(const Mesh& mesh) {
+    double area = 0;
+    for (const Vec3u t : mesh.triangles) {
+        const Vec3 a = mesh.vertices[t.x], b = mesh.vertices[t.y] - a, c = mesh.vertices[t.z] - a;
+        // In double: squares of products of the largest edges overflow floats
+        const auto minor = [](float p, float q, float r, float s) {
+            return double(p) * double(s) - double(q) * double(r);
+        };
+        const double x = minor(b.y, b.z, c.y, c.z), y = minor(b.z, b.x, c.z, c.x),
+                     z = minor(b.x, b.y, c.x, c.y);
+        area += 0.5 * std::sqrt(x * x + y * y + z * z);
+    }
+    return area;
+}
+
 void Scene::measure() {
+    double placed_area = 0;
     for (const Mesh& mesh : d_.meshes) {
         unique_triangles_ += mesh.triangles.size();
         memory_bytes_ += mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Vec3u) +
                          mesh.normals.size() * sizeof(Vec3) + mesh.uvs.size() * sizeof(Vec2);
         if (!mesh.in_world) continue;
         placed_triangles_ += mesh.triangles.size();
+        placed_area += area_of(mesh);
         for (Vec3u t : mesh.triangles)
             for (uint32_t v : {t.x, t.y, t.z}) bounds_.add(mesh.vertices[v]);
     }
-    for (const Instance& instance : d_.instances)
+    for (const Instance& instance : d_.instances) {
+        const Vec3 x = instance.to_world.vector({1, 0, 0}), y = instance.to_world.vector({0, 1, 0}),
+                   z = instance.to_world.vector({0, 0, 1});
+        const double scale = std::cbrt(std::fabs(double(dot(x, cross(y, z)))));
         for (int index : instance.meshes) {
             const Mesh& mesh = d_.meshes[size_t(index)];
             placed_triangles_ += mesh.triangles.size();
+            placed_area += scale * scale * area_of(mesh);
             for (Vec3 v : mesh.vertices) bounds_.add(instance.to_world.point(v));
         }
+    }
+    if (placed_triangles_) triangle_size_ = float(std::sqrt(placed_area / double(placed_triangles_)));
     for (const SphereLight& light : d_.sphere_lights)
         for (float side : {-light.radius, light.radius}) bounds_.add(light.center + Vec3{side, side, side});
     if (!bounds_.empty() && bounds_.magnitude() > kMaxVertex)

@@ -43,6 +43,8 @@ public:
     float offset_extent() const { return bounds_.diagonal(); }
     /// Number of placed triangles, with instances expanded and without sphere lights.
     uint64_t placed_triangles() const { return placed_triangles_; }
+    /// Root of the mean area of the placed triangles.
+    float triangle_size() const { return triangle_size_; }
     uint64_t unique_triangles() const { return unique_triangles_; }
     uint64_t memory_bytes() const { return memory_bytes_; }
     const AreaLights& area_lights() const { return area_lights_; }
@@ -83,6 +85,7 @@ private:
     SceneDescription d_;
     size_t described_meshes_ = 0, described_materials_ = 0;
     Bounds bounds_;
+    float triangle_size_ = 0;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
     std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat

@@ -168,8 +168,14 @@ Hit EmbreeCaster::Impl::hit_of(unsigned geom, unsigned inst, unsigned prim, floa
     return hit;
 }
 
+/// Packets of rays are wider than what coherent traversal suits from so many triangle sizes on. Fitted to 180
+/// cases: twenty built-in scenes at three resolutions (docs/performance/exact.md).
+static constexpr float kCoherentTriangles = 6;
+
 EmbreeCaster::EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions options)
-    : scene_(std::move(scene)), impl_(std::make_unique<Impl>()) {
+    : scene_(std::move(scene)),
+      impl_(std::make_unique<Impl>()),
+      coherent_width_(kCoherentTriangles * scene_->triangle_size()) {
     Impl& impl = *impl_;
     const auto& meshes = scene_->meshes();
     for (uint32_t i = 0; i < meshes.size(); ++i) impl.data.push_back({scene_.get(), i});

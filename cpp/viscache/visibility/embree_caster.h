@@ -25,6 +25,9 @@ public:
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
+    Coherence flag_for(float width) const override {
+        return width <= coherent_width_ ? Coherence::kCoherent : Coherence::kIncoherent;
+    }
     /// Any hit of checked rays, in packets of 8 or 16. Stores the answer of ray i in blocked[i]; `blocked`
     /// has room for RayBatch::kMost.
     void occluded(const RayBatch& batch, uint8_t* blocked, const PacketPlan& plan) const;
@@ -51,6 +54,7 @@ private:
     struct Impl;
     std::shared_ptr<const Scene> scene_;
     std::unique_ptr<Impl> impl_;
+    float coherent_width_;  ///< half diagonal up to which coherent traversal is the faster one
 };
 
 }  // namespace viscache

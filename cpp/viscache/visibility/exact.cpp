@@ -29,29 +29,13 @@ uint64_t count_bits(const BitMatrix& m) {
     return n;
 }
 
-/// Traces the connections with the indices in `order` and sets the bits of the visible ones.
-template <class RayOf>
-static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> order, RayOf ray_of,
-                         std::span<Word> visible, Coherence flag) {
-    for (size_t at = 0; at < order.size(); at += 16) {
-        const int n = int(std::min<size_t>(16, order.size() - at));
-        RayPacket16 packet;
-        for (int i = 0; i < n; ++i) set_lane(packet, i, ray_of(order[at + size_t(i)]));
-        pad_lanes(packet, n);
-        const uint32_t mask = (1u << n) - 1;
-        for (uint32_t seen = mask & ~uint32_t(caster.occluded16(uint16_t(mask), packet, flag)); seen;
-             seen &= seen - 1)
-            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
-    }
-}
-
 /// The order in which the rows of a block are traced: rows that ask the same columns stand together, and in
 /// space if that is worth it. Sorting in space costs about as much as tracing 20 columns; the later groups of
 /// a tile use the same order. Empty: as in the tile.
 std::span<const uint32_t> ExactOracle::order_of(const EyeBlock& eyes, const FarEnds& lights) {
     constexpr size_t kFewColumns = 64;
     const size_t sets = lights.sets();
-    if (!by_light_ || eyes.size() <= 16) return {};
+    if (order_given_ == PacketOrder::kByPixel || eyes.size() <= 16) return {};
     const bool sorted = order_.size() == eyes.size();
     const bool in_space = sorted || lights.count / sets >= kFewColumns;
     if (in_space && !sorted) order_ = packet_order(eyes.origin);
@@ -97,34 +81,19 @@ uint64_t ExactOracle::trace_rows(const EyeBlock& eyes, std::span<const uint32_t>
     uint64_t queries = 0;
     for (size_t first = 0; first < wanted.rows(); first += 16) {
         check_cancelled();
-        block_plan_.piece([&](const Plan& plan) {
-            size_t rays = 0;
-            if (plan.order == PacketOrder::kByLight)
-                rays = rows16_by_light(first, eyes, order, lights, wanted, visible, plan.flag);
-            else
-                for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
-                    rays += row_by_pixel(row, order.empty() ? uint32_t(row) : order[row], eyes, lights,
-                                         wanted, visible, plan.flag);
-            queries += rays;
-            return rays;
-        });
+        if ((order_given_ ? *order_given_ : order_of_rows(wanted, first)) == PacketOrder::kByLight)
+            queries += rows16_by_light(first, eyes, order, lights, wanted, visible);
+        else
+            for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
+                queries += row_by_pixel(row, order.empty() ? uint32_t(row) : order[row], eyes, lights, wanted,
+                                        visible);
     }
     return queries;
 }
 
-std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> order,
-                                                  std::optional<Coherence> flag) {
-    std::vector<Plan> plans;
-    for (const PacketOrder o : {PacketOrder::kByLight, PacketOrder::kByPixel})
-        for (const Coherence f : {Coherence::kCoherent, Coherence::kIncoherent})
-            if (o == order.value_or(o) && f == flag.value_or(f)) plans.push_back({o, f});
-    return plans;
-}
-
 /// Traces 16 eye points towards all their lights, one light after another. Returns the number of rays.
 size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::span<const uint32_t> order,
-                                    const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                                    Coherence flag) {
+                                    const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible) {
     RayPacket16 origin, packet;
     uint16_t columns[64], answers[64];
     size_t rays = 0;
@@ -136,6 +105,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
         origin.oy[i] = o.y;
         origin.oz[i] = o.z;
     }
+    const Coherence flag = flag_given_.value_or(flag_from(caster_, origin));
     for (size_t w = 0; w < words_for(lights.count); ++w) {
         columns16(wanted, first, w, columns);
         bool any = false;
@@ -162,7 +132,8 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
 
 /// Traces one eye point towards all its lights, 16 consecutive lights at a time. Returns the number of rays.
 size_t ExactOracle::row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes, const FarEnds& lights,
-                                 const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
+                                 const BitMatrix& wanted, BitMatrix& visible) {
+    const Coherence flag = flag_given_.value_or(Coherence::kIncoherent);
     RayPacket16 packet;
     size_t lane_light[16];
     size_t rays = 0;
@@ -241,17 +212,27 @@ void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, 
 template <class Source>
 void ExactOracle::trace_all(const Source& source, const EyeBlock& eyes, std::span<Word> visible,
                             Counters& counters) {
-    constexpr size_t kPiece = 1024;
+    constexpr size_t kPiece = 1024;  // rays between checks for cancellation
     sort_by_direction(source, eyes, counters);
-    const std::span<const uint32_t> all(order_by_direction_);
-    for (size_t first = 0; first < all.size(); first += kPiece) {
-        check_cancelled();
-        pairs_flag_.piece([&](Coherence flag) {
-            const auto piece = all.subspan(first, std::min(kPiece, all.size() - first));
-            trace_sorted(
-                caster_, piece, [&](uint32_t i) { return source.ray(eyes, i, extent_); }, visible, flag);
-            return piece.size();
-        });
+    const std::span<const uint32_t> order(order_by_direction_);
+    for (size_t at = 0; at < order.size(); at += 16) {
+        if (at % kPiece == 0) check_cancelled();
+        const int n = int(std::min<size_t>(16, order.size() - at));
+        RayPacket16 packet;
+        bool to_points = true;
+        for (int i = 0; i < n; ++i) {
+            const uint32_t connection = order[at + size_t(i)];
+            set_lane(packet, i, source.ray(eyes, connection, extent_));
+            to_points &= !source.is_direction(connection);
+        }
+        pad_lanes(packet, n);
+        // Directions of a bin differ too much for coherent traversal, samples of an area light do not
+        const Coherence flag =
+            flag_given_.value_or(to_points ? flag_between(caster_, packet) : Coherence::kIncoherent);
+        const uint32_t mask = (1u << n) - 1;
+        for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
+             seen &= seen - 1)
+            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
     }
 }
 

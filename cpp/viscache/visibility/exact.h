@@ -3,32 +3,20 @@
 #include <optional>
 #include <vector>
 
-#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/oracle.h"
+#include "viscache/visibility/packet_choice.h"
 #include "viscache/visibility/point_order.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
 namespace viscache {
 
-/// The rays that share a packet. Affects speed only; Embree's flag also one answer in 10⁹
-/// (coherence_trial.h).
-enum class PacketOrder {
-    kByLight,  ///< 16 neighbouring eye points towards one light: the fastest. Neighbours in space where many
-               ///< lights share the cost of sorting, else in the order of the tile
-    kByPixel,  ///< one eye point towards 16 lights
-};
-
 class ExactOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent. Without an order or a flag, short trials select the fastest.
+    /// `extent` is Scene::offset_extent. Without an order or a flag, each packet gets those that suit it.
     ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster),
-          extent_(extent),
-          by_light_(order != PacketOrder::kByPixel),
-          block_plan_(plans(order, flag), {}, 1024),
-          pairs_flag_(flag) {}
+        : caster_(caster), extent_(extent), order_given_(order), flag_given_(flag) {}
 
     void begin_tile(const EyeBlock&) override { order_.clear(); }
     void log(QueryLog* log) override { log_ = log; }
@@ -42,19 +30,13 @@ public:
                  Counters& counters) override;
 
 private:
-    struct Plan {
-        PacketOrder order;
-        Coherence flag;
-    };
-    static std::vector<Plan> plans(std::optional<PacketOrder> order, std::optional<Coherence> flag);
     std::span<const uint32_t> order_of(const EyeBlock& eyes, const FarEnds& lights);
     uint64_t trace_rows(const EyeBlock& eyes, std::span<const uint32_t> order, const FarEnds& lights,
                         const BitMatrix& wanted, BitMatrix& visible);
     size_t rows16_by_light(size_t first, const EyeBlock& eyes, std::span<const uint32_t> order,
-                           const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                           Coherence flag);
+                           const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
     size_t row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes, const FarEnds& lights,
-                        const BitMatrix& wanted, BitMatrix& visible, Coherence flag);
+                        const BitMatrix& wanted, BitMatrix& visible);
 
     /// Traces connections i = 0 … size − 1 of a source, which has eye(i), target(i), ray(i) and
     /// is_direction(i).
@@ -65,13 +47,12 @@ private:
 
     const RayCaster& caster_;
     float extent_;
-    bool by_light_;  ///< packets of eye points may be traced
+    std::optional<PacketOrder> order_given_;
+    std::optional<Coherence> flag_given_;
     QueryLog* log_ = nullptr;
-    Trial<Plan> block_plan_;
     std::vector<uint32_t> order_;  ///< the tile's eye points along a spatial tree; empty: not sorted so far
     std::vector<uint32_t> order_by_set_;
     BitMatrix wanted_in_order_, visible_in_order_;
-    CoherenceTrial pairs_flag_;
     // For `pairs` and `samples`: direction bins of the connections, and indices sorted by bin
     std::vector<uint16_t> bin_;
     std::vector<uint32_t> order_by_direction_;

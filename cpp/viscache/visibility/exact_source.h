@@ -8,7 +8,7 @@ namespace viscache {
 
 class ExactSource final : public OracleSource {
 public:
-    /// Without an order or a flag, short trials select the fastest.
+    /// Without an order or a flag, each packet gets those that suit it.
     ExactSource(const Scene& scene, const RayCaster& caster, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
         : caster_(caster), extent_(scene.offset_extent()), order_(order), flag_(flag) {}

@@ -13,8 +13,10 @@ struct alignas(64) RayPacket16 {
     float dx[16], dy[16], dz[16], t_max[16];
 };
 
-/// Coherent traversal suits consecutive rays with similar origins and ends. Answers do not change, with one
-/// exception: among several hits at equal distance, the nearest can be a different one.
+/// Coherent traversal suits consecutive rays with similar origins and ends. Answers do not change, with two
+/// exceptions: among several hits at equal distance, the nearest can be a different one; and one any-hit
+/// answer in 10⁹ is rounded differently (docs/performance/exact.md). So the choice is never timed: the same
+/// rays are traced in the same way in every run.
 enum class Coherence { kIncoherent, kCoherent };
 
 constexpr uint32_t kNoHit = 0xffffffffu;
@@ -39,6 +41,9 @@ public:
     virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const = 0;
     /// Any hit of the lanes in `mask`. Returns the mask of occluded lanes. `rays` may be overwritten.
     virtual uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const = 0;
+    /// The faster traversal of 16 rays to one point or along one direction, where the bounding box of their
+    /// origins has this half diagonal (packet_choice.h).
+    virtual Coherence flag_for(float) const { return Coherence::kIncoherent; }
 };
 
 }  // namespace viscache

@@ -8,7 +8,6 @@ namespace viscache {
 namespace {
 
 constexpr size_t kPointsPerBlock = 256, kFewestPointsPerBlock = 4;
-constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
 
 /// Bits of the far ends above the plane through p with normal n; for directions, p is the origin.
 void upper_hemisphere(const FarEnds& ends, Vec3 p, Vec3 n, std::span<Word> row) {
@@ -69,25 +68,15 @@ class Worker {
 public:
     Worker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
            const Control& control)
-        : extent_(extent),
-          sky_(sky),
-          by_light_(caster, extent, PacketOrder::kByLight),
-          by_pixel_(caster, extent, PacketOrder::kByPixel),
-          order_({PacketOrder::kByLight, PacketOrder::kByPixel}, order, kTrialPeriod) {
-        by_light_.watch(control);
-        by_pixel_.watch(control);
+        : extent_(extent), sky_(sky), oracle_(caster, extent, order) {
+        oracle_.watch(control);
     }
     /// The rows of some neighbouring points; row i is that of points[i].
     const BitMatrix& rows(const RowInput& input, std::span<const uint32_t> points) {
         block_.fill(input, sky_, points, extent_);
         visible_.reset(points.size(), sky_.count);
-        order_.piece([&](PacketOrder order) {
-            ExactOracle& oracle = order == PacketOrder::kByLight ? by_light_ : by_pixel_;
-            const uint64_t before = counters_.rays();
-            oracle.begin_tile(block_.eyes);
-            oracle.block(block_.eyes, sky_, block_.wanted, visible_, counters_);
-            return size_t(counters_.rays() - before);
-        });
+        oracle_.begin_tile(block_.eyes);
+        oracle_.block(block_.eyes, sky_, block_.wanted, visible_, counters_);
         return visible_;
     }
     uint64_t rays() const { return counters_.rays(); }
@@ -95,8 +84,7 @@ public:
 private:
     float extent_;
     const FarEnds& sky_;
-    ExactOracle by_light_, by_pixel_;
-    Trial<PacketOrder> order_;
+    ExactOracle oracle_;
     RowBlock block_;
     BitMatrix visible_;
     Counters counters_;

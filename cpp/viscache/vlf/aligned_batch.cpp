@@ -1,6 +1,6 @@
 #include "viscache/vlf/aligned_batch.h"
 
-#include "viscache/visibility/coherence_trial.h"
+#include "viscache/visibility/packet_choice.h"
 #include "viscache/vlf/aligned_kernels.h"
 #include "viscache/vlf/axis_bits.h"
 
@@ -29,7 +29,13 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
 
 namespace {
 
-constexpr size_t kTrialPeriod = 1024;  // counted in axes, or in chunks of points
+/// The flag that suits the mean packet, for rays along one axis.
+Coherence flag_along(const EmbreeCaster& caster, const PointPackets& points) {
+    double sum = 0;
+    for (size_t i = 0; i < points.packets * kLanes; i += kLanes)
+        sum += half_diagonal(&points.x[i], &points.y[i], &points.z[i]);
+    return caster.flag_for(float(sum / double(points.packets)));
+}
 
 /// Axes as arrays of components, padded with copies of the last.
 struct AxisArrays {
@@ -50,17 +56,14 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
                  AlignedOrder order, int width, std::optional<Coherence> flag, int threads,
                  Control& control) {
     if (input.origin.empty() || input.axes.empty()) return;
-    std::vector<CoherenceTrial> trials(size_t(resolve_threads(threads)), CoherenceTrial(flag, kTrialPeriod));
     const PointPackets points(Placement{}, input.origin, input.normal, control, input.order);
     if (order == AlignedOrder::kByAxis) {
         const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
                                points.ny.data(), points.nz.data(), points.asked.data(), points.packets};
+        const PacketPlan plan{width, flag ? *flag : flag_along(caster, points)};
         rows_by_axis(input.axes.size(), points.packets, points.order, rows, threads, control,
-                     [&](size_t axis, PacketRange, int worker, uint16_t* free) {
-                         trials[size_t(worker)].piece([&](Coherence c) {
-                             caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, {width, c});
-                             return points.points;
-                         });
+                     [&](size_t axis, PacketRange, int, uint16_t* free) {
+                         caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, plan);
                          for (size_t p = 0; p < points.packets; ++p)
                              free[p] = uint16_t(points.asked[p] & ~free[p]);
                      });
@@ -70,20 +73,18 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
     const AxisLanes lanes{axes.x.data(), axes.y.data(), axes.z.data(), input.axes.size(), axes.x.size()};
     const size_t words = words_for(lanes.count), tail = lanes.count % kWordBits;
     constexpr size_t kPointsPerChunk = 64;
-    const auto trace = [&](size_t i, Coherence c) {
+    const PacketPlan plan{width, flag.value_or(Coherence::kIncoherent)};
+    const auto trace = [&](size_t i) {
         Word* row = &rows[i * words];
-        caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, {width, c});
+        caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, plan);
         for (size_t w = 0; w < words; ++w) row[w] = ~row[w];
         if (tail) row[words - 1] &= (Word{1} << tail) - 1;
     };
     const size_t chunks = (points.points + kPointsPerChunk - 1) / kPointsPerChunk;
-    parallel_for(chunks, threads, [&](size_t chunk, int worker) {
+    parallel_for(chunks, threads, [&](size_t chunk, int) {
         control.check();
         const size_t first = chunk * kPointsPerChunk, last = std::min(points.points, first + kPointsPerChunk);
-        trials[size_t(worker)].piece([&](Coherence c) {
-            for (size_t p = first; p < last; ++p) trace(points.order[p], c);
-            return last - first;
-        });
+        for (size_t p = first; p < last; ++p) trace(points.order[p]);
     });
 }
 

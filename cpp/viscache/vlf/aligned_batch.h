@@ -51,8 +51,8 @@ private:
     TriangleBlocks triangles_;
 };
 
-/// The same with Embree, in packets of 8 or 16. Without a flag, each thread measures which one is
-/// faster. In robust scenes the bits depend only on the input.
+/// The same with Embree, in packets of 8 or 16. Without a flag, the packets get the one that suits their
+/// width. In robust scenes the bits depend only on the input.
 void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
                  AlignedOrder order, int width, std::optional<Coherence> flag, int threads, Control& control);
 

@@ -12,7 +12,7 @@ import viscache._core.aqvc
 import viscache._core.sampling
 import viscache._core.vismap
 import viscache._core.vlf
-__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'bilinear_places', 'choose_light', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'equal_area_round_trip', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'latlong_batch', 'learnt_map', 'least_residual_variance', 'light_cells', 'light_probabilities', 'lit_by_light', 'map_differences', 'nearest_emitter', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'packed_rays', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'pick_columns', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'ray_order', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
+__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'bilinear_places', 'by_light', 'choose_light', 'coherent_between', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'equal_area_round_trip', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'latlong_batch', 'learnt_map', 'least_residual_variance', 'light_cells', 'light_probabilities', 'lit_by_light', 'map_differences', 'nearest_emitter', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'packed_rays', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'pick_columns', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'ray_order', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
 class BitTable:
     """
     The lossy table. `get` gives -1 for a miss.
@@ -152,9 +152,17 @@ def bilinear_places(u: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], 
     """
     The four pixels (4, n) around places of a lat-long image, row by row of the image, and the shares (2, n) of the right column and the lower row.
     """
+def by_light(wanted: collections.abc.Sequence[collections.abc.Sequence[bool]]) -> bool:
+    """
+    Whether a block of up to 16 rows, with these bits asked, is traced by light.
+    """
 def choose_light(scene: viscache._core.Scene, way: str, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
     """
     Lights (N, K) chosen at points with shading normals by numbers u (N, K), and their probabilities. Lights are counted over triangles, then spheres; -1: none contributes.
+    """
+def coherent_between(caster: viscache._core.RayCaster, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], ends: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> bool:
+    """
+    Whether rays between 16 pairs of points (16, 3) are traced with Embree's coherent flag.
     """
 def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

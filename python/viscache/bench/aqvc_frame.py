@@ -94,12 +94,12 @@ def aqvc_frame(quick: bool = False) -> Outcome:
             case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
             measure(outcome, load_scene(path), name, case)
     outcome.notes.append(
-        "packets: our fastest exact rays (16 neighbouring eye points towards one light, traversal"
-        " flag by trial); exact: vc.Exact(), which takes shafts where they pay; exact-by-pixel: 16"
-        " lights from one eye point; hash: the paper's form,"
-        " one table look-up per query. Ratios are of CPU seconds of whole frames: camera paths,"
-        " VPLs, keys, rays, shading; ratio_after_first_hits leaves camera paths out. tuned: the"
-        " setting nearest the goal at rel_l1 <= 1 %, found by trial on this scene."
+        "packets: our fastest exact rays (16 neighbouring eye points towards one light); exact:"
+        " vc.Exact(), which takes shafts where they pay; exact-by-pixel: 16 lights from one eye"
+        " point; hash: the paper's form, one table look-up per query. Ratios are of CPU seconds of"
+        " whole frames: camera paths, VPLs, keys, rays, shading; ratio_after_first_hits leaves"
+        " camera paths out. tuned: the setting nearest the goal at rel_l1 <= 1 %, found by trial on"
+        " this scene."
     )
     return outcome
 

@@ -195,7 +195,7 @@ def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
             samples["ours"],
             samples["embree"],
             goal=2.0,
-            plan="by axis, 16, flag by trial",
+            plan="by axis, 16, flag by width",
             engine=frames["auto"].parameters["engine"],
         )
     )

@@ -22,10 +22,11 @@ class AuditPixels:
     """An audit of whole pixels: estimates of the error of a frame, with intervals.
 
     Exact rays answer all queries of all samples of `n` pixels. These are a random sample of the
-    frame, stratified along the Morton curve and drawn by brightness, with the seed and first sample
-    as key. A frame of `n` pixels or fewer is audited whole. There is an interval of rel_l1 if `n`
-    is at most an eighth of the pixels, or all, and if 50 of them are wrong; of nrmse only if all
-    are audited, because samples tend to lack the few pixels that decide it.
+    frame, stratified along the Morton curve and drawn by the most light of a pixel within two, with
+    the seed and first sample as key. A frame of `n` pixels or fewer is audited whole. There is an
+    interval of rel_l1 if `n` is at most an eighth of the pixels, or all, and if 50 of them are
+    wrong; of nrmse only if all are audited, because samples tend to lack the few pixels that decide
+    it.
 
     Parameters
     ----------

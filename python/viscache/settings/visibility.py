@@ -34,11 +34,13 @@ class Exact:
     ----------
     order : {"auto", "by_light", "by_pixel"}
         Rays of a packet: from 16 neighbouring eye points to one light (nearly always the fastest),
-        or from one eye point to 16 lights. By default short trials during rendering choose it,
-        together with `coherent`.
+        or from one eye point to 16 lights. "auto": by light, unless packets would have fewer than
+        three rays on average, as where each eye point asks for a few lights of its own.
     coherent : bool, optional
-        Embree's traversal flag; chosen by the trials by default. It changes about one answer in
-        10⁹ by rounding (docs/performance/exact.md); set it where every bit counts.
+        Embree's traversal flag. By default packets to one light are traced coherently where their
+        16 eye points lie close together for the scene's triangles, and all others incoherently
+        (docs/performance/exact.md). Nothing is timed: every run gives the same bytes. The flag
+        changes about one answer in 10⁹ by rounding.
     sky_engine : {"embree", "batch", "auto"}
         The engine for directions that all eye points share: directional lights and, with
         environment="shared", the sky. "batch": for each direction, all triangles are tested against
