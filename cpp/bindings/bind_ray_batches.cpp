@@ -48,17 +48,20 @@ py::tuple order_of(const AnyFloatArray& o, const AnyFloatArray& d, const std::op
 /// True if rays between 16 pairs of points are traced with the coherent flag.
 bool coherent_between(const RayCaster& caster, const FloatArray& from, const FloatArray& to) {
     const Vec3 *origins = rows3(from, "origins"), *ends = rows3(to, "ends");
+    if (from.shape(0) != 16 || to.shape(0) != 16)
+        throw py::value_error("origins and ends must have shape (16, 3)");
     RayPacket16 packet;
     for (size_t i = 0; i < 16; ++i) set_lane(packet, int(i), {origins[i], 0, ends[i] - origins[i], 1});
     return flag_between(caster, packet) == Coherence::kCoherent;
 }
 
 /// True if the first 16 rows of bits are traced by light.
-bool by_light(const std::vector<std::vector<bool>>& wanted) {
-    BitMatrix bits(wanted.size(), wanted.at(0).size());
-    for (size_t row = 0; row < wanted.size(); ++row)
-        for (size_t k = 0; k < wanted[row].size(); ++k)
-            if (wanted[row][k]) bits.set(row, k);
+bool by_light(const py::array_t<bool, py::array::c_style>& wanted) {
+    if (wanted.ndim() != 2) throw py::value_error("wanted must have shape (rows, lights)");
+    BitMatrix bits(size_t(wanted.shape(0)), size_t(wanted.shape(1)));
+    for (size_t row = 0; row < bits.rows(); ++row)
+        for (size_t k = 0; k < bits.columns(); ++k)
+            if (wanted.at(row, k)) bits.set(row, k);
     return order_of_rows(bits, 0) == PacketOrder::kByLight;
 }
 

@@ -152,7 +152,7 @@ def bilinear_places(u: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], 
     """
     The four pixels (4, n) around places of a lat-long image, row by row of the image, and the shares (2, n) of the right column and the lower row.
     """
-def by_light(wanted: collections.abc.Sequence[collections.abc.Sequence[bool]]) -> bool:
+def by_light(wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool]) -> bool:
     """
     Whether a block of up to 16 rows, with these bits asked, is traced by light.
     """
