@@ -253,8 +253,8 @@ void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hi
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
     const RTCScene top = impl_->top;
-    // Incoherent packets of 8 are at least as fast as those of 16 (5 % faster for misses of the quantized
-    // cache). Without AVX-512, Embree would have to sort a packet of 16 again.
+    // Incoherent packets of 16 would take 3 to 10 % less time, but some of their answers depend on the other
+    // rays (docs/performance/tried.md). Without AVX-512, Embree would have to sort a packet of 16 again.
     if (impl_->native16 && coherence == Coherence::kCoherent && impl_->sound16(coherence))
         return uint16_t(rtc::occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     uint32_t occluded = 0;
