@@ -26,6 +26,7 @@ from viscache.oracles.learned import (
     Shares,
     best_scale,
     octaves_of,
+    one_pass_is_enough,
 )
 from viscache.oracles.sources import parameters_of
 from viscache.oracles.written import Written, is_written
@@ -387,29 +388,34 @@ class Progressive:
         self._next = n + 1
 
     def _learn(self) -> None:
-        """Decides how later passes draw, once the first ones are there."""
+        """Decides how later passes draw, once the first ones tell."""
         sums = self._sums
-        ready = sums.n >= LEARNING_PASSES and "share_by_class" in sums.counters
-        if sums.shares is not None or not ready or "variance" not in sums.layers:
+        learns = "share_by_class" in sums.counters and "variance" in sums.layers
+        if sums.shares is not None or not learns:
             return
         given = self.use if isinstance(self.use, Correct) else Correct()
-        scale = 1.0
-        if given.certain == "auto":
-            scale = best_scale(
-                sums.squares / (sums.n - 1),
-                sums.layers["variance"] / sums.n,
-                sums.layers["color"] / sums.n,
-                sums.counters,
-                rows_are_kept=self.rows is not None and not self.renew,
-            )
+        scale = self._scale_of_shares() if given.certain == "auto" else 1.0
+        if sums.n < LEARNING_PASSES and math.isfinite(scale):
+            return
         learned = given.classes == "learned"
         octaves = octaves_of(sums.counters["share_by_class"]) if learned else None
         sums.shares = Shares(octaves, scale)
         if math.isinf(scale):
             sums.warnings.append(
-                "exact visibility from pass 3 on: the noise of corrections would cost more than "
-                'they save; vc.Correct(certain=...) or use="replace" keeps the cache'
+                f"exact visibility from pass {sums.n + 1} on: the noise of corrections would cost "
+                'more than they save; vc.Correct(certain=...) or use="replace" keeps the cache'
             )
+
+    def _scale_of_shares(self) -> float:
+        """The factor of later passes' shares, or inf for exact visibility."""
+        sums = self._sums
+        color, of_corrections = sums.layers["color"] / sums.n, sums.layers["variance"] / sums.n
+        kept = self.rows is not None and not self.renew
+        if sums.n < LEARNING_PASSES:
+            loses = one_pass_is_enough(of_corrections, color, sums.counters, rows_are_kept=kept)
+            return math.inf if loses else 1.0
+        variance = sums.squares / (sums.n - 1)
+        return best_scale(variance, of_corrections, color, sums.counters, rows_are_kept=kept)
 
     def _drawn(self) -> tuple[Any, Any, PassMemory]:
         """Visibility, use and memory of the next pass.

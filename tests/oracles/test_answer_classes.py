@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from viscache.oracles.learned import (
     PassMemory,
     best_scale,
     octaves_of,
+    one_pass_is_enough,
     unlearnt,
 )
 from viscache.render import render_part
@@ -256,13 +258,40 @@ def test_the_scale_of_shares_balances_noise_and_rays() -> None:
     assert best_scale(variance, of_corrections, np.ones((10, 10, 3)), counters) == 2.0
 
 
-@pytest.fixture(scope="module")
-def gap() -> vc.Scene:
-    """A floor that light reaches through gaps finer than cells: a cache is hardly right there."""
+def test_one_pass_tells_only_where_even_much_noise_would_not_help() -> None:
+    rng = np.random.default_rng(5)
+    counters = {"queries": 1000, "rays": 30, "corrections": 20, "groups": {}}
+
+    def enough(noise: float, of_corrections: float, width: int = 200, **other: Any) -> bool:
+        light = 1 + math.sqrt(noise) * rng.standard_normal((40, width, 3))
+        ones = np.ones_like(light)
+        return one_pass_is_enough(ones * of_corrections, light, counters | other)
+
+    assert not enough(0.01, 0.0)  # nothing was checked
+    assert not enough(0.01, 0.1)
+    assert enough(0.01, 1.0)
+    # A factor of noise is one of the limit: differences see the noise itself
+    assert not enough(0.04, 0.4)
+    assert enough(0.04, 4.0)
+    # A second pass would tell that exact rays cost less; one pass with such differences does not
+    assert scale_of(0.005, 0.1) == np.inf
+    # Misses that the next passes do not have speak for corrections
+    light = 1 + 0.1 * rng.standard_normal((40, 200, 3))
+    many = counters | {"rays": 420}
+    of_corrections = np.full_like(light, 0.005)
+    assert one_pass_is_enough(of_corrections, light, many)
+    assert not one_pass_is_enough(of_corrections, light, many, rows_are_kept=True)
+    # Too narrow for differences
+    assert not enough(0.01, 100.0, width=2)
+
+
+def slats(height: float, width: float) -> vc.Scene:
+    """A floor that light reaches between slats finer than cells: a cache is hardly right there."""
     corners, triangles = [[-2.0, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]]
     for x in np.linspace(-2, 2, 200):
         n = len(corners)
-        corners += [[x, -2, 0.5], [x + 0.0199, -2, 0.5], [x + 0.0199, 2, 0.5], [x, 2, 0.5]]
+        corners += [[x, -2, height], [x + width, -2, height]]
+        corners += [[x + width, 2, height], [x, 2, height]]
         triangles += [[n, n + 1, n + 2], [n, n + 2, n + 3]]
     description = _core.SceneDescription()
     description.name = "gaps"
@@ -277,22 +306,33 @@ def gap() -> vc.Scene:
     return vc.Scene.from_description(description)
 
 
-def test_passes_that_cannot_win_become_exact_and_say_so(gap: vc.Scene, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("height", "width", "learning"),
+    [
+        pytest.param(0.9, 0.01, 1, id="even light"),
+        pytest.param(0.5, 0.0199, 2, id="light in stripes, like noise"),
+    ],
+)
+def test_passes_that_cannot_win_become_exact_and_say_so(
+    height: float, width: float, learning: int, tmp_path: Path
+) -> None:
+    scene = slats(height, width)
     options: dict[str, Any] = {"size": (48, 48), "visibility": CACHE}
-    picture = vc.Progressive(gap, vc.Direct(), **options)
-    first = picture.passes(2)
+    picture = vc.Progressive(scene, vc.Direct(), **options)
+    first = picture.passes(learning)
     assert first.counters["corrections"] > 0
     more = picture.passes(2)
-    assert any("exact visibility from pass 3 on" in w for w in more.warnings)
+    text = f"exact visibility from pass {learning + 1} on"
+    assert any(text in w for w in more.warnings), more.warnings
     assert more.counters["corrections"] == first.counters["corrections"]
-    per_pass = more.counters["queries"] - first.counters["queries"]
-    assert more.counters["rays"] - first.counters["rays"] == per_pass
+    later = more.counters["queries"] - first.counters["queries"]
+    assert more.counters["rays"] - first.counters["rays"] == later
     # As much from a state, and never with a number
-    picture = vc.Progressive(gap, vc.Direct(), **options)
-    picture.passes(2)
+    picture = vc.Progressive(scene, vc.Direct(), **options)
+    picture.passes(learning)
     picture.save(tmp_path / "state.npz")
-    again = vc.Progressive(gap, vc.Direct(), **options)
+    again = vc.Progressive(scene, vc.Direct(), **options)
     again.load(tmp_path / "state.npz")
     assert again.passes(2).sha256 == more.sha256
-    kept = vc.Progressive(gap, vc.Direct(), use=vc.Correct(certain=1 / 64), **options)
+    kept = vc.Progressive(scene, vc.Direct(), use=vc.Correct(certain=1 / 64), **options)
     assert kept.passes(4).counters["corrections"] > first.counters["corrections"]

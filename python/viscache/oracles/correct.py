@@ -53,7 +53,7 @@ class Correct:
         the noise of corrections. "auto": 1/64. In `vc.Progressive` the first two passes then tell
         by which power of two shares have the least error · cost in later ones, by their noise and
         by counted rays; or that exact visibility has less, which later passes then have, with a
-        warning.
+        warning. Where it has far less, the first pass tells.
     classes : {"learned", "same"}
         Without a share, in `vc.Progressive`: "learned": the first two passes tell how often answers
         of a class are wrong (p), and in later ones q follows c·√p, in steps of two. Their draws are

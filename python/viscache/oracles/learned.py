@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from viscache import _core
 
-__all__ = ["GROUPS", "PassMemory", "Shares", "best_scale", "octaves_of"]
+__all__ = ["GROUPS", "PassMemory", "Shares", "best_scale", "octaves_of", "one_pass_is_enough"]
 
 #: Light groups in the order of the core, and classes of answers of each.
 GROUPS = (
@@ -47,6 +47,8 @@ WELL_SPREAD = 0.5
 #: Where rows are kept, misses of pass n fall with 1/n: those of passes 3 to 16 over those of the
 #: first two, per pass.
 LATER_MISSES = 0.18
+#: The same over those of the first pass alone: the second has a fifth to a quarter of them.
+LATER_THAN_FIRST = 0.11
 
 
 @dataclass(frozen=True)
@@ -133,21 +135,68 @@ def best_scale(
     rows_are_kept : bool
         Later passes go on from the rows of these, so that they have fewer misses.
     """
-    weight = 1 / (light**2 + (0.05 * light.mean()) ** 2 + np.finfo(np.float64).tiny)
-    noise = ((variance - of_corrections) * weight).mean(axis=-1)
+    noise = _relative(variance - of_corrections, light)
     kept = noise <= np.quantile(noise, 1 - LEFT_OUT)
-    corrections = float((of_corrections * weight).mean())
+    corrections = float(_relative(of_corrections, light).mean())
     if corrections == 0:
         return 1.0
     # Differences of few passes can be below the part of corrections
     others = WELL_SPREAD * max(float(noise[kept].mean()), 0.02 * corrections)
 
+    return _least_cost(others, corrections, counters, LATER_MISSES if rows_are_kept else 1)
+
+
+def one_pass_is_enough(
+    of_corrections: npt.NDArray[np.float64],
+    light: npt.NDArray[np.float64],
+    counters: Mapping[str, Any],
+    *,
+    rows_are_kept: bool = False,
+) -> bool:
+    """Whether the first pass alone tells that exact visibility costs less for the same error.
+
+    One pass does not tell its noise. But neighbouring pixels differ by their noise and by the
+    picture, so their differences bound it from above, and noise speaks for corrections. Where they
+    lose even so, a second pass would only pay for the same answer.
+
+    Parameters
+    ----------
+    of_corrections, light : (H, W, 3) float64
+        As in `best_scale`, of the first pass. Pictures of fewer than three columns tell nothing.
+    counters : dict
+        Of the first pass.
+    rows_are_kept : bool
+        As in `best_scale`.
+    """
+    if light.shape[1] < 3:
+        return False
+    # x(i-1) - 2 x(i) + x(i+1) of independent noise has six times its variance
+    second = light[:, :-2] - 2 * light[:, 1:-1] + light[:, 2:]
+    differences = _relative(second**2 / 6, light[:, 1:-1])
+    corrections = float(_relative(of_corrections, light).mean())
+    others = float(differences[differences <= np.quantile(differences, 1 - LEFT_OUT)].mean())
+    later_misses = LATER_THAN_FIRST if rows_are_kept else 1
+    return corrections > 0 and math.isinf(_least_cost(others, corrections, counters, later_misses))
+
+
+def _relative(
+    squares: npt.NDArray[np.float64], light: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Means over channels of squared errors relative to the light, with 5 % of its mean added."""
+    floor = (0.05 * light.mean()) ** 2 + np.finfo(np.float64).tiny
+    relative: npt.NDArray[np.float64] = (squares / (light**2 + floor)).mean(axis=-1)
+    return relative
+
+
+def _least_cost(
+    others: float, corrections: float, counters: Mapping[str, Any], later_misses: float
+) -> float:
+    """The scale of least (noise · cost), or inf where exact visibility has less."""
     groups = counters["groups"].values()
     exact = sum(g["rays"] for g in groups if g["rays"] == g["queries"])
     checks = counters["corrections"]
-    cache = LOOK_UP * counters["queries"] + exact
     misses = max(counters["rays"] - exact - checks, 0)
-    cache += SINGLE_RAY * misses * (LATER_MISSES if rows_are_kept else 1)
+    cache = LOOK_UP * counters["queries"] + exact + SINGLE_RAY * misses * later_misses
     scales = 2.0 ** np.arange(math.log2(LEAST_SCALE), math.log2(MOST_SCALE) + 1)
     cost = (others + corrections / scales) * (cache + SINGLE_RAY * checks * scales)
     best = int(np.argmin(cost))
