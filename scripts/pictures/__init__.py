@@ -1,0 +1,1 @@
+"""What scripts/doc_pictures.py draws, one file for each kind of page."""
