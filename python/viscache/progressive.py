@@ -21,12 +21,8 @@ from viscache.live_view import LiveView
 from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import CERTAIN, Correct
 from viscache.oracles.learned import (
-    LEARNING_PASSES,
     PassMemory,
-    Shares,
-    best_scale,
-    octaves_of,
-    one_pass_is_enough,
+    shares_after,
 )
 from viscache.oracles.sources import parameters_of
 from viscache.oracles.written import Written, is_written
@@ -390,32 +386,18 @@ class Progressive:
     def _learn(self) -> None:
         """Decides how later passes draw, once the first ones tell."""
         sums = self._sums
-        learns = "share_by_class" in sums.counters and "variance" in sums.layers
-        if sums.shares is not None or not learns:
+        if sums.shares is not None or sums.n == 0:
             return
-        given = self.use if isinstance(self.use, Correct) else Correct()
-        scale = self._scale_of_shares() if given.certain == "auto" else 1.0
-        if sums.n < LEARNING_PASSES and math.isfinite(scale):
-            return
-        learned = given.classes == "learned"
-        octaves = octaves_of(sums.counters["share_by_class"]) if learned else None
-        sums.shares = Shares(octaves, scale)
-        if math.isinf(scale):
+        use = self.use if isinstance(self.use, Correct) else Correct()
+        kept = self.rows is not None and not self.renew
+        sums.shares = shares_after(
+            sums.n, sums.squares, sums.layers, sums.counters, use, rows_are_kept=kept
+        )
+        if sums.shares is not None and math.isinf(sums.shares.scale):
             sums.warnings.append(
                 f"exact visibility from pass {sums.n + 1} on: the noise of corrections would cost "
                 'more than they save; vc.Correct(certain=...) or use="replace" keeps the cache'
             )
-
-    def _scale_of_shares(self) -> float:
-        """The factor of later passes' shares, or inf for exact visibility."""
-        sums = self._sums
-        color, of_corrections = sums.layers["color"] / sums.n, sums.layers["variance"] / sums.n
-        kept = self.rows is not None and not self.renew
-        if sums.n < LEARNING_PASSES:
-            loses = one_pass_is_enough(of_corrections, color, sums.counters, rows_are_kept=kept)
-            return math.inf if loses else 1.0
-        variance = sums.squares / (sums.n - 1)
-        return best_scale(variance, of_corrections, color, sums.counters, rows_are_kept=kept)
 
     def _drawn(self) -> tuple[Any, Any, PassMemory]:
         """Visibility, use and memory of the next pass.

@@ -46,19 +46,30 @@ def weights_of(
     return np.where(answer.visible, answer.weights, 0)
 
 
-def lights(n: int, seed: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int64]]:
-    """Contributions (n, 1024) and h of each, from the definition."""
+def lights(n: int, seed: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float64]]:
+    """Contributions (n, 1024), and those over the reference where all is seen, in means."""
     rng = np.random.default_rng(seed)
     c = rng.choice(BANDS, (n, 1024), p=SHARES)
     # Exact in any order of summation: small multiples of 1/10, scaled to whole numbers
     c = np.round(c * 10).astype(np.float32)
-    relative = c / c.mean(axis=1, keepdims=True, dtype=np.float64)
-    return c, (relative[..., None] <= BOUNDS).sum(axis=-1)
+    return c, over_reference(c, np.ones(1024, bool))
+
+
+def over_reference(
+    c: npt.NDArray[np.float32], seen: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.float64]:
+    """Contributions over min(√(a·(b + m/20)), m), times their number (reference_light.h)."""
+    a = c.sum(axis=1, dtype=np.float64)
+    b = c[:, seen].sum(axis=1, dtype=np.float64)
+    reference = np.minimum(np.sqrt(a * (b + a.mean() / 20)), a.mean())
+    relative: npt.NDArray[np.float64] = c.shape[1] * c / reference[:, None]
+    return relative
 
 
 @pytest.mark.stat
 def test_each_band_is_drawn_with_its_share_and_weighted_by_it(wall: vc.Scene) -> None:
-    c, h = lights(8192, 1)
+    c, relative = lights(8192, 1)
+    h = (relative[..., None] <= BOUNDS).sum(axis=-1)
     w = weights_of(wall, c, 3)
     drawn = w != 1
     assert set(np.unique(h)) == set(range(9))
@@ -169,7 +180,7 @@ def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str)
     k = 2 * seen + other  # the class, as nobody doubts an answer here
     octave = np.array(octaves[GROUPS.index("point")])[k]
     wrong = seen != (truth == "visible")
-    relative = c / c.mean(axis=1, keepdims=True, dtype=np.float64)
+    relative = over_reference(c, seen)
     bounds = 64 * 2.0 ** (octave[:, None] - 1 - np.arange(8))
     h = (relative[..., None] <= bounds).sum(axis=-1)
     drawn = weight != seen

@@ -99,7 +99,7 @@ private:
             picks_.add(shade(i), eyes_, uint32_t(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
-        const TileContributions contributions(lights, eyes_, picks_);
+        const TileContributions contributions(lights, eyes_, picks_, wanted_);
         oracle_->weigh(&contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
@@ -397,10 +397,10 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     Counters counters;
     const double start = wall_seconds();
     FrameContext context{scene, caster, integrator, frame, {scene, caster, film, integrator, frame}, {}};
-    if (lights && lights->groups)
-        context.shared = *lights->groups;
-    else
-        context.shared = make_shared_lights(scene, caster, film, integrator, frame, control, counters);
+    const bool kept = lights && lights->groups;
+    context.shared = kept ? *lights->groups
+                          : make_shared_lights(scene, caster, film, integrator, frame, control, counters);
+    if (source.corrects() && !kept) set_mean_light(context.shared, context.tracer, counters, control);
     if (lights) lights->groups = context.shared;
     std::optional<EnvironmentPyramid> light;
     std::optional<ProductContext> product;

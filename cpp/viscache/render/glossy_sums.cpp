@@ -1,5 +1,6 @@
 #include "viscache/render/glossy_sums.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "viscache/math/isa_variants.h"
@@ -101,25 +102,38 @@ VISCACHE_INLINE Rgb sum_body(const SharedLights& s, const EyeShade& eye, const L
 }
 
 template <Semantic kSemantic>
-VISCACHE_INLINE void contributions_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
-                                      const Word* row, float* c) {
+VISCACHE_INLINE float contributions_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                       const Word* row, float* c) {
+    alignas(64) float sum[16] = {}, positive[16] = {};
     const auto write = [&](size_t k, uint32_t mask, const RgbBlock& f, const float* scale) VISCACHE_INLINED {
+        alignas(64) float kept[16];
+        const float *red = &s.r[k], *green = &s.g[k], *blue = &s.b[k];
         for (uint32_t i = 0; i < 16; ++i) {
-            const float value = f.r[i] * s.r[k + i] + f.g[i] * s.g[k + i] + f.b[i] * s.b[k + i];
-            c[k + i] = mask >> i & 1 ? value * scale[i] : 0.f;
+            const float value = f.r[i] * red[i] + f.g[i] * green[i] + f.b[i] * blue[i];
+            kept[i] = mask >> i & 1 ? value * scale[i] : 0.f;
         }
+        for (uint32_t i = 0; i < 16; ++i) sum[i] += kept[i];
+        for (uint32_t i = 0; i < 16; ++i) positive[i] += kept[i] > 0 ? 1.f : 0.f;
+        std::copy_n(kept, 16, c + k);
     };
     for_each_block<kSemantic>(s, eye, lobe, row, write);
+    for (size_t step = 8; step; step /= 2)
+        for (size_t i = 0; i < step; ++i) {
+            sum[i] += sum[i + step];
+            positive[i] += positive[i + step];
+        }
+    return sum[0] / (positive[0] > 0 ? positive[0] : 1.f);
 }
 
-VISCACHE_INLINE void contributions_body(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
-                                        const Word* row, float* c) {
+VISCACHE_INLINE float contributions_body(const SharedLights& s, const EyeShade& eye,
+                                         const LobeConstants& lobe, const Word* row, float* c) {
     switch (s.ends.semantic) {
         case Semantic::kPoint: return contributions_as<Semantic::kPoint>(s, eye, lobe, row, c);
         case Semantic::kDirection:
         case Semantic::kSolidAngle: return contributions_as<Semantic::kDirection>(s, eye, lobe, row, c);
         case Semantic::kSurface: return contributions_as<Semantic::kSurface>(s, eye, lobe, row, c);
     }
+    return 0;
 }
 
 #undef VISCACHE_INLINE
@@ -142,11 +156,11 @@ Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoin
     return lobe ? variant_of<sum_body>(isa)(s, eye, *lobe, row) : Rgb{};
 }
 
-void contribution_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf,
-                             const Word* row, std::vector<float>& contributions, Isa isa) {
+float contribution_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf,
+                              const Word* row, std::vector<float>& contributions, Isa isa) {
     contributions.assign(s.ends.x.size(), 0.f);
-    if (const auto lobe = lobe_of(s, brdf))
-        variant_of<contributions_body>(isa)(s, eye, *lobe, row, contributions.data());
+    const auto lobe = lobe_of(s, brdf);
+    return lobe ? variant_of<contributions_body>(isa)(s, eye, *lobe, row, contributions.data()) : 0;
 }
 
 }  // namespace viscache

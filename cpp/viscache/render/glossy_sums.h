@@ -11,8 +11,8 @@ Rgb sum_row_glossy(const SharedLights& lights, const EyeShade& eye, const Shadin
                    Isa isa = active_isa());
 
 /// Unoccluded contribution f·g·value of the columns of the set bits, summed over the channels; padded. 0 for
-/// the other columns.
-void contribution_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf,
-                             const Word* row, std::vector<float>& contributions, Isa isa = active_isa());
+/// the other columns. Returns the mean of the positive ones.
+float contribution_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf,
+                              const Word* row, std::vector<float>& contributions, Isa isa = active_isa());
 
 }  // namespace viscache

@@ -81,41 +81,41 @@ uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, ColumnRange rang
     }
 }
 
-void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const float> shares,
-                  std::span<Word* const> rows, std::vector<float>& scratch) {
-    scratch.resize(s.ends.x.size());
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512:
-            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, shares,
-                                       rows, scratch.data());
-        case Isa::kAvx2:
-            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, shares, rows,
-                                     scratch.data());
-#endif
-        default:
-            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, shares,
-                                         rows, scratch.data());
-    }
-}
-
-void contribution_row(const SharedLights& s, const EyeShade& eye, ColumnRange range,
-                      std::vector<float>& row) {
+float contribution_row(const SharedLights& s, const EyeShade& eye, ColumnRange range,
+                       std::vector<float>& row) {
     row.resize(s.ends.x.size());
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye,
-                                      row.data());
-            return;
+            return avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye,
+                                             row.data());
         case Isa::kAvx2:
-            avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye,
-                                    row.data());
-            return;
+            return avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye,
+                                           row.data());
 #endif
         default:
-            portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range), eye,
-                                        row.data());
+            return portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range),
+                                               eye, row.data());
+    }
+}
+
+void at_most_rows(std::span<const float> row, std::span<const float> bounds, std::span<Word* const> rows) {
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512: return avx512::at_most(row, bounds, rows);
+        case Isa::kAvx2: return avx2::at_most(row, bounds, rows);
+#endif
+        default: return portable::at_most(row, bounds, rows);
+    }
+}
+
+float masked_sum(std::span<const float> row, const Word* mask) {
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512: return avx512::masked_sum(row, mask);
+        case Isa::kAvx2: return avx2::masked_sum(row, mask);
+#endif
+        default: return portable::masked_sum(row, mask);
     }
 }
 

@@ -23,6 +23,7 @@ struct SharedLights {
     std::vector<float> lobe_ratio;
     float bound2 = 0;       ///< for VPLs: added to d² in the geometry term; 0 = unbounded
     bool punctual = false;  ///< the lights have no extent, so that no reflected ray meets them
+    float mean_light = 0;   ///< set_mean_light; 0: not known
     bool empty() const { return ends.count == 0; }
     bool has_lobes() const { return !lobe_ratio.empty(); }
 
@@ -49,15 +50,16 @@ const float* cone_row(const SharedLights& lights, Vec3 position);
 /// counted as non-finite.
 uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, ColumnRange range, Word* row);
 
-/// Sets in row i the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i]
-/// times the mean of the positive ones. `scratch` is resized to one float per column.
-void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<const float> shares,
-                  std::span<Word* const> rows, std::vector<float>& scratch);
-
 /// Unoccluded contribution g·(r + g + b) of the columns in `range`; 0 where it is infinite. `row` has one
-/// float per column, padded; those of other columns may hold anything.
-void contribution_row(const SharedLights& lights, const EyeShade& eye, ColumnRange range,
-                      std::vector<float>& row);
+/// float per column, padded; those of other columns may hold anything. Returns the mean of the positive ones.
+float contribution_row(const SharedLights& lights, const EyeShade& eye, ColumnRange range,
+                       std::vector<float>& row);
+
+/// Sets in rows[i] the bits of the columns whose entry in `row`, a contribution_row, is at most bounds[i].
+void at_most_rows(std::span<const float> row, std::span<const float> bounds, std::span<Word* const> rows);
+
+/// Sum of the entries of a contribution_row under a mask, in the order of `sum_row`.
+float masked_sum(std::span<const float> row, const Word* mask);
 
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);

@@ -65,6 +65,7 @@ public:
     /// `inner` must outlive this source and serve no other frame.
     explicit AnswerSource(OracleSource& inner) : inner_(inner) {}
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
+    bool corrects() const override { return inner_.corrects(); }
     std::unique_ptr<VisibilityOracle> make() override;
     int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
     void begin_round(size_t items) override {

@@ -6,17 +6,34 @@
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/light_pick.h"
+#include "viscache/render/mean_light.h"
+#include "viscache/visibility/reference_light.h"
 
 namespace viscache {
 
 /// Unoccluded contributions of a group of shared lights to the eye points of a tile.
 class TileContributions : public Contributions {
 public:
-    TileContributions(const SharedLights& lights, const EyeTile& eyes, const TilePicks& picks)
-        : lights_(lights), eyes_(eyes), picks_(picks) {}
+    /// `wanted`: the columns that each eye point asks for.
+    TileContributions(const SharedLights& lights, const EyeTile& eyes, const TilePicks& picks,
+                      const BitMatrix& wanted)
+        : lights_(lights), eyes_(eyes), picks_(picks), wanted_(wanted) {}
     void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
-        const ShadingPoint& sp = eyes_.shading[eye];
-        at_most_rows(lights_, {eyes_.block.position[eye], sp.ng, sp.ns}, shares, rows, scratch_);
+        tell(eye);
+        bounds_.clear();
+        for (const float s : shares) bounds_.push_back(s < kInfinity ? s * mean_ : kInfinity);
+        at_most_rows(told_, bounds_, rows);
+    }
+    /// Unknown for picked lights, whose weights their contributions do not have.
+    float reference(uint32_t eye, const Word* seen) const override {
+        const float factor = to_pixel(eyes_, eye);
+        if (!(lights_.mean_light > 0 && factor > 0) || !picks_.of(eye).empty()) return 0;
+        tell(eye);
+        if (!(mean_ > 0)) return 0;
+        const float all = masked_sum(told_, wanted_.row(eye));
+        const float light =
+            reference_light(factor * masked_sum(told_, seen), factor * all, lights_.mean_light);
+        return light / (factor * mean_);
     }
     void values(uint32_t eye, std::span<Rgb> columns) const override {
         const ShadingPoint& sp = eyes_.shading[eye];
@@ -46,10 +63,23 @@ private:
         std::copy(kept.begin(), kept.end(), columns.begin());
     }
 
+    static constexpr uint32_t kNone = ~uint32_t{0};
+    /// Fills `told_` and `mean_`.
+    void tell(uint32_t eye) const {
+        if (eye == eye_) return;
+        const ColumnRange all{0, words_for(lights_.ends.count) * kWordBits};
+        mean_ = reflected_row(lights_, eyes_, eye, all, wanted_.row(eye), told_);
+        eye_ = eye;
+    }
+
     const SharedLights& lights_;
     const EyeTile& eyes_;
     const TilePicks& picks_;
-    mutable std::vector<float> scratch_;
+    const BitMatrix& wanted_;
+    // The eye point that was asked for last
+    mutable uint32_t eye_ = kNone;
+    mutable std::vector<float> told_, bounds_;
+    mutable float mean_ = 0;
 };
 
 }  // namespace viscache

@@ -177,6 +177,11 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
     ArraysStart start(tiles, &question, nullptr, threads, out.counters);
     source.prepare(start, control);
     const bool logs_some = question.log_end > question.log_begin;
+    // For corrections: what a mean eye point has without shadows
+    double light = 0;
+    if (question.contributions && source.corrects())
+        for (size_t i = 0; i < tiles.size * lights.count; ++i) light += question.contributions[i];
+    const float mean_light = float(light / double(std::max<size_t>(tiles.size, 1)));
     std::vector<std::vector<AskedQuery>> logs(logs_some ? tiles.eyes.size() : 0);
     std::mutex weights_mutex;
     over_tiles(
@@ -186,7 +191,7 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
             gather_wanted(question, out.words, row, state.wanted);
             state.visible.reset(row.size(), lights.count);
             std::optional<GivenContributions> given;
-            if (question.contributions) given.emplace(question.contributions, lights.count, row);
+            if (question.contributions) given.emplace(question.contributions, lights.count, row, mean_light);
             TileLog log(row, question);
             state.oracle->log(logs_some ? &log : nullptr);
             state.oracle->weigh(given ? &*given : nullptr);

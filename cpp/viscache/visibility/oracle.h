@@ -112,6 +112,9 @@ public:
     /// Sets row i to the bits of the columns whose contribution to the eye point is at most shares[i] times
     /// the mean of its positive contributions.
     virtual void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const = 0;
+    /// The light from which shares of corrections count (reference_light), in the same means. `seen`: columns
+    /// that are thought to be visible. 0: not known.
+    virtual float reference(uint32_t /*eye*/, const Word* /*seen*/) const { return 0; }
     /// Contribution of each column to the pixel of the eye point. Does nothing if it is unknown.
     virtual void values(uint32_t /*eye*/, std::span<Rgb> /*columns*/) const {}
 };

@@ -1,9 +1,6 @@
 #pragma once
 // How rays are grouped into packets, and with which of Embree's flags a packet is traced. Never by timing:
 // the flag changes one answer in 10⁹ by rounding, and every run gives the same bytes.
-#include <cmath>
-#include <span>
-
 #include "viscache/math/bits.h"
 #include "viscache/visibility/ray_caster.h"
 

@@ -91,14 +91,16 @@ void ResidualOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, in
     if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kBands).next_u64();
     key ^= mix64(uint64_t(group));
 
-    // Bounds that a class of this group uses. They are shares of the light; contributions are told in means
+    // Bounds that a class of this group uses. They are shares of a light; contributions are told in means
+    const float known = contributions_->reference(eye, visible.row(eye));
+    const float light = known > 0 ? known : float(asked);
     const auto& octaves = octaves_[size_t(group)];
     const size_t first = kOctaves - *std::max_element(octaves.begin(), octaves.end());
     std::array<Word*, kOctaves + kBands> below{};
     std::array<float, kOctaves + kBands> bounds;
     for (size_t b = first; b < below.size(); ++b) {
         below[b] = masks_.row(b);
-        bounds[b] = bounds_[b] * float(asked);
+        bounds[b] = bounds_[b] * light;
     }
     contributions_->at_most(eye, std::span(bounds).subspan(first), std::span(below).subspan(first));
 

@@ -7,8 +7,9 @@
 // correction and get none.
 //
 // q is the same for all queries, or follows the unoccluded contribution c of a connection. By contribution, q
-// is 1 where c is `certain` of the light that all queries of the eye point could bring, and halves with each
-// halving of c, at most kHalvings times.
+// is 1 where c is `certain` of a reference (reference_light.h), and halves with each halving of c, at most
+// kHalvings times. Where the reference is not known it is the light that all queries of the eye point could
+// bring.
 // Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
 // The best share is proportional to c·√p, where p is the probability that the answer is wrong. Classes of
 // answers differ in p (counters.h). Each may have its own bound, `certain` times a power of two.
@@ -34,8 +35,8 @@ struct ResidualSettings {
     /// q in (0, 1]; empty: by contribution. Connections without known contributions are then drawn with
     /// kPlainShare.
     std::optional<double> share;
-    /// By contribution: above this share of the eye point's unoccluded light from the group, q is 1.
-    double certain = 1.0 / 64;
+    /// By contribution: above this share of the reference, q is 1.
+    double certain = 1.0 / 32;
     uint64_t seed = 0;
     /// By contribution: q of a class reaches 1 at certain·2^(octave − kPlainOctave). Octaves are at most
     /// kMostOctaves, and must not depend on the draws of this frame.

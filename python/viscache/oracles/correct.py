@@ -12,7 +12,7 @@ __all__ = ["Correct", "in_words"]
 
 
 #: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
-CERTAIN = 1 / 64
+CERTAIN = 1 / 32
 
 
 @setting
@@ -39,9 +39,12 @@ class Correct:
     ----------
     share : float in (0, 1], optional
         q, the same for all queries. By default q follows the unoccluded contribution c of a
-        connection with shared lights: 1 where c is `certain` of what all connections of its eye
-        point to the group could bring, and half as much with each halving of c, down to 1/256.
-        Then few rays remove most of the error, because its square counts c². The samples of a pixel
+        connection with shared lights to its pixel: 1 where c is `certain` of a reference, and half
+        as much with each halving of c, down to 1/256. The reference is √(a·(b + m/20)), at most m:
+        a is the light that the group would bring to the eye point without shadows, b the part of it
+        that the cache sees, and m the mean of a over the picture. For picked lights it is a. Then
+        few rays remove most of the error: its square counts c², over the picture or relative to
+        each pixel. The samples of a pixel
         take turns, also those of frames that go on from each other: a connection with q = 1/16 is
         drawn in one of sixteen. Samples of single eye points and connections of `Bdpt` have
         q = 0.1.
@@ -50,7 +53,7 @@ class Correct:
 
     certain : float > 0 or "auto"
         Without a share: where q reaches 1. Half as much draws up to twice as many rays, and halves
-        the noise of corrections. "auto": 1/64. In `vc.Progressive` the first two passes then tell
+        the noise of corrections. "auto": 1/32. In `vc.Progressive` the first two passes then tell
         by which power of two shares have the least error · cost in later ones, by their noise and
         by counted rays; or that exact visibility has less, which later passes then have, with a
         warning. Where it has far less, the first pass tells.

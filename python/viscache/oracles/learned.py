@@ -11,8 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.oracles.correct import Correct
 
-__all__ = ["GROUPS", "PassMemory", "Shares", "best_scale", "octaves_of", "one_pass_is_enough"]
+__all__ = [
+    "GROUPS",
+    "PassMemory",
+    "Shares",
+    "best_scale",
+    "octaves_of",
+    "one_pass_is_enough",
+    "shares_after",
+]
 
 #: Light groups in the order of the core, and classes of answers of each.
 GROUPS = (
@@ -35,7 +44,7 @@ LEAST_CHECKED = 64
 #: Passes that tell how shares should be; their draws are independent of all later ones.
 LEARNING_PASSES = 2
 #: Shares are multiplied by one of these powers of two.
-LEAST_SCALE, MOST_SCALE = 0.25, 8.0
+LEAST_SCALE, MOST_SCALE = 0.5, 16.0
 #: Cost of a look-up and of a ray for a single query, in exact rays of whole rows.
 LOOK_UP, SINGLE_RAY = 0.02, 2.0
 #: Pixels of the greatest other noise are left out: edges of lamps, which would hide all else.
@@ -138,8 +147,6 @@ def best_scale(
     noise = _relative(variance - of_corrections, light)
     kept = noise <= np.quantile(noise, 1 - LEFT_OUT)
     corrections = float(_relative(of_corrections, light).mean())
-    if corrections == 0:
-        return 1.0
     # Differences of few passes can be below the part of corrections
     others = WELL_SPREAD * max(float(noise[kept].mean()), 0.02 * corrections)
 
@@ -176,7 +183,44 @@ def one_pass_is_enough(
     corrections = float(_relative(of_corrections, light).mean())
     others = float(differences[differences <= np.quantile(differences, 1 - LEFT_OUT)].mean())
     later_misses = LATER_THAN_FIRST if rows_are_kept else 1
-    return corrections > 0 and math.isinf(_least_cost(others, corrections, counters, later_misses))
+    return math.isinf(_least_cost(others, corrections, counters, later_misses))
+
+
+def shares_after(
+    passes: int,
+    squares: npt.NDArray[np.float64],
+    layers: Mapping[str, npt.NDArray[np.float64]],
+    counters: Mapping[str, Any],
+    use: Correct,
+    *,
+    rows_are_kept: bool,
+) -> Shares | None:
+    """How later passes draw, or None where the passes so far do not tell.
+
+    Parameters
+    ----------
+    passes : int
+    squares, layers, counters
+        Sums over them: squared deviations of the colour, layers and counters.
+    use : Correct
+    rows_are_kept : bool
+        As in `best_scale`.
+    """
+    if "share_by_class" not in counters or "variance" not in layers:
+        return None
+    color, of_corrections = layers["color"] / passes, layers["variance"] / passes
+    scale, tells = 1.0, passes >= LEARNING_PASSES
+    if use.certain == "auto" and tells:
+        variance = squares / (passes - 1)
+        scale = best_scale(variance, of_corrections, color, counters, rows_are_kept=rows_are_kept)
+    elif use.certain == "auto" and one_pass_is_enough(
+        of_corrections, color, counters, rows_are_kept=rows_are_kept
+    ):
+        scale, tells = math.inf, True
+    if not tells:
+        return None
+    learned = use.classes == "learned"
+    return Shares(octaves_of(counters["share_by_class"]) if learned else None, scale)
 
 
 def _relative(
@@ -197,6 +241,9 @@ def _least_cost(
     checks = counters["corrections"]
     misses = max(counters["rays"] - exact - checks, 0)
     cache = LOOK_UP * counters["queries"] + exact + SINGLE_RAY * misses * later_misses
+    if corrections == 0:  # nothing was wrong, or all that was has been checked
+        dear = checks > 0 and cache + SINGLE_RAY * checks > counters["queries"]
+        return math.inf if dear else 1.0
     scales = 2.0 ** np.arange(math.log2(LEAST_SCALE), math.log2(MOST_SCALE) + 1)
     cost = (others + corrections / scales) * (cache + SINGLE_RAY * checks * scales)
     best = int(np.argmin(cost))
