@@ -20,7 +20,7 @@ LIGHTS = vc.Whitted(n_vpls=128, n_area=0)
 CACHE = vc.Aqvc(c_e=16, exact_groups=("point",))
 #: The same cells without finer ones.
 COARSE = vc.Aqvc(c_e=16, refinement="off", exact_groups=("point",))
-CERTAIN = 1 / 32
+CERTAIN = 1 / 64
 #: A sum further than so many standard errors from the truth is biased.
 LIMIT = 4.0
 

@@ -44,10 +44,9 @@ class Correct:
         a is the light that the group would bring to the eye point without shadows, b the part of it
         that the cache sees, and m the mean of a over the picture. For picked lights it is a. Then
         few rays remove most of the error: its square counts c², over the picture or relative to
-        each pixel. The samples of a pixel
-        take turns, also those of frames that go on from each other: a connection with q = 1/16 is
-        drawn in one of sixteen. Samples of single eye points and connections of `Bdpt` have
-        q = 0.1.
+        each pixel. The samples of a pixel take turns, also those of frames that go on from each
+        other: a connection with q = 1/16 is drawn in one of sixteen. Samples of single eye points
+        and connections of `Bdpt` have q = 0.1.
 
         The draw depends on the frame's seed and first sample, and on the positions of both ends.
 

@@ -129,7 +129,8 @@ def best_scale(
 
     Shares times s leave the variance of corrections A/s, and cost s times their rays. With σ² the
     other noise of a pass, (σ² + A/s)·(cost of the cache + s · cost of corrections) is least, and
-    must be below σ² · cost of exact rays. Costs are counted, never timed.
+    must be below σ² · cost of exact rays. If A is 0, the cache with its checks must cost less than
+    exact rays. Costs are counted, never timed.
 
     Parameters
     ----------
