@@ -20,7 +20,7 @@ AXES: dict[str, tuple[str, list[float], list[float]]] = {
     "scale": (
         "unit of length",
         [1e-12, 1e-9, 1e-6, 1.0, 1e6, 1e9, 1e12],
-        [10.0**k for k in (-15, -12, -10, -9, -8, -7, -6, -3, 0, 3, 6, 8, 9, 10, 12, 15)],
+        [10.0**k for k in (-15, -12, -10, -9, -8, -7, -6, -3, 0, 3, 6, 8, 9, 10, 12)],
     ),
     "offset": (
         "distance from the origin in sizes of the scene",
