@@ -104,6 +104,15 @@ def test_peers_may_have_another_number_of_samples_to_converge(case):
     assert fake.asked == (case.reference_spp + 1, *[case.spp] * 3)
 
 
+def test_a_case_may_go_without_a_peer_by_name(case):
+    outcome = common.Outcome()
+    two = {"slow": Fake(case), "fake": Fake(case)}
+    other = dataclasses.replace(case, without={"slow": "hours", "absent": "days"})
+    against_peers.compare_pictures(outcome, other, two, 2)
+    assert [f["name"] for f in outcome.figures] == [f"{case.name} vs fake"]
+    assert outcome.skipped == [{"what": f"{case.name} vs slow", "reason": "hours"}]
+
+
 def halved(frame):
     frame.layers["color"] *= 0.5
     return frame

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -76,6 +76,8 @@ class PictureCase:
         Those of the peers' converged frames; as many as of ours by default.
     ways : tuple of Way
         Caches and shared directions that take turns as well.
+    without : dict of str to str
+        Peers that are left out, and why.
     """
 
     name: str
@@ -87,10 +89,11 @@ class PictureCase:
     reference_spp: int
     peer_reference_spp: int | None = None
     ways: tuple[Way, ...] = ()
+    without: Mapping[str, str] = field(default_factory=dict)
 
 
 def picture_cases(quick: bool = False) -> list[PictureCase]:
-    """Ambient occlusion, many lights, a sky over five scenes, and a room with a window."""
+    """Ambient occlusion, many lights in two sizes, a sky over five scenes, a room with a window."""
     triangles = 5_000 if quick else 200_000
     side = 32 if quick else 256
     room, camera = _grey(f"room?triangles={triangles}")
@@ -108,7 +111,8 @@ def picture_cases(quick: bool = False) -> list[PictureCase]:
     return [
         _ambient(room, camera, side),
         *(_open_ambient(*_grey(under[name]), side, name) for name in open_air),
-        _lights(room, camera, side if quick else side // 2, 20 if quick else 500, quick),
+        _lights(room, camera, side if quick else side // 2, quick),
+        _many_lights(room, camera, 2 * side, quick),
         *(
             _lit_by(sky, *_grey(spec, env=sky), side, quick, f"environment, {name}")
             for name, spec in under.items()
@@ -166,7 +170,8 @@ def _open_ambient(scene: Scene, camera: _core.Camera, side: int, name: str) -> P
     )
 
 
-def _lights(room: Scene, camera: _core.Camera, side: int, count: int, quick: bool) -> PictureCase:
+def _lights(room: Scene, camera: _core.Camera, side: int, quick: bool) -> PictureCase:
+    count = 20 if quick else 500
     rng = np.random.Generator(np.random.PCG64(5))
     low, high = np.asarray(room.bounds, np.float64)
     # Under the ceiling, away from the walls
@@ -211,6 +216,20 @@ def _lights(room: Scene, camera: _core.Camera, side: int, count: int, quick: boo
                 biased=True,
             ),
         ),
+    )
+
+
+def _many_lights(room: Scene, camera: _core.Camera, side: int, quick: bool) -> PictureCase:
+    """The same in a larger picture, where eye points are dense."""
+    case = _lights(room, camera, side, quick)
+    if quick:
+        return case
+    return replace(
+        case,
+        # Sixteen times the pixels: fewer samples of each
+        reference_spp=16,
+        peer_reference_spp=4,
+        without=dict.fromkeys(("luxcore", "luxcore-cache"), "an hour and more at this size"),
     )
 
 
