@@ -162,7 +162,7 @@ def run(arguments: list[str]) -> int:
     parser.add_argument("-o", "--output", default="out/aligned-costs.jsonl", metavar="FILE")
     parser.add_argument("--again", metavar="FILE", help="fit what was measured before")
     parser.add_argument(
-        "--share", type=float, default=0.55, help="the batch must cost less than this"
+        "--share", type=float, default=0.75, help="the batch must cost less than this"
     )
     chosen = parser.parse_args(arguments)
     if chosen.again is None:

@@ -1,14 +1,49 @@
 #!/usr/bin/env python3
-"""Writes the tables of recorded claims into docs/claims.md and docs/limits.md."""
+"""Writes the tables of full runs into the documentation.
+
+`scripts/claims_pages.py out/reproduce --machine C` first takes the results in that folder, which
+come from `viscache reproduce all`; figures that are not in it keep their last run.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
+import subprocess
+import sys
 from pathlib import Path
 
-from viscache.figures.claims_pages import PAGES, filled
+from viscache.figures import FIGURES
+from viscache.figures.full_run import FILE, RUNS, kept, written
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def take(folder: Path, machine: str) -> None:
+    """Put the results of a folder into the file of full runs."""
+    summary = json.loads((folder / "summary.json").read_text("utf-8"))
+    runs = RUNS | {result["figure"]: kept(result, machine) for result in summary["figures"]}
+    FILE.write_text(written({name: runs[name] for name in FIGURES if name in runs}), "utf-8")
+
+
+def fill() -> None:
+    """Write the tables of `FILE` into the pages."""
+    from viscache.figures.claims_pages import PAGES, filled
+
+    for page in PAGES:
+        path = ROOT / page
+        path.write_text(filled(page, path.read_text("utf-8")), "utf-8")
+
 
 if __name__ == "__main__":
-    root = Path(__file__).resolve().parents[1]
-    for page in PAGES:
-        path = root / page
-        path.write_text(filled(page, path.read_text("utf-8")), "utf-8")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, help="of `viscache reproduce all -o`")
+    parser.add_argument("--machine", help="its name in docs/performance/method.md")
+    given = parser.parse_args()
+    if given.folder is None:
+        fill()
+    elif given.machine is None:
+        parser.error("--machine must name the machine of the run")
+    else:
+        take(given.folder, given.machine)
+        subprocess.run([sys.executable, __file__], check=True)  # the pages read the new file

@@ -94,6 +94,8 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
         "holds": True,
         "claim": None,
         "rule": None,
+        "because": None,
+        "said": None,
         "found": None,
         "note": "here; the paper says so",
     }

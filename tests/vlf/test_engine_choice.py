@@ -14,7 +14,7 @@ from vlf.aligned_scenes import frames_of, surface
 
 Array = npt.NDArray[Any]
 #: The batch is taken below this share of Embree's predicted cost.
-SHARE = 0.55
+SHARE = 0.75
 needs_avx512 = pytest.mark.skipif(
     _core.active_isa() != "avx512", reason="the batch is slower without AVX-512"
 )

@@ -8,20 +8,20 @@ namespace {
 
 /// One axis is probed per this many axes, up to kProbedAxes.
 constexpr size_t kAxesPerProbe = 128, kProbedAxes = 4;
-/// The batch is taken if its predicted cost is below this share of Embree's. The prediction of the ratio from
-/// whole axes has a relative spread of 1.26; kShare keeps more than two spreads. The sample alone must be
-/// clearer. Below kHope, the sample is followed by whole axes.
-constexpr double kShare = 0.55, kClearShare = 0.45, kHope = 0.9;
+/// The batch is taken if its predicted cost is below this share of Embree's. On the fitted scenes the
+/// predicted ratio has a relative spread of 1.32 from whole axes and of 1.38 from the sample alone; each
+/// share keeps one such spread. Below kHope, the sample is followed by whole axes.
+constexpr double kShare = 0.75, kClearShare = 0.7, kHope = 0.9;
 constexpr uint64_t kSparseTrianglesPerPoint = 8, kHopelessTrianglesPerPoint = 40, kHopelessIfShort = 12;
 
 /// Prices of the batch in nanoseconds, in the order of AlignedWork: a ray, rotating a block, a test of 16
 /// boxes, a pair of a packet and a block, a test of 16 pairs of triangle and point, and a decision in double.
-/// All prices are fitted by scripts/aligned_costs.py (AVX-512): the spread is 1.13 for the batch and 1.23 for
-/// Embree.
+/// All prices are fitted by scripts/aligned_costs.py (AMD EPYC with AVX-512): the spread is 1.21 for the
+/// batch and 1.31 and 1.27 for Embree by axis and by point.
 struct BatchPrices {
     double ray, block, node, pair, test, exact;
 };
-constexpr BatchPrices kBatchPrices{2.8, 69, 12.2, 10.6, 34.2, 54.5};
+constexpr BatchPrices kBatchPrices{1.7, 51.2, 4.9, 13.1, 21.6, 29.7};
 
 /// Prices of Embree in nanoseconds, by the same work, which measures how crowded a ray's surroundings are.
 /// Narrow tests are of one triangle against 16 points, wide ones of 16 triangles. Free rays pay for their
@@ -29,8 +29,8 @@ constexpr BatchPrices kBatchPrices{2.8, 69, 12.2, 10.6, 34.2, 54.5};
 struct EmbreePrices {
     double ray, narrow, wide, narrow_length, wide_length, exact, pair_length;
 };
-constexpr EmbreePrices kByAxisPrices{21.2, 15, 3.4, 70, 246, 44, 0},
-    kByPointPrices{43.4, 24.9, 24.9, 9.6, 9.6, 0, 31.4};
+constexpr EmbreePrices kByAxisPrices{13.1, 8, 4.6, 59.5, 143.7, 22.7, 0},
+    kByPointPrices{27.4, 15.9, 15.9, 10.6, 10.6, 0, 16.7};
 
 /// Time of the batch over that with AVX-512.
 double slowness(Isa isa) { return isa == Isa::kAvx512 ? 1 : isa == Isa::kAvx2 ? 1.15 : 3.1; }

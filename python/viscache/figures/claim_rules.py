@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["RULES", "Claim"]
+__all__ = ["RULES", "Claim", "interval"]
 
 #: Rule to what it says. `Claim` has a method for each, which makes the interval.
 RULES = {
@@ -117,3 +117,12 @@ class Claim:
     def words(cls, low: float, high: float, *, because: str) -> Claim:
         """Our limit for a quality that the paper has in words, and its reason."""
         return cls(low, high, "words", because)
+
+
+def interval(low: float, high: float) -> str:
+    """An interval in words."""
+    if low == high:
+        return f"{low:g}"
+    if high == math.inf:
+        return f"≥ {low:.3g}"
+    return f"≤ {high:.3g}" if low in (0, -math.inf) else f"{low:.5g} to {high:.5g}"

@@ -30,6 +30,11 @@ class Band:
         """Both ends of the interval where the paper's claim is found, if it states one."""
         return None if self.claimed is None else (self.claimed.low, self.claimed.high)
 
+    @property
+    def said(self) -> str:
+        """What the paper prints, with its place, without our expectation."""
+        return self.source.partition("; ")[0]
+
     def __contains__(self, value: object) -> bool:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
 
@@ -71,7 +76,7 @@ class Row:
         """The row for JSON; an open end of the band or claim is null."""
         band = None if self.band is None else [self.band.low, self.band.high]
         claim = None if self.band is None or not self.band.claim else list(self.band.claim)
-        rule = None if self.band is None or not self.band.claimed else self.band.claimed.rule
+        claimed = None if self.band is None else self.band.claimed
         source = [] if self.band is None else [self.band.source]
         return {
             "what": self.what,
@@ -81,7 +86,9 @@ class Row:
             "band": band,
             "holds": self.holds,
             "claim": claim,
-            "rule": rule,
+            "rule": None if claimed is None else claimed.rule,
+            "because": None if claimed is None else claimed.because,
+            "said": None if self.band is None or claimed is None else self.band.said,
             "found": self.found,
             "note": "; ".join(text for text in (self.note, *source) if text),
         }

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache.figures import registry
-from viscache.figures.recorded_value import interval
+from viscache.figures.claim_rules import interval
 from viscache.figures.verdict import claim_of, sentence
 
 __all__ = ["html"]

@@ -96,8 +96,8 @@ def reproduce(
     -------
     dict
         What `viscache reproduce NAME --json` prints: figure, rows (what, printed, measured, ratio,
-        band, holds, claim, rule, found, note), files; beside them holds, verdicts (claim and
-        expectation, each with verdict, yes, all), skipped, notes, quick, provenance.
+        band, holds, claim, rule, because, said, found, note), files; beside them holds, verdicts
+        (claim and expectation, each with verdict, yes, all), skipped, notes, quick, provenance.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
-from viscache.figures.recorded import CLAIMING
+from viscache.figures.full_run import CLAIMING
 
 __all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
 
