@@ -203,7 +203,7 @@ def compare_pictures(
 ) -> None:
     """One case: converged frames agree; then time at equal samples and time to equal error."""
     able = {k: p for k, p in peers.items() if case.job["job"] in p.about["jobs"]}
-    for name in able.keys() & case.without.keys():
+    for name in sorted(able.keys() & case.without.keys()):
         outcome.skip(f"{case.name} vs {name}", case.without[name])
         del able[name]
     if not able:

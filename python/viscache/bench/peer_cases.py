@@ -229,7 +229,7 @@ def _many_lights(room: Scene, camera: _core.Camera, side: int, quick: bool) -> P
         # Sixteen times the pixels: fewer samples of each
         reference_spp=16,
         peer_reference_spp=4,
-        without=dict.fromkeys(("luxcore", "luxcore-cache"), "an hour and more at this size"),
+        without=dict.fromkeys(("luxcore", "luxcore-cache"), "an estimated hour and more"),
     )
 
 
