@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache import tonemap
 from viscache.figures.drawing import draw_image, new_figure
 
 Floats = npt.NDArray[np.floating[Any]]
@@ -152,9 +154,56 @@ def sweep() -> Any:
         return vc.plots.pairs(table)
 
 
+def cluster() -> Any:
+    """A frame whose tiles arrive from the workers of an executor."""
+    shown: dict[int, Any] = {}
+
+    def show(frame: vc.Frame, finished: int, parts: int) -> None:
+        if finished in (2, 7, parts):
+            shown[finished] = frame.image
+
+    with ThreadPoolExecutor(2) as executor:
+        scene, light, size = "room?triangles=5000", vc.Whitted(n_vpls=64), (1024, 640)
+        given: dict[str, Any] = {"size": size, "visibility": vc.Aqvc(c_e=4)}
+        frame = vc.tiles.render(scene, light, executor=executor, parts=15, show=show, **given)
+    whole = vc.render(vc.scenes.room(triangles=5000), light, **given)
+    assert frame.sha256 == whole.sha256
+    figure = new_figure(9.0, 2.2)
+    exposure = tonemap.auto_exposure(whole.image)
+    for axes, (finished, image) in zip(figure.subplots(1, 3), shown.items(), strict=True):
+        text = "all parts: the bytes of one piece" if finished == 15 else f"{finished} of 15 parts"
+        draw_image(axes, image[::2, ::2], text, exposure=exposure)
+    return figure
+
+
+def correlation() -> Any:
+    """ρ̄(d, θ) of the page's courtyard; ρ̄ around each point; the variance records leave."""
+    ds = vc.correlation.measure(
+        "courtyard?triangles=5000",
+        n_points=6000,
+        map_size=32,
+        d_edges=16,
+        theta_edges_deg=18,
+        spatial=True,
+    )
+    figure = new_figure(12.0, 2.7)
+    table, local, left = figure.subplots(1, 3)
+    mean = vc.correlation.plots.draw_table(table, ds)
+    figure.colorbar(mean, ax=table, label=vc.correlation.plots.MEAN_LABEL)
+    vc.correlation.plots.draw_map(local, ds)
+    local.set_title(r"$\bar\rho$ of each point with those near it", fontsize=9)
+    spacing = np.linspace(0.25, 8.0, 32)
+    left.plot(spacing, vc.correlation.predicted_variance_ratio(ds, spacing))
+    left.set(xlim=(0, 8), ylim=(0, None), xlabel="spacing of records [scene units]")
+    left.set_title("share of variance left by a control variate", fontsize=9)
+    return figure
+
+
 PICTURES: dict[str, Callable[[], Any]] = {
     "how-own-scene": own_scene,
     "how-own-integrator": own_integrator,
     "how-own-cache": own_cache,
     "how-sweep": sweep,
+    "how-cluster": cluster,
+    "how-correlate": correlation,
 }

@@ -17,6 +17,7 @@ from viscache.figures import (
     aqvc_maps,
     aqvc_nee,
     aqvc_pictures,
+    aqvc_runs,
     aqvc_sweeps,
 )
 from viscache.figures import aqvc_printed as printed
@@ -58,6 +59,37 @@ def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
     counts = trade.frame.counters["groups"]["vpl"]
     assert trade.group_reduction("vpl") == counts["queries"] / counts["rays"]
     assert set(trade.record()) >= {"rel_l1_area", "rr_vpl", "speedup", "cpu_s"}
+
+
+def test_settings_take_turns_and_keep_the_frame_of_the_median_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seconds = {"Exact": [9.0, 6.0, 7.0], "Aqvc": [3.0, 1.0, 2.0]}
+    asked: list[str] = []
+
+    def made(*_: Any, visibility: Any, **__: Any) -> Frame:
+        name = type(visibility).__name__
+        asked.append(name)
+        cpu_s = seconds[name][asked.count(name) - 1]
+        shade = len(asked) if changes and name == "Aqvc" else 1
+        return Frame(
+            layers={"color": np.full((2, 2, 3), shade, np.float32)}, timings={"cpu_s": cpu_s}
+        )
+
+    monkeypatch.setattr(aqvc_runs, "render", made)
+    shot = Shot(scene=vc.scenes.cornell_box(), size=(2, 2), integrator=vc.Direct())
+    changes = False
+    full = shot.trades({"a": vc.Aqvc()}, quick=False)["a"]
+    assert asked == 3 * ["Exact", "Aqvc"]
+    assert (full.exact.timings["cpu_s"], full.frame.timings["cpu_s"]) == (7.0, 2.0)
+    assert full.speedup == 3.5
+    asked.clear()
+    assert shot.trades({"a": vc.Aqvc()}, quick=True)["a"].speedup == 3.0
+    assert asked == ["Exact", "Aqvc"]
+    asked.clear()
+    changes = True
+    with pytest.raises(AssertionError, match="the same pixels"):
+        shot.trades({"a": vc.Aqvc()}, quick=False)
 
 
 def test_differences_are_amplified_and_best_trades_found(trade: Trade) -> None:

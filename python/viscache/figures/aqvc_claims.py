@@ -69,31 +69,28 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
     """H1: less than 2 % of the queries become rays."""
     setup = SETUPS["delta"]
     shot = setup.shot(quick, size, spp=4 if quick else setup.antialiased)
-    exact = shot.frame()
-    rows, trades = [], []
-    for c_e in H1_C_E:
-        for preset in PRESETS:
-            trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
-            trades.append(trade)
-            label = f"H1 {preset}, C_E {c_e:g}, AA"
-            rows += [
-                Row(
-                    f"{label}: share of the queries that become rays",
-                    1 / trade.ray_reduction,
-                    printed=1 / (printed.RAY_REDUCTION + 1),
-                    band=None if quick else bands.H1_RAYS_LEFT,
-                    note=trade.note,
-                ),
-                Row(
-                    f"{label}: rel_l1",
-                    trade.rel_l1,
-                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-                ),
-            ]
+    settings = {(c_e, p): setup.cache(p, c_e) for c_e in H1_C_E for p in PRESETS}
+    trades, rows = shot.trades(settings, quick), []
+    for (c_e, preset), trade in trades.items():
+        label = f"H1 {preset}, C_E {c_e:g}, AA"
+        rows += [
+            Row(
+                f"{label}: share of the queries that become rays",
+                1 / trade.ray_reduction,
+                printed=1 / (printed.RAY_REDUCTION + 1),
+                band=None if quick else bands.H1_RAYS_LEFT,
+                note=trade.note,
+            ),
+            Row(
+                f"{label}: rel_l1",
+                trade.rel_l1,
+                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+            ),
+        ]
     rows.append(
         Row(
             f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
-            largest_reduction(trades),
+            largest_reduction(trades.values()),
             printed=printed.RAY_REDUCTION,
             band=None if quick else bands.H1_REDUCTION,
         )
@@ -110,8 +107,8 @@ def shading_share(quick: bool, size: Size) -> list[Row]:
     """H2: the time outside visibility bounds the speed-up."""
     setup = SETUPS["apartment"]
     shot = setup.shot(quick, size)
-    exact = shot.frame()
-    trade = Trade(frame=shot.frame(setup.cache("default", C_E)), exact=exact)
+    trade = shot.trades({"default": setup.cache("default", C_E)}, quick)["default"]
+    exact = trade.exact
     share = 1 - exact.timings["visibility_cpu_s"] / exact.timings["cpu_s"]
     return [
         Row(
@@ -136,10 +133,11 @@ def table_size(quick: bool, size: Size) -> list[Row]:
     shot = replace(SETUPS["delta"].shot(quick, size), size=QUICK_TILE if quick else TILE)
     lossless = shot.frame(Aqvc(preset="paper", c_e=8, paper=PaperForm(storage="exact")))
     keys = lossless.counters["rays"]
-    frames = {
-        load: shot.frame(Aqvc(preset="paper", c_e=8, table_bytes=max(64, int(4 * load * keys))))
-        for load in SLOTS_PER_KEY
-    }
+    tables = {load: max(64, int(4 * load * keys)) for load in SLOTS_PER_KEY}
+    frames = shot.in_turns(
+        {load: Aqvc(preset="paper", c_e=8, table_bytes=size) for load, size in tables.items()},
+        quick,
+    )
     rays = {load: frame.counters["rays"] for load, frame in frames.items()}
     largest = SLOTS_PER_KEY[-1]
     small, enough = SLOTS_PER_KEY[0], SLOTS_PER_KEY[-2]
@@ -157,18 +155,16 @@ def table_size(quick: bool, size: Size) -> list[Row]:
             rays[small] / rays[largest],
             band=bands.H3_SMALL_TABLE,
         ),
-        *kept_tables(shot),
+        *kept_tables(shot, quick),
     ]
 
 
-def kept_tables(shot: Shot) -> list[Row]:
+def kept_tables(shot: Shot, quick: bool) -> list[Row]:
     """H3 on the CPU: tiles of 32², and tables per thread of the paper's 4 MB and other sizes."""
-    frames = {
-        size: shot.frame(
-            Aqvc(preset="paper", c_e=8, table_bytes=size, paper=PaperForm(storage="paper_tiles"))
-        )
-        for size in KEPT_TABLES
-    }
+    tiles = PaperForm(storage="paper_tiles")
+    frames = shot.in_turns(
+        {s: Aqvc(preset="paper", c_e=8, table_bytes=s, paper=tiles) for s in KEPT_TABLES}, quick
+    )
     largest = frames[KEPT_TABLES[-1]]
     return [
         Row(
@@ -220,8 +216,7 @@ def simple_scene(quick: bool, size: Size) -> list[Row]:
     pixels = size or ((160, 160) if quick else (512, 512))
     integrator = Whitted(n_vpls=32, n_area=8) if quick else Whitted(n_vpls=256, n_area=64)
     shot = Shot(scene=scenes.cornell_box(), size=pixels, integrator=integrator)
-    exact = shot.frame()
-    trades = {p: Trade(frame=shot.frame(s), exact=exact) for p, s in presets(C_E).items()}
+    trades = shot.trades(presets(C_E), quick)
     paper, default = trades["paper"], trades["default"]
     return [
         Row(
@@ -243,14 +238,16 @@ def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]
         integrator=Direct(),
         size=size or (QUICK_SMALL if quick else SMALL),
     )
-    exact = shot.frame()
     base = Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
-    table: list[dict[str, Any]] = []
-    for name, values in PARAMETERS.items():
-        for value in values:
-            settings = replaced(base, {name: value}, "visibility")
-            trade = Trade(frame=shot.frame(settings), exact=exact)
-            table.append({"parameter": name, "value": value, **trade.record()})
+    settings = {
+        (name, value): replaced(base, {name: value}, "visibility")
+        for name, values in PARAMETERS.items()
+        for value in values
+    }
+    table: list[dict[str, Any]] = [
+        {"parameter": name, "value": value, **trade.record()}
+        for (name, value), trade in shot.trades(settings, quick).items()
+    ]
     rows = []
     for name, values in PARAMETERS.items():
         found = {r["value"]: r for r in table if r["parameter"] == name}
@@ -281,7 +278,7 @@ def frames_per_second(quick: bool, size: Size) -> list[Row]:
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
         shot = replace(shot, integrator=setup.integrator(True))
-        frame = shot.frame(setup.cache("default", C_E))
+        frame = shot.in_turns({"default": setup.cache("default", C_E)}, quick)["default"]
         key = "san miguel" if name == "courtyard" else name
         rows.append(
             Row(

@@ -16,6 +16,7 @@ from viscache.figures.aqvc_setups import PRESETS, SETUPS
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
+from viscache.settings.visibility import Aqvc
 
 #: C_E without and with anti-aliasing; the paper does not give its value.
 C_E = {False: 16.0, True: 36.0}
@@ -33,11 +34,8 @@ def figure6(
     for antialiased, c_e in C_E.items():
         spp = 1 if not antialiased else 4 if quick else setup.antialiased
         shot = setup.shot(quick, size, spp=spp)
-        exact = shot.frame()
-        trades: dict[str, Trade] = {
-            preset: Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
-            for preset in PRESETS
-        }
+        caches: dict[str, Aqvc] = {preset: setup.cache(preset, c_e) for preset in PRESETS}
+        trades = shot.trades(caches, quick)
         fast.append(trades["fast"].speedup)
         label = "AA" if antialiased else "no AA"
         outcome.rows += _rows(label, trades, quick)

@@ -38,7 +38,7 @@ def figure8(
     resolutions = fitting(QUICK_RESOLUTIONS if quick else RESOLUTIONS, outcome)
     found: dict[str, dict[str, Trade]] = {}
     for view, shot in (("overview", overview), ("close-up", close)):
-        found[view] = trades = compare(shot, resolutions)
+        found[view] = trades = compare(shot, resolutions, quick)
         table += [{"view": view, "method": n, **t.record()} for n, t in trades.items()]
         outcome.rows += _view_rows(view, trades, resolutions, quick)
     outcome.files += [
@@ -69,13 +69,12 @@ def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> l
     return kept
 
 
-def compare(shot: Shot, resolutions: Sequence[int]) -> dict[str, Trade]:
+def compare(shot: Shot, resolutions: Sequence[int], quick: bool) -> dict[str, Trade]:
     """Frames by name: of the cache with both presets, and of maps."""
-    exact = shot.frame()
     setup, c_e = SETUPS["delta"], printed.MAPS_C_E
     settings: dict[str, Any] = {p: setup.cache(p, c_e) for p in ("default", "paper")}
     settings |= {_map(r): ShadowMap(resolution=r, max_bytes=1 << 40) for r in resolutions}
-    return {name: Trade(frame=shot.frame(s), exact=exact) for name, s in settings.items()}
+    return shot.trades(settings, quick)
 
 
 def _map(resolution: int) -> str:

@@ -85,8 +85,7 @@ def methods(quick: bool) -> dict[str, Visibility]:
 
 def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
     """Frames with the exact frame of the same seed."""
-    exact = shot.frame()
-    return {n: Trade(frame=shot.frame(v), exact=exact) for n, v in methods(quick).items()}
+    return shot.trades(methods(quick), quick)
 
 
 def rays_left(trade: Trade) -> float:

@@ -19,6 +19,7 @@ from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Band, Outcome, Row
 from viscache.figures.registry import figure
 from viscache.settings.integrators import Bdpt
+from viscache.settings.visibility import Aqvc
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,24 +54,21 @@ def figure5(
     for panel in PANELS:
         setup = SETUPS[panel.setup]
         shot = setup.shot(quick, size, spp=panel.quick_spp if quick else panel.spp)
-        exact = shot.frame()
-        trades: dict[str, Trade] = {
-            preset: Trade(frame=shot.frame(setup.cache(preset, panel.c_e)), exact=exact)
-            for preset in PRESETS
-        }
+        caches: dict[str, Aqvc] = {p: setup.cache(p, panel.c_e) for p in PRESETS}
+        trades = shot.trades(caches, quick)
         outcome.rows += _panel_rows(panel, trades, quick)
         outcome.files.append(draw_panel(panel.setup, trades, folder))
         outcome.notes.append(
             f"{panel.setup}: {shot.size[0]}x{shot.size[1]}, {shot.spp} samples, C_E "
             f"{panel.c_e:.3g}; the paper's C_E: {panel.c_e_note}"
         )
-    trades = bidirectional(quick, size)
-    for preset, trade in trades.items():
+    light_paths = bidirectional(quick, size)
+    for preset, trade in light_paths.items():
         band = bands.BIDIRECTIONAL_RR if preset == "paper" and not quick else None
         outcome.rows += _rows(
             "bidirectional", preset, trade, band, printed_rr=printed.BIDIRECTIONAL_REDUCTION
         )
-    outcome.files.append(draw_panel("bidirectional", trades, folder))
+    outcome.files.append(draw_panel("bidirectional", light_paths, folder))
     outcome.notes.append(
         f"bidirectional: Cornell box, {QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP} "
         f"paths per pixel, C_E {printed.BIDIRECTIONAL_C_E:g}, no refinement; the paper's 750 "
@@ -87,11 +85,7 @@ def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]
         size=size or (QUICK_BIDIRECTIONAL_SIZE if quick else BIDIRECTIONAL_SIZE),
         spp=QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP,
     )
-    exact = shot.frame()
-    return {
-        preset: Trade(frame=shot.frame(cache), exact=exact)
-        for preset, cache in presets(printed.BIDIRECTIONAL_C_E).items()
-    }
+    return shot.trades(presets(printed.BIDIRECTIONAL_C_E), quick)
 
 
 def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[Row]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +17,14 @@ from viscache.scene import Scene
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Aqvc, Exact, Visibility
 
-__all__ = ["AMPLIFIED", "Shot", "Trade", "difference", "group_rows", "presets"]
+__all__ = ["AMPLIFIED", "TURNS", "Shot", "Trade", "difference", "group_rows", "presets"]
+
+Key = TypeVar("Key", bound=Hashable)
 
 #: Amplification of the luminance error in Figure 5.
 AMPLIFIED = 16.0
+#: Frames of each setting in full runs, where times are compared. An odd number.
+TURNS = 3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,6 +49,22 @@ class Shot:
             spp=self.spp,
             camera=self.camera,
         )
+
+    def in_turns(self, settings: Mapping[Key, Visibility | None], quick: bool) -> dict[Key, Frame]:
+        """A frame per setting, with the median CPU time of `TURNS`; of one turn if quick.
+
+        The settings take turns, so that a busy machine slows all of them.
+        """
+        frames: dict[Key, list[Frame]] = {key: [] for key in settings}
+        for _ in range(1 if quick else TURNS):
+            for key, visibility in settings.items():
+                frames[key].append(self.frame(visibility))
+        return {key: _median(made) for key, made in frames.items()}
+
+    def trades(self, settings: Mapping[Key, Visibility], quick: bool) -> dict[Key, Trade]:
+        """A trade per setting; the exact frame, which all share, takes turns with them."""
+        frames = self.in_turns({None: None, **settings}, quick)
+        return {key: Trade(frame=frames[key], exact=frames[None]) for key in settings}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -122,6 +142,13 @@ class Trade:
             **groups,
             **reductions,
         }
+
+
+def _median(frames: Sequence[Frame]) -> Frame:
+    """The frame of the median CPU time. All must have the same pixels."""
+    if len({frame.sha256 for frame in frames}) != 1:
+        raise AssertionError("frames of the same settings must have the same pixels")
+    return sorted(frames, key=lambda frame: frame.timings["cpu_s"])[len(frames) // 2]
 
 
 def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
-from viscache.figures.aqvc_runs import Shot, Trade, group_rows
+from viscache.figures.aqvc_runs import TURNS, Shot, Trade, group_rows
 from viscache.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
@@ -69,12 +69,10 @@ def figure7(
         scene = setup.scene(quick)
         for antialiased in (False, True):
             sweep, shot = make_sweep(setup, scene, antialiased, quick, size)
-            exact = shot.frame()
-            for preset, values in c_e_values(setup, antialiased, quick).items():
-                sweep.trades[preset] = {
-                    c_e: Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
-                    for c_e in values
-                }
+            values = c_e_values(setup, antialiased, quick)
+            settings = {(p, c_e): setup.cache(p, c_e) for p in values for c_e in values[p]}
+            for (preset, c_e), trade in shot.trades(settings, quick).items():
+                sweep.trades.setdefault(preset, {})[c_e] = trade
             outcome.rows += _sweep_rows(sweep, quick)
             sweeps.append(sweep)
     outcome.rows += _overall_rows(sweeps, quick)
@@ -85,7 +83,8 @@ def figure7(
         write_csv(folder / "aqvc-fig7.csv", _table(sweeps)),
     ]
     outcome.notes.append(
-        "Speed-ups: CPU seconds of whole frames against our fastest exact order, one run each. "
+        "Speed-ups: CPU seconds of whole frames against our fastest exact order, medians of "
+        f"{1 if quick else TURNS} turns. "
         f"Anti-aliased frames with virtual lights have 1/{ANTIALIASED_LIGHTS} of the lights and "
         "environment samples per sample of a pixel. The paper's QMOS has no counterpart here: "
         "SSIM stands beside it, no equivalence claimed."
@@ -213,10 +212,9 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
             continue
         integrator = Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
         shot = Shot(scene=scene, integrator=integrator, size=size)
-        exact = shot.frame()
-        for preset in ("default", "paper"):
-            cache = SETUPS["courtyard"].cache(preset, FILES_C_E)
-            trade = Trade(frame=shot.frame(cache), exact=exact)
+        presets: tuple[Preset, ...] = ("default", "paper")
+        settings = {p: SETUPS["courtyard"].cache(p, FILES_C_E) for p in presets}
+        for preset, trade in shot.trades(settings, quick=False).items():
             label = f"{name}, no AA, {preset}, C_E {FILES_C_E:g}"
             rows += [
                 Row(f"{label}: RR", trade.ray_reduction, note=trade.note),
