@@ -83,8 +83,8 @@ def figure7(
         write_csv(folder / "aqvc-fig7.csv", _table(sweeps)),
     ]
     outcome.notes.append(
-        "Speed-ups: CPU seconds of whole frames against our fastest exact order, medians of "
-        f"{1 if quick else TURNS} turns. "
+        "Speed-ups: CPU seconds of whole frames against our fastest exact order, "
+        f"{'one turn' if quick else f'medians of {TURNS} turns'}. "
         f"Anti-aliased frames with virtual lights have 1/{ANTIALIASED_LIGHTS} of the lights and "
         "environment samples per sample of a pixel. The paper's QMOS has no counterpart here: "
         "SSIM stands beside it, no equivalence claimed."
