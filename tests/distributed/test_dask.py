@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,8 @@ pytest.importorskip("distributed", reason="dask comes with the test extra")
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # warnings of dask itself
 
 SCENE = "room?triangles=3000"
+#: Until a worker has finished its first tasks, on a slow machine with other work.
+SLOWEST_START_S = 120.0
 
 
 @dataclass
@@ -57,9 +60,22 @@ class Cluster:
         words += ["--name", str(len(self.workers)), "--local-directory", str(self.folder)]
         self.workers.append(_dask(self.folder, *words))
 
-    def kill_within_a_task(self, run: Logged, after: int) -> int:
+    @contextmanager
+    def losing_a_worker(self, run: Logged, after: int) -> Iterator[list[int]]:
+        """Kill a worker while the block runs; afterwards the list has its process."""
+        killed: list[int] = []
+        killer = threading.Thread(
+            target=lambda: killed.append(self._kill_within_a_task(run, after))
+        )
+        killer.start()
+        yield killed
+        killer.join()
+        assert killed, "a worker must have been killed within a task"
+
+    def _kill_within_a_task(self, run: Logged, after: int) -> int:
         """Kill a worker that is in a task, once `after` tasks were finished; its process."""
-        for _ in range(2000):
+        until = time.monotonic() + SLOWEST_START_S
+        while time.monotonic() < until:
             lines = run.lines()
             ended = [pid for word, pid in lines if word == "end"]
             busy = [pid for word, pid in lines if word == "begin"]
@@ -118,19 +134,16 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     }
     whitted = vc.Whitted(n_vpls=32)
     here = sweep(SCENE, whitted, **arguments)
-    killed: list[int] = []
-    killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 6)))
-    killer.start()
     steps: list[int] = []
-    there = sweep(
-        SCENE,
-        whitted,
-        executor=run,
-        directory=tmp_path / "sweep",
-        progress=lambda done, total: steps.append(done),
-        **arguments,
-    )
-    killer.join()
+    with cluster.losing_a_worker(run, after=6) as killed:
+        there = sweep(
+            SCENE,
+            whitted,
+            executor=run,
+            directory=tmp_path / "sweep",
+            progress=lambda done, total: steps.append(done),
+            **arguments,
+        )
     frames = 3 + 18
     assert steps == list(range(1, 1 + frames)) and run.submitted == frames
     lines = run.lines()
@@ -162,12 +175,9 @@ def test_a_correlation_is_the_same_when_a_worker_is_killed(
         "threads": 1,
     }
     here = measure(SCENE, **arguments)
-    killed: list[int] = []
-    killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 3)))
-    killer.start()
-    there = measure(SCENE, directory=tmp_path / "rows", executor=run, **arguments)
-    killer.join()
-    assert killed and len({pid for _, pid in run.lines()}) == 2
+    with cluster.losing_a_worker(run, after=3):
+        there = measure(SCENE, directory=tmp_path / "rows", executor=run, **arguments)
+    assert len({pid for _, pid in run.lines()}) == 2
     assert set(here.variables) == set(there.variables)
     for name in here.variables:
         left, right = (np.asarray(d[name].values) for d in (here, there))
@@ -186,10 +196,8 @@ def test_tiles_give_the_bytes_of_the_frame_when_a_worker_is_killed(
     }
     whitted = vc.Whitted(n_vpls=64)
     whole = vc.render(vc.scenes.build(SCENE), whitted, **arguments)
-    killer = threading.Thread(target=cluster.kill_within_a_task, args=(run, 4))
-    killer.start()
-    frame = tiles.render(SCENE, whitted, executor=run, parts=14, **arguments)
-    killer.join()
+    with cluster.losing_a_worker(run, after=4):
+        frame = tiles.render(SCENE, whitted, executor=run, parts=14, **arguments)
     assert run.submitted == 14
     assert {n: p.tobytes() for n, p in frame.layers.items()} == {
         n: p.tobytes() for n, p in whole.layers.items()

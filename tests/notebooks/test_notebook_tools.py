@@ -133,21 +133,3 @@ def test_a_live_slider_tells_what_went_wrong_and_goes_on() -> None:
 def test_sliders_without_values_are_refused(values: Any, first: Any, says: str) -> None:
     with pytest.raises(ValueError, match=says):
         sliders(lambda **_: (np.ones((2, 2, 3)), ""), first=first, **values)
-
-
-@pytest.mark.slow
-def test_the_c_e_slider_of_the_room_answers_within_0_3_seconds_of_two_cores() -> None:
-    """64 lights at 480×270, 1 sample; by CPU seconds, which other load disturbs less."""
-    scene = vc.scenes.room(triangles=200_000, lights=64)
-    direct, size = vc.Direct(), (480, 270)
-
-    def cpu_s(c_e: float) -> float:
-        frames = (
-            vc.render(scene, direct, visibility=vc.Aqvc(c_e=c_e), size=size, threads=2)
-            for _ in range(3)
-        )
-        return statistics.median(f.timings["cpu_s"] for f in frames)
-
-    cpu_s(8)
-    for c_e in (4, 8, 16, 32):
-        assert cpu_s(c_e) / 2 < 0.3, c_e

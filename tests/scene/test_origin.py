@@ -50,7 +50,8 @@ def test_all_that_is_placed_is_relative_to_the_origin() -> None:
         assert lights == {(1.5,) * 3, (0.5,) * 3, (2.5,) * 3}
         assert tuple(scene.cameras[0].origin) == (0, 0, 4.5)
         hit = scene.intersect([[0.2, 0.2, 1.0]], [[0, 0, -1]])
-        assert hit.instance[0] == 0 and hit.t[0] == 0.75
+        assert hit.instance[0] == 0
+        assert hit.t[0] == pytest.approx(0.75, rel=1e-6)  # Embree rounds otherwise without AVX-512
 
 
 def test_the_origin_stays_with_the_scene() -> None:
