@@ -65,7 +65,8 @@ class Cluster:
         """Kill a worker while the block runs; afterwards the list has its process."""
         killed: list[int] = []
         killer = threading.Thread(
-            target=lambda: killed.append(self._kill_within_a_task(run, after))
+            target=lambda: killed.append(self._kill_within_a_task(run, after)),
+            daemon=True,  # a block that fails does not wait for it
         )
         killer.start()
         yield killed
