@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--fuzz-cases", type=int, help="of each target at most; default: no limit")
     group.addoption("--fuzz-runs", type=int, default=-1, help="of each libFuzzer target at most")
     group.addoption("--fuzz-seed", type=int, default=0, help="of each target's first case")
+    parser.addoption("--until", type=int, metavar="EPOCH", help="skip tests that begin later")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    until = item.config.getoption("--until")
+    if until is not None and time.time() > until:
+        pytest.skip("no time is left on this machine")
 
 
 @pytest.fixture

@@ -295,7 +295,7 @@ def test_pages_show_figures_and_what_was_left_out(tmp_path):
     assert json.loads((tmp_path / "peers.json").read_text("utf-8")) == result
 
 
-@pytest.mark.slow
+@pytest.mark.bench
 @pytest.mark.parametrize("name", list(peers.PEERS))
 def test_real_peers_agree_in_every_case(name, monkeypatch):
     package = peers.PEERS[name][0]

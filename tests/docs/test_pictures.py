@@ -22,6 +22,8 @@ LARGEST, ALL = 200_000, 3_000_000
 #: Mean difference of pictures in [0, 1] made by the same recipe: rounding, and text of another
 #: matplotlib. Pages in a browser show times as well.
 SAME, SAME_PAGE = 0.02, 0.06
+#: A minute of processor time and more each: these are made again before a release alone.
+LONG = {"how-environment", "how-passes", "how-report"}
 SHOWN = re.compile(r"!\[(.*?)\]\((\S+?)\)", re.S)
 
 
@@ -84,8 +86,13 @@ def test_pictures_are_small() -> None:
     assert sum(sizes.values()) < ALL
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(script().PICTURES))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.release if name in LONG else pytest.mark.slow)
+        for name in sorted(script().PICTURES)
+    ],
+)
 def test_the_script_makes_the_committed_pictures(name: str) -> None:
     pictures = script()
     of_browser = name in pictures.OF_BROWSERS

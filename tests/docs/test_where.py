@@ -140,7 +140,7 @@ def test_counts_of_which_cache_are_measured() -> None:
     assert named[-1] == f"{rays}, {blocked}, {more_rays}, {fewer}"
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_the_caption_at_the_head_is_measured() -> None:
     """As scripts/readme_picture.py renders it."""
     caption = text("README.md").splitlines()[2]

@@ -1,6 +1,6 @@
 """Builds and frees one structure again and again, and prints by how many bytes the process grew.
 
-python cycles.py STRUCTURE CYCLES
+python cycles.py STRUCTURE CYCLES MOST
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ STRUCTURES: dict[str, Callable[[], object]] = {
 }
 
 
-def growth(structure: str, cycles: int, most: int = 1 << 20) -> int:
+def growth(structure: str, cycles: int, most: int) -> int:
     """Bytes by which the process grew over the cycles.
 
     Where it grew by `most` or more, the same cycles once more decide: a pool of a thread comes
@@ -132,4 +132,4 @@ def growth(structure: str, cycles: int, most: int = 1 << 20) -> int:
 
 
 if __name__ == "__main__":
-    print(growth(sys.argv[1], int(sys.argv[2])))
+    print(growth(sys.argv[1], *map(int, sys.argv[2:])))

@@ -111,7 +111,7 @@ def test_picks_of_a_pixel_are_spread_better_than_independent_ones() -> None:
 
 @pytest.mark.parametrize("kind", ["ambient", "sky", "even sky", "product"])
 def test_samples_of_a_pixel_are_spread_better_than_independent_ones(kind: str) -> None:
-    truth = np.mean([picture(kind, 256, 100 + i) for i in range(4)], axis=0)
+    truth = np.mean([picture(kind, 64, 100 + i) for i in range(4)], axis=0)
     together = [np.mean((picture(kind, SPP, seed) - truth) ** 2) for seed in range(4)]
     independent = [
         np.mean(

@@ -15,7 +15,7 @@ from viscache.bench.vismap_variance import CASES, add_figures, all_ways, check_m
 from viscache.scenes.light_product import LUMINANCE
 from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
-from viscache.vismap.simulated_pixels import Pixels, pooled_alpha
+from viscache.vismap.simulated_pixels import Pixels, pooled_alphas
 from viscache.vismap.simulation import (
     PILOT_SEED,
     PixelEstimates,
@@ -110,7 +110,7 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
     assert one_shot_passes(300) == [10, 20, 40, 80, 150]
     pixels = Pixels(window_room(), None, (96, 72))
     found = simulate(window_room(), [ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3, replicates=6)
-    alpha = pooled_alpha(pixels, 1.0, PointSet.ZERO_TWO, PILOT_SEED)
+    (alpha,) = pooled_alphas(pixels, [(1.0, PointSet.ZERO_TWO)], PILOT_SEED)
     assert 0.1 < alpha < 1.5
     for i, pixel in enumerate(pixels.at(pixels.chosen(3, 0))):
         point = pixel.estimate(pixels.light, 1.0)

@@ -36,12 +36,12 @@ from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 
-#: Frames, size of the pictures, and number of estimated pixels.
-FRAMES, SIZE, PIXELS = 60, (320, 240), 64
-QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS = 20, (80, 60), 12
+#: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
+FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256
+QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS, QUICK_COMPARED = 20, (80, 60), 12, 64
 TRIANGLES = 60_000
-#: Light-product rays per compared pixel, and how many pixels are compared.
-RAYS, COMPARED = 64, 256
+#: Light-product rays per compared pixel.
+RAYS = 64
 PRODUCT, PAPER = Way(), Way(alpha=1.0)
 
 
@@ -63,6 +63,7 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records, misses and variance ratio per frame."""
     outcome = Outcome()
     size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
+    pixels = (QUICK_PIXELS, QUICK_COMPARED) if quick else (PIXELS, COMPARED)
     outcome.rows.append(
         Row(
             "records inserted in a second frame in which nothing moves",
@@ -74,7 +75,7 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
     with progress_bar(progress, unit="frame") as report:
         for k in range(n_frames):
-            frames.append(_frame(cache, k / n_frames, size, QUICK_PIXELS if quick else PIXELS))
+            frames.append(_frame(cache, k / n_frames, size, *pixels))
             if report is not None:
                 report(k + 1, n_frames)
     outcome.rows += _rows(frames)
@@ -105,7 +106,9 @@ def _inserted_again(size: tuple[int, int]) -> int:
     return cache.update(swinging_camera(0.0), size=size).inserted
 
 
-def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int) -> Frame:
+def _frame(
+    cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
+) -> Frame:
     """Update, estimate, compare the records with exact rays, remove."""
     view, scene = swinging_camera(t), crate_and_garage(t)
     report = cache.update(view, size=size, scene=scene)
@@ -119,7 +122,7 @@ def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: i
         replicates=32,
         seed=cache.frame,
     ).estimates
-    rays, misses = _compare(cache, view, size)
+    rays, misses = _compare(cache, view, size, compared)
     removed = cache.end_frame()
     left = variance_ratio(
         [r[None, :, None] for r in made[PAPER, 10]], [r[None, :, None] for r in made[PRODUCT, 10]]
@@ -135,7 +138,7 @@ def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: i
 
 
 def _compare(
-    cache: VisibilityMapCache, view: _core.Camera, size: tuple[int, int]
+    cache: VisibilityMapCache, view: _core.Camera, size: tuple[int, int], pixels: int
 ) -> tuple[int, int]:
     """Count how often records contradict exact light-product rays of random pixels."""
     scene = cache.scene
@@ -149,7 +152,7 @@ def _compare(
     rng = np.random.Generator(np.random.PCG64(cache.frame))
     there = np.flatnonzero((asking.d_max > 0) & (hits.materials >= 0))
     chosen, drawn = [], []
-    for pixel in rng.permutation(there)[:COMPARED]:
+    for pixel in rng.permutation(there)[:pixels]:
         product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE
         if product.sum() > 0:
             chosen.append(pixel)

@@ -169,8 +169,9 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
         beckmann=material["beckmann"],
     )
     out = np.zeros_like(directions)
-    out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))
-    return np.asarray(out * np.maximum(cosine, 0)[:, None])
+    brdf = sampling.eval_bsdf(point, directions[above].astype(np.float32))
+    out[above] = brdf * cosine[above, None]
+    return out
 
 
 def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -23,7 +23,7 @@ from viscache.scenes.light_product import (
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import Lookup
 
-__all__ = ["PILOT_POINTS", "PILOT_SAMPLES", "Pixel", "Pixels", "pooled_alpha"]
+__all__ = ["PILOT_POINTS", "PILOT_SAMPLES", "Pixel", "Pixels", "pooled_alphas"]
 
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 Doubles: TypeAlias = npt.NDArray[np.float64]
@@ -160,28 +160,32 @@ class Pixels:
             )
 
 
-def pooled_alpha(pixels: Pixels, eta: float, points: Any, seed: int) -> float:
-    """α from a pilot: one regression over all its points, clamped to [0, 1.5].
+def pooled_alphas(pixels: Pixels, ways: Sequence[tuple[float, Any]], seed: int) -> list[float]:
+    """α of each way to sample from its pilot: one regression over all points, clamped to [0, 1.5].
 
     Parameters
     ----------
-    eta : float in (0, 1]
-        Minimum of the density of the samples.
-    points : PointSet
+    ways : sequence of (eta, points)
+        Minimum of the density of the samples, in (0, 1], and a PointSet.
     seed : int
         Seed of points and samples; must differ from that of the estimates.
     """
-    covariance = variance = 0.0
-    for number, pixel in enumerate(pixels.at(pixels.chosen(PILOT_POINTS, seed))):
-        point = pixel.estimate(pixels.light, eta)
-        if not point.l_ns > 0:
-            continue
-        u = _core.vismap.points(points, PILOT_SAMPLES, seed=seed, pixel=number)
-        s = point.sample(u)
-        z, w, mean_w = s["z"] * pixel.sees(s["texel"]), s["w"], point.mean_w
-        covariance += point.l_ns**2 * float((z * w).mean() - z.mean() * mean_w)
-        variance += point.l_ns**2 * max(0.0, float((w * w).mean() - mean_w**2))
-    return min(max(covariance / variance, 0.0), MOST_ALPHA) if variance > 0 else 1.0
+    covariance, variance = np.zeros(len(ways)), np.zeros(len(ways))
+    chosen = pixels.chosen(PILOT_POINTS, seed) if ways else np.empty(0, np.int64)
+    for number, pixel in enumerate(pixels.at(chosen)):
+        for way, (eta, points) in enumerate(ways):
+            point = pixel.estimate(pixels.light, eta)
+            if not point.l_ns > 0:
+                continue
+            u = _core.vismap.points(points, PILOT_SAMPLES, seed=seed, pixel=number)
+            s = point.sample(u)
+            z, w, mean_w = s["z"] * pixel.sees(s["texel"]), s["w"], point.mean_w
+            covariance[way] += point.l_ns**2 * float((z * w).mean() - z.mean() * mean_w)
+            variance[way] += point.l_ns**2 * max(0.0, float((w * w).mean() - mean_w**2))
+    return [
+        min(max(c / v, 0.0), MOST_ALPHA) if v > 0 else 1.0
+        for c, v in zip(covariance.tolist(), variance.tolist(), strict=True)
+    ]
 
 
 def _blended(
@@ -202,6 +206,13 @@ def _blended(
 
 def _as_image(words: npt.NDArray[np.uint64], m: int) -> Bools:
     """The cells of a map, row by row, from its words in Z order."""
+    word, bit = _places(m)
+    return np.asarray((words[word] >> bit & np.uint64(1)) > 0)
+
+
+@cache
+def _places(m: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint64]]:
+    """Word and bit of every cell, row by row."""
     axis = np.arange(1 << m, dtype=np.uint32)
     z = _core.vismap.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
-    return np.asarray((words[z // 64] >> (z % 64).astype(np.uint64) & np.uint64(1)) > 0)
+    return z // 64, (z % 64).astype(np.uint64)

@@ -18,7 +18,7 @@ from viscache import _core
 from viscache.scenes.light_product import LUMINANCE
 from viscache.settings.checks import checked_threads, require
 from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.simulated_pixels import Pixel, Pixels, pooled_alpha
+from viscache.vismap.simulated_pixels import Pixel, Pixels, pooled_alphas
 
 __all__ = ["PixelEstimates", "Way", "one_shot_passes", "simulate"]
 
@@ -154,10 +154,11 @@ def simulate(
     require(n_pixels >= 1, "n_pixels must be >= 1", n_pixels)
     require(replicates >= 2, "replicates must be >= 2", replicates)
     pixels = Pixels(cache, camera, size)
-    first: dict[tuple[float, str], float] = {
-        (eta, kind): pooled_alpha(pixels, eta, _points(kind), PILOT_SEED + seed)
-        for eta, kind in sorted({(w.eta, w.points) for w in ways if w.first == "pilot"})
-    }
+    pilots: list[tuple[float, str]] = sorted(
+        {(w.eta, w.points) for w in ways if w.first == "pilot"}
+    )
+    alphas = pooled_alphas(pixels, [(e, _points(kind)) for e, kind in pilots], PILOT_SEED + seed)
+    first = dict(zip(pilots, alphas, strict=True))
     truth: list[float] = []
     found: dict[tuple[Way, int], list[npt.NDArray[np.floating[Any]]]] = {
         (w, n): [] for w in ways for n in samples

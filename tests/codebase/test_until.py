@@ -1,0 +1,22 @@
+"""`--until`: a run on a slow machine ends in time and says what it left out."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+from codebase.repository import ROOT
+
+ONE = "tests/math/test_isa.py::test_an_unknown_variant_is_refused"
+
+
+@pytest.mark.parametrize(("left_s", "counted"), [(-1, "1 skipped"), (600, "1 passed")])
+def test_tests_that_begin_later_are_skipped_by_name(left_s: int, counted: str) -> None:
+    until = ["--until", str(int(time.time()) + left_s)]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *until, ONE]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert counted in done.stdout
+    assert ("no time is left on this machine" in done.stdout) == (left_s < 0)
