@@ -8,11 +8,6 @@ namespace {
 
 constexpr int kPaperTile = 32;  // edge of a CPU tile in pixels (AQVC Sec. 4.4)
 
-const AqvcParameters& checked(const AqvcParameters& p) {
-    p.validate();
-    return p;
-}
-
 /// A frame whose only shared lights are those of the exact groups.
 class ExactStart final : public FrameStart {
 public:

@@ -224,6 +224,12 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && (c_e > p.c_finest || c_e * c_e > spp);
 }
 
+/// The parameters themselves, when they are valid.
+inline const AqvcParameters& checked(const AqvcParameters& p) {
+    p.validate();
+    return p;
+}
+
 /// Shared lights of a group that are not worth a cache. With corrections it is more, because each of few
 /// lights is a large part of the light of its eye points, and so its answers are checked often.
 constexpr size_t kFewLights = 8, kFewCorrected = 32;

@@ -18,8 +18,8 @@ struct Group {
     double *cell_x, *cell_y, *cell_z, *distance2;
 };
 
-VISCACHE_INLINE Lanes load(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
-VISCACHE_INLINE void store(double* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
+VISCACHE_INLINE Lanes load_lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
+VISCACHE_INLINE void store_lanes(double* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
 VISCACHE_INLINE Lanes floor_small(Lanes v) {
     const Lanes rounded = (v + 0x1.8p52) - 0x1.8p52;
     return rounded - (rounded > v ? Lanes{} + 1 : Lanes{});
@@ -30,15 +30,15 @@ VISCACHE_INLINE Lanes floor_small(Lanes v) {
 VISCACHE_INLINE bool place_body(const Group& g) {
     bool small = true;
     for (size_t i = 0; i < kGroup; i += 8) {
-        const Lanes s = load(g.scale + i);
-        const Lanes fx = load(g.x + i) * s + g.offset_x, fy = load(g.y + i) * s + g.offset_y;
-        const Lanes fz = load(g.z + i) * s * g.c_z + g.offset_z;
+        const Lanes s = load_lanes(g.scale + i);
+        const Lanes fx = load_lanes(g.x + i) * s + g.offset_x, fy = load_lanes(g.y + i) * s + g.offset_y;
+        const Lanes fz = load_lanes(g.z + i) * s * g.c_z + g.offset_z;
         const Lanes x = floor_small(fx), y = floor_small(fy), z = floor_small(fz);
         const Lanes ax = fx - x - 0.5, ay = fy - y - 0.5;
-        store(g.cell_x + i, x);
-        store(g.cell_y + i, y);
-        store(g.cell_z + i, z);
-        store(g.distance2 + i, ax * ax + ay * ay);
+        store_lanes(g.cell_x + i, x);
+        store_lanes(g.cell_y + i, y);
+        store_lanes(g.cell_z + i, z);
+        store_lanes(g.distance2 + i, ax * ax + ay * ay);
         for (const Lanes& v : {fx, fy, fz}) {
             const auto fits = (v > -kExact) & (v < kExact);
             small &= (fits[0] & fits[1] & fits[2] & fits[3] & fits[4] & fits[5] & fits[6] & fits[7]) != 0;

@@ -15,11 +15,6 @@ constexpr uint64_t kBypassed = uint64_t{1} << 63;
 // and of a bright one
 constexpr uint64_t kBright = uint64_t{1} << 62;
 
-const AqvcParameters& checked(const AqvcParameters& p) {
-    p.validate();
-    return p;
-}
-
 double checked_radius(float radius) {
     detail::require(radius > 0 && std::isfinite(radius), "scene_radius must be > 0 and finite", radius);
     return radius;

@@ -10,8 +10,8 @@ namespace {
 typedef Word Row512 __attribute__((vector_size(64), may_alias));
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
-VISCACHE_INLINE Row512 load(const Word* p) { return *reinterpret_cast<const Row512*>(p); }
-VISCACHE_INLINE void store(Word* p, Row512 v) { *reinterpret_cast<Row512*>(p) = v; }
+VISCACHE_INLINE Row512 load_row(const Word* p) { return *reinterpret_cast<const Row512*>(p); }
+VISCACHE_INLINE void store_row(Word* p, Row512 v) { *reinterpret_cast<Row512*>(p) = v; }
 VISCACHE_INLINE bool any(const Row512& v) {
     return (v[0] | v[1] | v[2] | v[3] | v[4] | v[5] | v[6] | v[7]) != 0;
 }
@@ -25,35 +25,35 @@ VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word
                                       size_t words) {
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 k = load(known + w), m = load(need + w) & load(active + w) & ~k;
-        store(miss + w, m);
-        store(known + w, k | m);
+        const Row512 k = load_row(known + w), m = load_row(need + w) & load_row(active + w) & ~k;
+        store_row(miss + w, m);
+        store_row(known + w, k | m);
         left |= m;
     }
     return any(left);
 }
 
 VISCACHE_INLINE void keep_body(Word* a, const Word* b, size_t words) {
-    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & load(b + w));
+    for (size_t w = 0; w < words; w += 8) store_row(a + w, load_row(a + w) & load_row(b + w));
 }
 VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* resolved, size_t words) {
-    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & ~(load(known + w) & load(resolved + w)));
+    for (size_t w = 0; w < words; w += 8) store_row(a + w, load_row(a + w) & ~(load_row(known + w) & load_row(resolved + w)));
 }
 VISCACHE_INLINE void store_below_body(const Word* mask, const Word* value, Word* known_below,
                                       Word* value_below, size_t words) {
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 k = load(known_below + w), fresh = load(mask + w) & ~k;
-        store(known_below + w, k | fresh);
-        store(value_below + w, load(value_below + w) | (fresh & load(value + w)));
+        const Row512 k = load_row(known_below + w), fresh = load_row(mask + w) & ~k;
+        store_row(known_below + w, k | fresh);
+        store_row(value_below + w, load_row(value_below + w) | (fresh & load_row(value + w)));
     }
 }
 
 VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Word* visible, size_t words,
                                 RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 own = load(mask + w), open = load(a + w);
-        store(visible + w, (load(visible + w) & ~own) | (own & load(value + w)));
-        store(a + w, open & ~own);
+        const Row512 own = load_row(mask + w), open = load_row(a + w);
+        store_row(visible + w, (load_row(visible + w) & ~own) | (own & load_row(value + w)));
+        store_row(a + w, open & ~own);
         const uint64_t answered = ones(open & own);
         counts.lookups += answered;
         counts.hits += answered;
@@ -61,26 +61,26 @@ VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Wo
 }
 
 VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_t w) {
-    const Row512 v = load(own.value + w);
+    const Row512 v = load_row(own.value + w);
     Row512 d{};
-    for (int q = 0; q < 4; ++q) d |= load(neighbours[q].known + w) & (load(neighbours[q].value + w) ^ v);
+    for (int q = 0; q < 4; ++q) d |= load_row(neighbours[q].known + w) & (load_row(neighbours[q].value + w) ^ v);
     return d;
 }
 
 VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4], Word* disagree,
                                        size_t words) {
     for (size_t w = 0; w < words; w += 8)
-        store(disagree + w, differing(own, neighbours, w) | ~load(own.known + w));
+        store_row(disagree + w, differing(own, neighbours, w) | ~load_row(own.known + w));
 }
 
 VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need,
                                   size_t words, bool last_above, RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 queries = load(a + w), d = load(disagree + w), rest = queries & d,
-                     hit = queries & load(own.known + w);
-        store(visible + w, load(visible + w) | (queries & ~d & load(own.value + w)));
-        store(a + w, rest);
-        store(need + w, load(need + w) | rest);
+        const Row512 queries = load_row(a + w), d = load_row(disagree + w), rest = queries & d,
+                     hit = queries & load_row(own.known + w);
+        store_row(visible + w, load_row(visible + w) | (queries & ~d & load_row(own.value + w)));
+        store_row(a + w, rest);
+        store_row(need + w, load_row(need + w) | rest);
         counts.lookups += ones(queries);
         counts.hits += ones(hit);
         if (last_above) counts.boundary += ones(hit & d);
@@ -90,9 +90,9 @@ VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Wo
 VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t words, RowCounts& counts) {
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 queries = load(a + w), hit = queries & load(own.known + w), rest = queries & ~hit;
-        store(visible + w, load(visible + w) | (hit & load(own.value + w)));
-        store(a + w, rest);
+        const Row512 queries = load_row(a + w), hit = queries & load_row(own.known + w), rest = queries & ~hit;
+        store_row(visible + w, load_row(visible + w) | (hit & load_row(own.value + w)));
+        store_row(a + w, rest);
         counts.lookups += ones(queries);
         counts.hits += ones(hit);
         left |= rest;
@@ -104,11 +104,11 @@ VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4],
                               Word* visible, size_t words, RowCounts& counts) {
     Row512 missing{}, going{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 queries = load(a + w), hit = queries & load(own.known + w), m = queries & ~hit;
+        const Row512 queries = load_row(a + w), hit = queries & load_row(own.known + w), m = queries & ~hit;
         const Row512 rest = last ? Row512{} : hit & differing(own, neighbours, w);
-        store(miss + w, m);
-        store(a + w, rest);
-        store(visible + w, load(visible + w) | (hit & ~rest & load(own.value + w)));
+        store_row(miss + w, m);
+        store_row(a + w, rest);
+        store_row(visible + w, load_row(visible + w) | (hit & ~rest & load_row(own.value + w)));
         counts.lookups += ones(queries);
         counts.hits += ones(hit);
         missing |= m;
@@ -119,7 +119,7 @@ VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4],
 
 VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
     uint64_t n = 0;
-    for (size_t w = 0; w < words; w += 8) n += ones(load(a + w));
+    for (size_t w = 0; w < words; w += 8) n += ones(load_row(a + w));
     return n;
 }
 

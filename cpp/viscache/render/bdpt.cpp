@@ -12,7 +12,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileEdge = 16;          // in pixels; a work item is one sample of every pixel of a tile
+constexpr int kPathTileEdge = 16;          // in pixels; a work item is one sample of every pixel of a tile
 constexpr size_t kFirstRound = 4;      // items in the first round; later rounds grow
 constexpr size_t kItemsPerRound = 64;  // up to this size
 
@@ -83,7 +83,7 @@ private:
     std::vector<Word> answer_;
 };
 
-FrameResult empty_result(const BdptContext& c) {
+FrameResult empty_bdpt_result(const BdptContext& c) {
     FrameResult out;
     out.width = c.frame.width;
     out.height = c.frame.height;
@@ -163,9 +163,9 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
     const LightSampler lights(scene);
     const BdptContext context{scene,    caster, lights, FilmCamera(camera, frame.width, frame.height),
                               settings, frame};
-    FrameResult out = empty_result(context);
-    out.tile_edge_px = kTileEdge;
-    const auto tiles = cut_tiles(frame.width, frame.height, kTileEdge);
+    FrameResult out = empty_bdpt_result(context);
+    out.tile_edge_px = kPathTileEdge;
+    const auto tiles = cut_tiles(frame.width, frame.height, kPathTileEdge);
     const size_t items = tiles.size() * size_t(frame.spp);
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::min(items, kItemsPerRound)));
     std::vector<std::unique_ptr<ItemWorker>> workers(size_t(out.threads));

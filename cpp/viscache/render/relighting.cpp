@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileEdge = 32;
+constexpr int kRelitTileEdge = 32;
 constexpr size_t kQuarters = 4;  // samples of B per cell
 
 /// Ṽ of every cell.
@@ -55,7 +55,7 @@ struct Relighting::Worker {
 
 Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Control& control)
     : width_(tracer.frame.width), height_(tracer.frame.height), m_(maps.m) {
-    const auto tiles = cut_tiles(width_, height_, kTileEdge);
+    const auto tiles = cut_tiles(width_, height_, kRelitTileEdge);
     const int threads = resolve_threads(tracer.frame.threads);
     parts_.resize(tiles.size());
     std::vector<Worker> workers{size_t(threads)};

@@ -8,7 +8,7 @@ namespace viscache {
 namespace {
 
 template <class Warp>
-inline __attribute__((always_inline)) void fill(const HemisphereSequence& s, uint32_t first, uint32_t n,
+inline __attribute__((always_inline)) void fill_hemisphere(const HemisphereSequence& s, uint32_t first, uint32_t n,
                                                 HemisphereBatch& out, Warp warp) {
     constexpr uint32_t kLanes = HemisphereBatch::kLanes;
     for (uint32_t block = 0; block < n; block += kLanes) {
@@ -28,9 +28,9 @@ inline __attribute__((always_inline)) void fill(const HemisphereSequence& s, uin
 inline __attribute__((always_inline)) void fill_batch(const HemisphereSequence& s, uint32_t first, uint32_t n,
                                                       HemisphereBatch& out) {
     if (s.cosine)
-        fill(s, first, n, out, [](Vec2 u) { return square_to_cosine_hemisphere(u); });
+        fill_hemisphere(s, first, n, out, [](Vec2 u) { return square_to_cosine_hemisphere(u); });
     else
-        fill(s, first, n, out, [](Vec2 u) { return square_to_uniform_hemisphere(u); });
+        fill_hemisphere(s, first, n, out, [](Vec2 u) { return square_to_uniform_hemisphere(u); });
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace viscache {
 namespace {
 
-inline __attribute__((always_inline)) void fill(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x,
+inline __attribute__((always_inline)) void fill_sphere(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x,
                                                 float* y, float* z) {
     for (size_t i = 0; i < n; ++i) {
         const Vec2 u = sobol02(first + uint32_t(i), sx, sy);
@@ -22,7 +22,7 @@ inline __attribute__((always_inline)) void fill(uint32_t sx, uint32_t sy, uint32
 }  // namespace
 
 void sphere_batch(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y, float* z, Isa isa) {
-    variant_of<fill>(isa)(sx, sy, first, n, x, y, z);
+    variant_of<fill_sphere>(isa)(sx, sy, first, n, x, y, z);
 }
 
 }  // namespace viscache

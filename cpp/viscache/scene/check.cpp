@@ -14,7 +14,7 @@ constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // for the transfor
 constexpr float kMaxShift = 1e3f;                            // of a camera's picture, in sizes of it
 
 template <class... Parts>
-[[noreturn]] void fail(const Parts&... parts) {
+[[noreturn]] void refuse(const Parts&... parts) {
     std::ostringstream s;
     (s << ... << parts);
     throw SceneError(s.str());
@@ -31,28 +31,28 @@ std::string text(Vec3 p) {
 void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
     const std::string name = "mesh " + std::to_string(index) + (m.name.empty() ? "" : " '" + m.name + "'");
     if (m.vertices.size() >= (size_t{1} << 32))
-        fail(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
+        refuse(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
     if (m.triangles.size() >= (size_t{1} << 31))
-        fail(name, ": at most 2^31 triangles, got ", m.triangles.size());
+        refuse(name, ": at most 2^31 triangles, got ", m.triangles.size());
     for (size_t i = 0; i < m.vertices.size(); ++i)
         if (!is_usable_vertex(m.vertices[i]))
-            fail(name, ": vertex ", i, " must be finite and at most 1e12 in size, got ", text(m.vertices[i]));
+            refuse(name, ": vertex ", i, " must be finite and at most 1e12 in size, got ", text(m.vertices[i]));
     for (size_t i = 0; i < m.triangles.size(); ++i) {
         const Vec3u t = m.triangles[i];
         const uint32_t worst = std::max({t.x, t.y, t.z});
         if (worst >= m.vertices.size())
-            fail(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(),
+            refuse(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(),
                  " vertices");
     }
     if (!m.normals.empty() && m.normals.size() != m.vertices.size())
-        fail(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
+        refuse(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
     if (!m.uvs.empty() && m.uvs.size() != m.vertices.size())
-        fail(name, ": uvs must be one per vertex (", m.vertices.size(), "), got ", m.uvs.size());
+        refuse(name, ": uvs must be one per vertex (", m.vertices.size(), "), got ", m.uvs.size());
     if (m.material < 0 || size_t(m.material) >= materials)
-        fail(name, ": material must be in [0, ", materials, "), got ", m.material);
-    if (!usable_color(m.emission)) fail(name, ": emission must be finite and >= 0, got ", text(m.emission));
+        refuse(name, ": material must be in [0, ", materials, "), got ", m.material);
+    if (!usable_color(m.emission)) refuse(name, ": emission must be finite and >= 0, got ", text(m.emission));
     if (m.emission_texture < -1 || m.emission_texture >= int(images))
-        fail(name, ": emission_texture must be -1 or in [0, ", images, "), got ", m.emission_texture);
+        refuse(name, ": emission_texture must be -1 or in [0, ", images, "), got ", m.emission_texture);
 }
 
 void check_metal(const Material& m, const std::string& name) {
@@ -61,74 +61,74 @@ void check_metal(const Material& m, const std::string& name) {
     const Rgb eta = m.metal.eta, k = m.metal.k, sum = eta + k;
     if (!usable_color(eta) || !usable_color(k) || std::max(max_component(eta), max_component(k)) > kLargest ||
         !(std::min({sum.x, sum.y, sum.z}) > 0))
-        fail(name, ": metal_eta and metal_k must be in [0, 10000] and not both 0, got ", text(eta), " and ",
+        refuse(name, ": metal_eta and metal_k must be in [0, 10000] and not both 0, got ", text(eta), " and ",
              text(k));
     const bool bare = m.kind == MaterialKind::kGlossy && m.coat == CoatKind::kNone && m.metallic == 0 &&
                       m.metallic_roughness_texture < 0 && !(max_component(m.base_color) > 0);
     if (!bare && m.kind != MaterialKind::kMirror)
-        fail(name, ": only mirrors and glossy materials with a base_color of 0 have metal_eta and metal_k");
+        refuse(name, ": only mirrors and glossy materials with a base_color of 0 have metal_eta and metal_k");
 }
 
 void check_material(const Material& m, size_t index, size_t images) {
     const std::string name = "material " + std::to_string(index);
     for (Rgb c : {m.base_color, m.specular})
         if (!usable_color(c) || max_component(c) > 1)
-            fail(name, ": base_color and specular must be in [0, 1], got ", text(c));
+            refuse(name, ": base_color and specular must be in [0, 1], got ", text(c));
     if (!(m.roughness >= 1e-3f && m.roughness <= 1))
-        fail(name, ": roughness must be in [0.001, 1], got ", m.roughness);
-    if (!(m.eta > 0.1f && m.eta < 10)) fail(name, ": eta must be in (0.1, 10), got ", m.eta);
+        refuse(name, ": roughness must be in [0.001, 1], got ", m.roughness);
+    if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
     if (m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
-        fail(name, ": only a glossy material has a coat");
-    if (m.nonlinear && m.coat == CoatKind::kNone) fail(name, ": nonlinear needs a coat");
-    if (m.thin && m.kind != MaterialKind::kDielectric) fail(name, ": only a dielectric can be thin");
-    if (!(m.opacity >= 0 && m.opacity <= 1)) fail(name, ": opacity must be in [0, 1], got ", m.opacity);
-    if (!(m.metallic >= 0 && m.metallic <= 1)) fail(name, ": metallic must be in [0, 1], got ", m.metallic);
+        refuse(name, ": only a glossy material has a coat");
+    if (m.nonlinear && m.coat == CoatKind::kNone) refuse(name, ": nonlinear needs a coat");
+    if (m.thin && m.kind != MaterialKind::kDielectric) refuse(name, ": only a dielectric can be thin");
+    if (!(m.opacity >= 0 && m.opacity <= 1)) refuse(name, ": opacity must be in [0, 1], got ", m.opacity);
+    if (!(m.metallic >= 0 && m.metallic <= 1)) refuse(name, ": metallic must be in [0, 1], got ", m.metallic);
     if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || m.coat != CoatKind::kNone))
-        fail(name, ": only a glossy material without a coat is metallic or has images of its roughness");
+        refuse(name, ": only a glossy material without a coat is metallic or has images of its roughness");
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
-        fail(name, ": metallic_roughness_texture and roughness_texture exclude each other");
+        refuse(name, ": metallic_roughness_texture and roughness_texture exclude each other");
     check_metal(m, name);
     const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;
     if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
-        fail(name,
+        refuse(name,
              ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
     for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
-        if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
+        if (t < -1 || t >= int(images)) refuse(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }
 
 void check_cone(const SpotCone& c, size_t light) {
     if (c.falloff == Falloff::kNone) return;
     if (!(std::fabs(length(c.axis) - 1) < 1e-3f))
-        fail("point light ", light, ": the axis of its cone must not be zero or non-finite, got ",
+        refuse("point light ", light, ": the axis of its cone must not be zero or non-finite, got ",
              text(c.axis));
     if (!(c.cos_outer >= -1 && c.cos_outer < 1 && c.cos_inner >= c.cos_outer && c.cos_inner <= 1))
-        fail("point light ", light, ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,",
+        refuse("point light ", light, ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,",
              " got ", c.cos_outer, " and ", c.cos_inner);
 }
 
-void check_lights(const SceneDescription& d) {
+void check_light_numbers(const SceneDescription& d) {
     for (size_t i = 0; i < d.point_lights.size(); ++i) {
         const PointLight& l = d.point_lights[i];
-        if (!usable(l.position)) fail("point light ", i, ": position must be finite, got ", text(l.position));
+        if (!usable(l.position)) refuse("point light ", i, ": position must be finite, got ", text(l.position));
         if (!usable_color(l.intensity))
-            fail("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
+            refuse("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
         check_cone(l.cone, i);
     }
     for (size_t i = 0; i < d.directional_lights.size(); ++i) {
         const DirectionalLight& l = d.directional_lights[i];
         if (!(std::fabs(length(l.direction) - 1) < 1e-3f))
-            fail("directional light ", i, ": direction must not be zero or non-finite, got ",
+            refuse("directional light ", i, ": direction must not be zero or non-finite, got ",
                  text(l.direction));
         if (!usable_color(l.irradiance))
-            fail("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
+            refuse("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
     }
     for (size_t i = 0; i < d.sphere_lights.size(); ++i) {
         const SphereLight& l = d.sphere_lights[i];
-        if (!usable(l.center)) fail("sphere light ", i, ": center must be finite, got ", text(l.center));
+        if (!usable(l.center)) refuse("sphere light ", i, ": center must be finite, got ", text(l.center));
         if (!(l.radius > 0 && l.radius < kMaxPlace))
-            fail("sphere light ", i, ": radius must be > 0, got ", l.radius);
+            refuse("sphere light ", i, ": radius must be > 0, got ", l.radius);
         if (!usable_color(l.radiance))
-            fail("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
+            refuse("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
     }
 }
 
@@ -138,15 +138,15 @@ void check_description(const SceneDescription& d) {
     for (size_t i = 0; i < d.images.size(); ++i) {
         const Image& image = d.images[i];
         if (image.width <= 0)
-            fail("image ", i, " '", image.path, "' (", image.where, ") has not been decoded");
+            refuse("image ", i, " '", image.path, "' (", image.where, ") has not been decoded");
         const uint64_t values = uint64_t(image.width) * uint64_t(std::max(image.height, 0)) *
                                 uint64_t(std::max(image.channels, 0));
         if (values == 0 || image.channels > 4 || image.size() != values ||
             (!image.pixels.empty() && !image.bytes.empty()))
-            fail("image ", i, " '", image.path, "' must have a value per channel and pixel, got ",
+            refuse("image ", i, " '", image.path, "' must have a value per channel and pixel, got ",
                  image.size(), " for ", image.width, " x ", image.height, " x ", image.channels);
         for (float v : image.pixels)
-            if (!std::isfinite(v)) fail("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
+            if (!std::isfinite(v)) refuse("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
     }
     for (size_t i = 0; i < d.materials.size(); ++i) check_material(d.materials[i], i, d.images.size());
     for (size_t i = 0; i < d.meshes.size(); ++i)
@@ -154,43 +154,43 @@ void check_description(const SceneDescription& d) {
     for (size_t i = 0; i < d.instances.size(); ++i) {
         for (int mesh : d.instances[i].meshes)
             if (mesh < 0 || size_t(mesh) >= d.meshes.size())
-                fail("instance ", i, ": mesh must be in [0, ", d.meshes.size(), "), got ", mesh);
+                refuse("instance ", i, ": mesh must be in [0, ", d.meshes.size(), "), got ", mesh);
         for (const auto& row : d.instances[i].to_world.m)
             for (double v : row)
-                if (!(std::fabs(v) < kMaxPlace)) fail("instance ", i, ": to_world must be finite, got ", v);
+                if (!(std::fabs(v) < kMaxPlace)) refuse("instance ", i, ": to_world must be finite, got ", v);
         const double least = d.instances[i].to_world.least_stretch(),
                      ratio = d.instances[i].to_world.most_stretch() / least;
-        if (least == 0) fail("instance ", i, ": to_world must be invertible");
+        if (least == 0) refuse("instance ", i, ": to_world must be invertible");
         // Single precision can no longer invert a smaller transform
         if (!(least >= kLeastStretch))
-            fail("instance ", i, ": to_world must stretch by ", kLeastStretch, " or more, got ", least);
+            refuse("instance ", i, ": to_world must stretch by ", kLeastStretch, " or more, got ", least);
         if (!(ratio <= kMostUneven))
-            fail("instance ", i, ": to_world must stretch no direction more than ", kMostUneven,
+            refuse("instance ", i, ": to_world must stretch no direction more than ", kMostUneven,
                  " times as much as another, got ", ratio);
     }
-    check_lights(d);
+    check_light_numbers(d);
     if (d.environment) {
         const Environment& e = *d.environment;
-        if (!usable_color(e.scale)) fail("environment: scale must be finite and >= 0, got ", text(e.scale));
+        if (!usable_color(e.scale)) refuse("environment: scale must be finite and >= 0, got ", text(e.scale));
         if (e.image < -1 || e.image >= int(d.images.size()))
-            fail("environment: image must be -1 or in [0, ", d.images.size(), "), got ", e.image);
+            refuse("environment: image must be -1 or in [0, ", d.images.size(), "), got ", e.image);
     }
     for (const Camera& c : d.cameras) check_camera(c);
 }
 
 void check_camera(const Camera& c) {
-    if (!usable(c.origin)) fail("camera '", c.name, "': origin must be finite, got ", text(c.origin));
+    if (!usable(c.origin)) refuse("camera '", c.name, "': origin must be finite, got ", text(c.origin));
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
-        fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
+        refuse("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
              c.fov_y_rad * 180 / kPi);
     if (!(c.view_height >= 0 && c.view_height < kMaxPlace))
-        fail("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
+        refuse("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
     for (float shift : {c.shift_x, c.shift_y})
         if (!(std::fabs(shift) <= kMaxShift))
-            fail("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ", shift);
+            refuse("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ", shift);
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
-            fail("camera '", c.name, "': origin and target must be finite and differ");
+            refuse("camera '", c.name, "': origin and target must be finite and differ");
 }
 
 }  // namespace viscache

@@ -36,7 +36,7 @@ struct Mask {
     }
 };
 
-struct Header {
+struct BmpHeader {
     uint64_t data = 0;  ///< offset of the pixels
     int64_t width = 0, height = 0;
     bool from_top = false;
@@ -46,7 +46,7 @@ struct Header {
     uint64_t row_bytes() const { return (uint64_t(width) * uint64_t(bits) + 31) / 32 * 4; }
 };
 
-void read_masks(Header& h, ByteReader& in, uint32_t header_bytes, uint32_t compression,
+void read_masks(BmpHeader& h, ByteReader& in, uint32_t header_bytes, uint32_t compression,
                 const std::string& where) {
     std::array<uint32_t, 4> masks{};
     if (header_bytes >= 52 || compression != kPlainRows) {
@@ -62,7 +62,7 @@ void read_masks(Header& h, ByteReader& in, uint32_t header_bytes, uint32_t compr
     if (masks[0] == 0 && masks[1] == 0 && masks[2] == 0) fail_broken(where, "no bits hold colour");
 }
 
-void read_palette(Header& h, ByteReader& in, uint32_t header_bytes, uint32_t colors,
+void read_palette(BmpHeader& h, ByteReader& in, uint32_t header_bytes, uint32_t colors,
                   const std::string& where) {
     const uint64_t most = uint64_t(1) << h.bits, entry = header_bytes == 12 ? 3 : 4;
     uint64_t n = colors == 0 ? most : colors;
@@ -74,8 +74,8 @@ void read_palette(Header& h, ByteReader& in, uint32_t header_bytes, uint32_t col
     }
 }
 
-Header read_header(ByteReader& in, const std::string& where) {
-    Header h;
+BmpHeader read_bmp_header(ByteReader& in, const std::string& where) {
+    BmpHeader h;
     in.seek(10);
     h.data = in.u32();
     const uint32_t header_bytes = in.u32();
@@ -124,7 +124,7 @@ uint32_t pixel_bits(const uint8_t* row, int64_t x, int bits) {
 
 Image decode_bmp(std::string_view bytes, const std::string& where, bool srgb) {
     ByteReader in(bytes, where);
-    const Header h = read_header(in, where);
+    const BmpHeader h = read_bmp_header(in, where);
     const bool has_palette = !h.palette.empty() || h.bits <= 8,
                has_alpha = !has_palette && h.masks[3].bits != 0;
     Image image = empty_image(uint64_t(h.width), uint64_t(h.height), has_alpha ? 4 : 3, where, srgb);

@@ -59,7 +59,7 @@ Layout layout_of(const std::string& line, const std::string& where) {
 }
 
 /// Reads the header up to the line of the size.
-Layout read_header(ByteReader& in, const std::string& where) {
+Layout read_hdr_header(ByteReader& in, const std::string& where) {
     const auto line = [&] {
         std::string text;
         for (char c; (c = char(in.u8())) != '\n';) {
@@ -143,7 +143,7 @@ uint64_t least_bytes(int n) { return n == 1 ? 4 : 8; }
 
 Image decode_hdr(std::string_view bytes, const std::string& where) {
     ByteReader in(bytes, where);
-    const Layout layout = read_header(in, where);
+    const Layout layout = read_hdr_header(in, where);
     Image image =
         empty_image(uint64_t(layout.width), uint64_t(layout.height), 3, where, false, kMaxFloatPixels);
     check_holds(in.left(), least_bytes(layout.length()) * uint64_t(layout.lines()), image);

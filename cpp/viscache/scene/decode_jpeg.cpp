@@ -19,20 +19,20 @@ namespace {
 
 constexpr int kMaxScans = 64;  // of progressive files; encoders write up to twenty
 
-struct Reader {
+struct JpegReader {
     jpeg_decompress_struct jpeg{};
     jpeg_error_mgr errors{};
     jpeg_progress_mgr progress{};
     std::jmp_buf failed;
     std::array<char, JMSG_LENGTH_MAX> message{};
 
-    Reader() = default;
-    Reader(const Reader&) = delete;
-    ~Reader() { jpeg_destroy_decompress(&jpeg); }
+    JpegReader() = default;
+    JpegReader(const JpegReader&) = delete;
+    ~JpegReader() { jpeg_destroy_decompress(&jpeg); }
 };
 
-void on_error(j_common_ptr jpeg) {
-    auto& reader = *static_cast<Reader*>(jpeg->client_data);
+void on_jpeg_error(j_common_ptr jpeg) {
+    auto& reader = *static_cast<JpegReader*>(jpeg->client_data);
     (*jpeg->err->format_message)(jpeg, reader.message.data());
     std::longjmp(reader.failed, 1);
 }
@@ -43,23 +43,23 @@ void on_message(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
     if (code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE || code == JWRN_ARITH_BAD_CODE ||
         code == JWRN_JPEG_EOF || code == JWRN_MUST_RESYNC)
-        on_error(jpeg);
+        on_jpeg_error(jpeg);
 }
 
 void on_output(j_common_ptr) {}
 
 void on_progress(j_common_ptr jpeg) {
-    auto& reader = *static_cast<Reader*>(jpeg->client_data);
+    auto& reader = *static_cast<JpegReader*>(jpeg->client_data);
     if (reader.jpeg.input_scan_number <= kMaxScans) return;
     std::snprintf(reader.message.data(), reader.message.size(), "more than %d scans", kMaxScans);
     std::longjmp(reader.failed, 1);
 }
 
 /// Up to the pixels, and how they are to be given: grey, RGB or CMYK.
-bool read_head(Reader& reader, std::string_view bytes) {
+bool read_jpeg_head(JpegReader& reader, std::string_view bytes) {
     jpeg_decompress_struct& jpeg = reader.jpeg;
     jpeg.err = jpeg_std_error(&reader.errors);
-    reader.errors.error_exit = on_error;
+    reader.errors.error_exit = on_jpeg_error;
     reader.errors.emit_message = on_message;
     reader.errors.output_message = on_output;
     jpeg.client_data = &reader;
@@ -79,7 +79,7 @@ bool read_head(Reader& reader, std::string_view bytes) {
     return true;
 }
 
-bool read_rows(Reader& reader, uint8_t* out, size_t row_bytes) {
+bool read_jpeg_rows(JpegReader& reader, uint8_t* out, size_t row_bytes) {
     if (setjmp(reader.failed)) return false;
     jpeg_start_decompress(&reader.jpeg);
     while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
@@ -113,14 +113,14 @@ std::vector<uint8_t> without_ink(const std::vector<uint8_t>& inks, bool is_compl
 }  // namespace
 
 Image decode_jpeg(std::string_view bytes, const std::string& where, bool srgb) {
-    Reader reader;
-    if (!read_head(reader, bytes)) fail_broken(where, reader.message.data());
+    JpegReader reader;
+    if (!read_jpeg_head(reader, bytes)) fail_broken(where, reader.message.data());
     const jpeg_decompress_struct& jpeg = reader.jpeg;
     const int stored = jpeg.out_color_components;
     Image image = empty_image(jpeg.image_width, jpeg.image_height, std::min(stored, 3), where, srgb);
     check_holds(8 * bytes.size(), least_bits(jpeg), image);
     image.bytes.resize(size_t(image.width) * size_t(image.height) * size_t(stored));
-    if (!read_rows(reader, image.bytes.data(), size_t(image.width) * size_t(stored)))
+    if (!read_jpeg_rows(reader, image.bytes.data(), size_t(image.width) * size_t(stored)))
         fail_broken(where, reader.message.data());
     if (stored == 4) image.bytes = without_ink(image.bytes, jpeg.saw_Adobe_marker);
     return image;

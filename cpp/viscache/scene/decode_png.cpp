@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint64_t kMostInflation = 1032;  // of deflate: 258 bytes for two bits
 
-struct Reader {
+struct PngReader {
     std::string_view bytes;
     size_t at = 0;
     png_structp png = nullptr;
@@ -25,13 +25,13 @@ struct Reader {
     std::jmp_buf failed;
     std::array<char, 200> message{};
 
-    explicit Reader(std::string_view given) : bytes(given) {}
-    Reader(const Reader&) = delete;
-    ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+    explicit PngReader(std::string_view given) : bytes(given) {}
+    PngReader(const PngReader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-void on_error(png_structp png, png_const_charp message) {
-    auto& reader = *static_cast<Reader*>(png_get_error_ptr(png));
+void on_png_error(png_structp png, png_const_charp message) {
+    auto& reader = *static_cast<PngReader*>(png_get_error_ptr(png));
     std::strncpy(reader.message.data(), message, reader.message.size() - 1);
     std::longjmp(reader.failed, 1);
 }
@@ -39,7 +39,7 @@ void on_error(png_structp png, png_const_charp message) {
 void on_warning(png_structp, png_const_charp) {}
 
 void on_read(png_structp png, png_bytep out, size_t n) {
-    auto& reader = *static_cast<Reader*>(png_get_io_ptr(png));
+    auto& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
     if (n > reader.bytes.size() - reader.at) png_error(png, "the file ends too early");
     std::memcpy(out, reader.bytes.data() + reader.at, n);
     reader.at += n;
@@ -47,9 +47,9 @@ void on_read(png_structp png, png_bytep out, size_t n) {
 
 /// Up to the pixels, and how they are to be given: grey or RGB, with alpha where there is any, of 8 or 16
 /// bits.
-bool read_head(Reader& reader) {
+bool read_png_head(PngReader& reader) {
     if (setjmp(reader.failed)) return false;
-    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_error, on_warning);
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_png_error, on_warning);
     if (reader.png) reader.info = png_create_info_struct(reader.png);
     if (!reader.info) return false;
     png_set_read_fn(reader.png, &reader, on_read);
@@ -62,13 +62,13 @@ bool read_head(Reader& reader) {
     return true;
 }
 
-bool read_rows(Reader& reader, png_bytepp rows) {
+bool read_png_rows(PngReader& reader, png_bytepp rows) {
     if (setjmp(reader.failed)) return false;
     png_read_image(reader.png, rows);
     return true;
 }
 
-[[noreturn]] void fail_with(const Reader& reader, const std::string& where) {
+[[noreturn]] void fail_with(const PngReader& reader, const std::string& where) {
     fail_broken(where, reader.message[0] ? reader.message.data() : "libpng cannot be used");
 }
 
@@ -89,8 +89,8 @@ void set_deep_pixels(Image& image, const std::vector<uint8_t>& stored) {
 }  // namespace
 
 Image decode_png(std::string_view bytes, const std::string& where, bool srgb) {
-    Reader reader(bytes);
-    if (!read_head(reader)) fail_with(reader, where);
+    PngReader reader(bytes);
+    if (!read_png_head(reader)) fail_with(reader, where);
     const uint64_t width = png_get_image_width(reader.png, reader.info),
                    height = png_get_image_height(reader.png, reader.info);
     const bool is_deep = png_get_bit_depth(reader.png, reader.info) == 16;
@@ -102,7 +102,7 @@ Image decode_png(std::string_view bytes, const std::string& where, bool srgb) {
     std::vector<uint8_t> stored(row_bytes * size_t(height));
     std::vector<png_bytep> rows(static_cast<size_t>(height));
     for (size_t y = 0; y < rows.size(); ++y) rows[y] = stored.data() + y * row_bytes;
-    if (!read_rows(reader, rows.data())) fail_with(reader, where);
+    if (!read_png_rows(reader, rows.data())) fail_with(reader, where);
     if (is_deep)
         set_deep_pixels(image, stored);
     else

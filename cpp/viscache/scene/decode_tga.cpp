@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kHeaderBytes = 18;
 
-struct Header {
+struct TgaHeader {
     int id_bytes = 0, type = 0;
     int map_first = 0, map_length = 0, map_bits = 0;
     int width = 0, height = 0, bits = 0;
@@ -25,8 +25,8 @@ struct Header {
     }
 };
 
-Header read_header(ByteReader& in) {
-    Header h;
+TgaHeader read_tga_header(ByteReader& in) {
+    TgaHeader h;
     h.id_bytes = in.u8();
     const int map_type = in.u8();
     h.has_map = map_type != 0;
@@ -47,7 +47,7 @@ Header read_header(ByteReader& in) {
 
 bool is_color_bits(int bits) { return bits == 15 || bits == 16 || bits == 24 || bits == 32; }
 
-bool is_known(const Header& h) {
+bool is_known_tga(const TgaHeader& h) {
     if (h.width < 1 || h.height < 1 || h.type > 11) return false;
     switch (h.kind()) {
         case 1:
@@ -74,7 +74,7 @@ void expand(const uint8_t* stored, int bits, bool is_grey, uint8_t* out) {
 
 using Value = std::array<uint8_t, 4>;
 
-std::vector<Value> read_map(ByteReader& in, const Header& h) {
+std::vector<Value> read_map(ByteReader& in, const TgaHeader& h) {
     std::vector<Value> map;
     if (!h.has_map) return map;
     const auto entry = size_t((h.map_bits + 7) / 8);
@@ -88,9 +88,9 @@ std::vector<Value> read_map(ByteReader& in, const Header& h) {
 }
 
 /// The stored values one after the other, with runs unrolled.
-class Values {
+class TgaValues {
 public:
-    Values(ByteReader& in, const Header& h)
+    TgaValues(ByteReader& in, const TgaHeader& h)
         : in_(in), bytes_(size_t(h.bits + 7) / 8), has_runs_(h.has_runs()) {}
     const uint8_t* next() {
         if (!has_runs_) return in_.take(bytes_);
@@ -117,20 +117,20 @@ private:
 bool looks_like_tga(std::string_view bytes) {
     const std::string nowhere;
     ByteReader in(bytes, nowhere);
-    return bytes.size() >= kHeaderBytes && is_known(read_header(in));
+    return bytes.size() >= kHeaderBytes && is_known_tga(read_tga_header(in));
 }
 
 Image decode_tga(std::string_view bytes, const std::string& where, bool srgb) {
     ByteReader in(bytes, where);
-    const Header h = read_header(in);
-    if (!is_known(h)) fail_broken(where, "not a TGA header");
+    const TgaHeader h = read_tga_header(in);
+    if (!is_known_tga(h)) fail_broken(where, "not a TGA header");
     Image image = empty_image(uint64_t(h.width), uint64_t(h.height), h.channels(), where, srgb);
     in.take(size_t(h.id_bytes));
     const std::vector<Value> map = read_map(in, h);
     const uint64_t pixels = uint64_t(h.width) * uint64_t(h.height), stored = uint64_t(h.bits + 7) / 8;
     check_holds(in.left(), h.has_runs() ? (pixels + 127) / 128 * (1 + stored) : pixels * stored, image);
     image.bytes.resize(size_t(pixels) * size_t(image.channels));
-    Values values(in, h);
+    TgaValues values(in, h);
     for (int row = 0; row < h.height; ++row)
         for (int column = 0; column < h.width; ++column) {
             const int y = h.from_top ? row : h.height - 1 - row;

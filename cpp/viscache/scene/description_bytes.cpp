@@ -79,9 +79,9 @@ private:
     }
 };
 
-class Reader {
+class DescriptionReader {
 public:
-    explicit Reader(std::string_view bytes) : rest_(bytes) {}
+    explicit DescriptionReader(std::string_view bytes) : rest_(bytes) {}
     template <class... T>
     void operator()(T&... values) {
         (one(values), ...);
@@ -142,7 +142,7 @@ std::string description_bytes(const SceneDescription& description) {
 }
 
 SceneDescription description_from(std::string_view bytes) {
-    Reader reader(bytes);
+    DescriptionReader reader(bytes);
     uint64_t tag = 0;
     SceneDescription description;
     reader(tag);

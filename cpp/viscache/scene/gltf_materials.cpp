@@ -30,7 +30,7 @@ std::string url_decoded(const std::string& uri) {
     return out;
 }
 
-Rgb rgb(const std::vector<double>& v, Rgb fallback) {
+Rgb gltf_rgb(const std::vector<double>& v, Rgb fallback) {
     return v.size() >= 3 ? Rgb{float(v[0]), float(v[1]), float(v[2])} : fallback;
 }
 
@@ -177,7 +177,7 @@ Rgb GltfReader::dielectric_specular(const tinygltf::Material& in, const std::str
         std::vector<double> values;
         for (int i = 0; i < 3; ++i)
             values.push_back(given.Get(i).IsNumber() ? given.Get(i).GetNumberAsDouble() : 1);
-        color = max({0, 0, 0}, rgb(values, {1, 1, 1}));
+        color = max({0, 0, 0}, gltf_rgb(values, {1, 1, 1}));
     }
     if (found->second.Has("specularTexture") || found->second.Has("specularColorTexture"))
         loading_.warn(where, "a specular image is not modelled; its factor is used");
@@ -243,7 +243,7 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, Look& look,
         return m;
     }
     m.kind = MaterialKind::kGlossy;
-    m.base_color = clamp01(rgb(pbr.baseColorFactor, {1, 1, 1}));
+    m.base_color = clamp01(gltf_rgb(pbr.baseColorFactor, {1, 1, 1}));
     if (pbr.baseColorTexture.index >= 0)
         m.base_texture = add_texture(look, pbr.baseColorTexture, true, where);
     m.specular = dielectric_specular(in, where);
@@ -255,7 +255,7 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, Look& look,
 
 /// Needs the texture coordinates of the look.
 void GltfReader::emission(Look& look, const tinygltf::Material& in, const std::string& where) {
-    const Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
+    const Rgb e = max({0, 0, 0}, gltf_rgb(in.emissiveFactor, {0, 0, 0}));
     look.emission = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
     if (!(max_component(look.emission) > 0) || in.emissiveTexture.index < 0) return;
     if (coordinates_of(in.emissiveTexture) == look.texcoord) {

@@ -21,7 +21,7 @@ Table table(bool srgb) {
     return values;
 }
 
-const Table kPlain = table(false), kDecoded = table(true);
+const Table kLinearBytes = table(false), kSrgbBytes = table(true);
 
 /// The coordinate without whole periods, so that the index of its pixel is small.
 float folded(float x, Wrap wrap) {
@@ -76,7 +76,7 @@ Rgba look_up(const Image& image, Vec2 uv, Texel texel) {
 
 }  // namespace
 
-const float* byte_values(bool srgb) { return (srgb ? kDecoded : kPlain).data(); }
+const float* byte_values(bool srgb) { return (srgb ? kSrgbBytes : kLinearBytes).data(); }
 
 Rgba sample_image(const Image& image, Vec2 uv) {
     if (image.width <= 0 || !std::isfinite(uv.x) || !std::isfinite(uv.y)) return {{0.5f, 0.5f, 0.5f}, 1};

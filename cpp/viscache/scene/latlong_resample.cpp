@@ -18,7 +18,7 @@ constexpr int kMaxResolution = 4096;
 constexpr int kMaxAutomatic = 2048;  // at most 63 MB of texels and tables, unless a larger map is requested
 
 template <class... Parts>
-[[noreturn]] void fail(const Image& image, const Parts&... parts) {
+[[noreturn]] void fail_latlong(const Image& image, const Parts&... parts) {
     std::ostringstream s;
     if (!image.where.empty()) s << image.where << ": ";
     s << "environment image '" << image.path << "' ";
@@ -66,23 +66,23 @@ void check_radiance(const Image& image, Rgb scale) {
         const size_t width = size_t(image.width);
         for (size_t i = 0; i < width * size_t(image.height); ++i)
             if (const Rgb c = pixel(i); !usable_radiance(c * scale))
-                fail(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z, ") times scale (",
+                fail_latlong(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z, ") times scale (",
                      scale.x, ", ", scale.y, ", ", scale.z, ") in row ", i / width, ", column ", i % width);
     });
 }
 
-void check(const Image& image, Rgb scale, const Affine& to_world, int resolution) {
+void check_latlong(const Image& image, Rgb scale, const Affine& to_world, int resolution) {
     const size_t expected =
         size_t(std::max(0, image.width)) * std::max(0, image.height) * std::max(0, image.channels);
     if (expected == 0 || image.size() != expected)
-        fail(image, "must have pixels, got ", image.width, " x ", image.height, " x ", image.channels);
+        fail_latlong(image, "must have pixels, got ", image.width, " x ", image.height, " x ", image.channels);
     if (size_t(image.width) * image.height > kMaxPixels)
-        fail(image, "has ", image.width, " x ", image.height,
+        fail_latlong(image, "has ", image.width, " x ", image.height,
              " pixels; skies have at most 2^27 (16384 x 8192): scale it down");
     check_radiance(image, scale);
     if (resolution != 0 &&
         (resolution < 2 || resolution > kMaxResolution || !std::has_single_bit(unsigned(resolution))))
-        fail(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
+        fail_latlong(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
              resolution);
     // A rotation, possibly with a uniform scale: orthogonal columns of equal length
     const auto& m = to_world.m;
@@ -93,7 +93,7 @@ void check(const Image& image, Rgb scale, const Affine& to_world, int resolution
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (!(size > 0) || !(std::abs(gram[i][j] - (i == j ? size : 0)) <= 1e-3 * size))
-                fail(image, ": to_world must be a rotation, got columns with dot product ", gram[i][j], " (",
+                fail_latlong(image, ": to_world must be a rotation, got columns with dot product ", gram[i][j], " (",
                      i, ", ", j, ")");
 }
 
@@ -179,7 +179,7 @@ bool usable_radiance(Rgb c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z
 
 ResampledImage resample_latlong(const Image& image, Rgb scale, const Affine& to_world, int resolution,
                                 int threads) {
-    check(image, scale, to_world, resolution);
+    check_latlong(image, scale, to_world, resolution);
     // Texels no larger than a pixel at the equator: 4π/N² <= its solid angle
     const double same = std::sqrt(2.0 * image.width * image.height / M_PI);
     const int n =
@@ -195,7 +195,7 @@ ResampledImage resample_latlong(const Image& image, Rgb scale, const Affine& to_
         if (std::abs(map.power_ratio - 1) <= kPowerTolerance) break;
     }
     if (!(std::abs(map.power_ratio - 1) <= kPowerTolerance))
-        fail(image, ": resampling must keep the power within 2 %, got a factor of ", map.power_ratio);
+        fail_latlong(image, ": resampling must keep the power within 2 %, got a factor of ", map.power_ratio);
     const auto correction = float(1 / map.power_ratio);
     map.texels.each([&](size_t i) {
         Rgb& texel = map.texels[i];

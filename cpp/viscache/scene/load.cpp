@@ -10,9 +10,9 @@ namespace viscache {
 
 namespace {
 
-using Reader = void (*)(const std::string&, loading::Loading&);
+using ReadFunction = void (*)(const std::string&, loading::Loading&);
 
-Reader reader_for(const std::string& path) {
+ReadFunction reader_for(const std::string& path) {
     const std::string extension = loading::extension_of(path);
     if (extension == ".obj") return loading::load_obj;
     if (extension == ".ply") return loading::load_ply;
@@ -24,7 +24,7 @@ Reader reader_for(const std::string& path) {
                             "'; known are .obj .ply .gltf .glb .xml (Mitsuba) .pbrt .serialized");
 }
 
-void check_lights(const SceneDescription& s, const std::string& path) {
+void check_loaded_lights(const SceneDescription& s, const std::string& path) {
     for (const PointLight& l : s.point_lights)
         if (!is_finite(l.position) || !is_finite(l.intensity))
             loading::fail(path, "a point light is not finite");
@@ -72,7 +72,7 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
     try {
         reader_for(path)(path, state);
         set_origin(scene, options.origin);
-        check_lights(scene, path);
+        check_loaded_lights(scene, path);
         check_cameras(scene, path);
         loading::decode_images(state);
         make_printable(scene);

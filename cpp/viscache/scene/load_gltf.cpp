@@ -34,7 +34,7 @@ void check_depth(std::string_view json, const std::string& path) {
     }
 }
 
-bool is_known(const std::string& extension) {
+bool is_known_extension(const std::string& extension) {
     return extension == "KHR_lights_punctual" || extension == "KHR_materials_emissive_strength" ||
            extension == "KHR_materials_ior" || extension == "KHR_materials_specular" ||
            extension == "KHR_materials_transmission" || extension == "KHR_mesh_quantization" ||
@@ -47,7 +47,7 @@ void check_required(std::string_view json, const std::string& path) {
     const auto root = nlohmann::json::parse(json, nullptr, false);
     if (!root.is_object() || !root.contains("extensionsRequired")) return;
     for (const auto& name : root["extensionsRequired"]) {
-        if (!name.is_string() || is_known(name.get<std::string>())) continue;
+        if (!name.is_string() || is_known_extension(name.get<std::string>())) continue;
         const std::string text = name.get<std::string>();
         const bool compressed = text == "EXT_meshopt_compression" || text == "KHR_draco_mesh_compression";
         fail(path,
@@ -128,7 +128,7 @@ void GltfReader::parse() {
 
 void GltfReader::check_extensions() {
     for (const std::string& name : model_.extensionsUsed)
-        if (!is_known(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
+        if (!is_known_extension(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
     if (!model_.animations.empty())
         loading_.warn(path_, "animations are not modelled; the scene at rest is used");
 }

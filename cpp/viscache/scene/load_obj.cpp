@@ -103,13 +103,13 @@ bool check_mtl_line(std::string_view line, const Lines& lines, Loading& loading)
     return false;
 }
 
-Rgb rgb(const tinyobj::real_t* c) { return {c[0], c[1], c[2]}; }
+Rgb obj_rgb(const tinyobj::real_t* c) { return {c[0], c[1], c[2]}; }
 
 /// Converts an MTL material to the nearest material.
 Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading& loading) {
     Material m;
-    m.base_color = clamp01(rgb(in.diffuse));
-    const Rgb specular = clamp01(rgb(in.specular));
+    m.base_color = clamp01(obj_rgb(in.diffuse));
+    const Rgb specular = clamp01(obj_rgb(in.specular));
     if (in.illum == 3 || in.illum == 5 || in.illum == 8) {
         m.kind = MaterialKind::kMirror;
         m.specular = max_component(specular) > 0 ? specular : Rgb{1, 1, 1};
@@ -354,7 +354,7 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
                       : Material{});
             if (known) {
                 mesh.name = all.materials[size_t(id)].name;
-                mesh.emission = rgb(all.materials[size_t(id)].emission);
+                mesh.emission = obj_rgb(all.materials[size_t(id)].emission);
             }
         }
         check_mesh(mesh, path);

@@ -22,7 +22,7 @@ struct Element {
     std::vector<Property> properties;
 };
 
-struct Header {
+struct PlyHeader {
     bool ascii = false;
     std::vector<Element> elements;
     size_t end = 0;    ///< byte offset of the data
@@ -67,7 +67,7 @@ std::vector<std::string> words_of(std::string_view line) {
     return words;
 }
 
-void read_property(Header& h, const std::vector<std::string>& w, const std::string& where) {
+void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::string& where) {
     Property p;
     if (h.elements.empty()) fail(where, "a property stands before any element");
     p.is_list = w.size() == 5 && w[1] == "list";
@@ -86,7 +86,7 @@ void read_property(Header& h, const std::vector<std::string>& w, const std::stri
 }
 
 /// Reads one header line; returns true at end_header.
-bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_format,
+bool read_header_line(PlyHeader& h, const std::vector<std::string>& w, bool& has_format,
                       const std::string& where) {
     if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
     if (w[0] == "format") {
@@ -109,8 +109,8 @@ bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_fo
     return false;
 }
 
-Header read_header(std::string_view text, const std::string& path) {
-    Header h;
+PlyHeader read_ply_header(std::string_view text, const std::string& path) {
+    PlyHeader h;
     bool has_format = false;
     for (size_t begin = 0;;) {
         const size_t newline = text.find('\n', begin);
@@ -131,9 +131,9 @@ Header read_header(std::string_view text, const std::string& path) {
 }
 
 /// Reads values one after the other, from text or bytes.
-class Values {
+class PlyValues {
 public:
-    Values(std::string_view data, const Header& h, const std::string& path)
+    PlyValues(std::string_view data, const PlyHeader& h, const std::string& path)
         : data_(data), at_(h.end), line_(h.lines + 1), ascii_(h.ascii), path_(path) {}
 
     std::string where() const {
@@ -204,7 +204,7 @@ uint64_t least_row_bytes(const Element& e, bool ascii) {
     return bytes;
 }
 
-void check_count(const Element& e, const Values& values, bool ascii, const std::string& path) {
+void check_count(const Element& e, const PlyValues& values, bool ascii, const std::string& path) {
     const uint64_t row = least_row_bytes(e, ascii);
     if (e.count == 0) return;
     if (row == 0 || e.count > (values.left() + 1) / row)
@@ -228,7 +228,7 @@ int slot_of(const std::string& name) {
     return -1;
 }
 
-void read_vertices(Mesh& mesh, const Element& e, Values& values) {
+void read_vertices(Mesh& mesh, const Element& e, PlyValues& values) {
     std::vector<int> slots;
     bool has[8] = {};
     for (const Property& p : e.properties) {
@@ -263,7 +263,7 @@ void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const 
     for (size_t k = 1; k + 1 < face.size(); ++k) mesh.triangles.push_back({face[0], face[k], face[k + 1]});
 }
 
-void read_faces(Mesh& mesh, const Element& e, Values& values, uint64_t vertices) {
+void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertices) {
     bool found = false;
     std::vector<uint32_t> face;
     for (const Property& p : e.properties)
@@ -286,7 +286,7 @@ void read_faces(Mesh& mesh, const Element& e, Values& values, uint64_t vertices)
         }
 }
 
-void skip_rows(const Element& e, Values& values) {
+void skip_rows(const Element& e, PlyValues& values) {
     for (uint64_t i = 0; i < e.count; ++i)
         for (const Property& p : e.properties)
             for (uint64_t n = p.is_list ? values.next_count(p) : 1; n > 0; --n) values.next(p.type);
@@ -296,9 +296,9 @@ void skip_rows(const Element& e, Values& values) {
 
 Mesh read_ply(const std::string& path, const std::string& asked_at) {
     const std::string text = read_file(path, asked_at);
-    const Header header = read_header(text, path);
+    const PlyHeader header = read_ply_header(text, path);
     Mesh mesh;
-    Values values(text, header, path);
+    PlyValues values(text, header, path);
     uint64_t vertices = 0;
     for (const Element& e : header.elements)
         if (e.name == "vertex") vertices = e.count;

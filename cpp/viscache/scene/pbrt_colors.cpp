@@ -7,8 +7,6 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr Rgb kHalf{.5f, .5f, .5f}, kOne{1, 1, 1}, kZero{0, 0, 0};
-
 Spectrum spectrum_from(const std::vector<double>& v, const std::string& where) {
     if (v.size() < 2 || v.size() % 2) fail(where, "a spectrum must be pairs of wavelength and value");
     Spectrum s;

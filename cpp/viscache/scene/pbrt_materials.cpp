@@ -5,8 +5,6 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr Rgb kHalf{.5f, .5f, .5f}, kQuarter{.25f, .25f, .25f}, kOne{1, 1, 1}, kZero{0, 0, 0};
-
 /// pbrt's RoughnessToAlpha for `remaproughness`.
 double roughness_to_alpha(double roughness) {
     const double x = std::log(std::max(roughness, 1e-3));

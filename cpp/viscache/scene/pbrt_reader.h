@@ -5,6 +5,8 @@
 
 namespace viscache::loading {
 
+inline constexpr Rgb kZero{0, 0, 0}, kQuarter{.25f, .25f, .25f}, kHalf{.5f, .5f, .5f}, kOne{1, 1, 1};
+
 struct PbrtTexture {
     Rgb color{1, 1, 1};
     int image = -1;

@@ -5,8 +5,6 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr Rgb kOne{1, 1, 1};
-
 /// The corners of patches of `n` corners.
 std::vector<uint32_t> corners(const PbrtParam& indices, size_t n, size_t vertices) {
     if (indices.numbers.empty() || indices.numbers.size() % n)

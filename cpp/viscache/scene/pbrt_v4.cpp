@@ -6,7 +6,6 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr Rgb kHalf{.5f, .5f, .5f}, kQuarter{.25f, .25f, .25f}, kOne{1, 1, 1}, kZero{0, 0, 0};
 constexpr float kSmooth = 1e-3f;  ///< pbrt takes surfaces of smaller alpha for smooth
 
 }  // namespace

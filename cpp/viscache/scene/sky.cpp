@@ -39,7 +39,7 @@ std::pair<int, double> between(double x, int count) {
 /// Squares of floats neither overflow nor vanish here. std::hypot would bind wheels to glibc 2.35.
 double horizontal_length(Vec3 d) { return std::sqrt(double(d.x) * double(d.x) + double(d.z) * double(d.z)); }
 
-void check(const SkySettings& s) {
+void check_sky(const SkySettings& s) {
     std::ostringstream text;
     if (!(s.turbidity >= 1 && s.turbidity <= 10))
         text << "turbidity must be in [1, 10], got " << s.turbidity;
@@ -55,7 +55,7 @@ void check(const SkySettings& s) {
 }  // namespace
 
 ClearSky::ClearSky(const SkySettings& settings) : settings_(settings) {
-    check(settings);
+    check_sky(settings);
     elevation_ = std::asin(std::clamp(double(settings.to_sun.y), -1.0, 1.0));
     double weights[kControls];
     control_weights(std::max(0.0, elevation_), weights);

@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t kNowhere = 0xffffffffu;
 
 /// Appends point i of `from`.
-void append(EyeBlock& to, const EyeBlock& from, size_t i) {
+void append_point(EyeBlock& to, const EyeBlock& from, size_t i) {
     to.position.push_back(from.position[i]);
     to.normal.push_back(from.normal[i]);
     to.origin.push_back(from.origin[i]);
@@ -73,7 +73,7 @@ private:
             some.eyes.emplace_back();
             some.row.emplace_back();
             for (size_t i = 0; i < tiles_.eyes[t].size(); i += step) {
-                append(some.eyes.back(), tiles_.eyes[t], i);
+                append_point(some.eyes.back(), tiles_.eyes[t], i);
                 some.row.back().push_back(tiles_.row[t][i]);
             }
         }
@@ -158,7 +158,7 @@ EyeTiles EyeTiles::along_curve(const EyeBlock& points, size_t most) {
         std::vector<uint32_t>& row = tiles.row.emplace_back();
         eyes.tile_width = eyes.tile_height = side;
         for (size_t i = first; i < std::min(order.size(), first + most); ++i) {
-            append(eyes, points, order[i]);
+            append_point(eyes, points, order[i]);
             row.push_back(order[i]);
             const uint32_t along = uint32_t(i - first);
             eyes.order_x.push_back(gather2(along));

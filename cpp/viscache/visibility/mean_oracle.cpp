@@ -12,16 +12,10 @@ namespace {
 /// Threshold of 32 random bits: a query is drawn below it.
 uint64_t threshold(double q) { return uint64_t(std::clamp(std::floor(q * 0x1p32), 1.0, 0x1p32)); }
 
-float inverse(uint64_t threshold) { return float(0x1p32 / double(threshold)); }
+float inverse_share(uint64_t threshold) { return float(0x1p32 / double(threshold)); }
 
 bool is_below(uint64_t key, uint64_t number, uint64_t threshold) {
     return (mix64(key + number * 0x9E3779B97F4A7C15ull) >> 32) < threshold;
-}
-
-/// Few of the queries of one eye point are drawn, so that packets of one light would be nearly empty.
-std::optional<PacketOrder> order_for(double share) {
-    constexpr double kDense = 0.25;
-    return share >= kDense ? std::nullopt : std::optional(PacketOrder::kByPixel);
 }
 
 double deviation(double mean) { return std::sqrt(mean * (1 - mean)); }
@@ -31,7 +25,7 @@ double deviation(double mean) { return std::sqrt(mean * (1 - mean)); }
 MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, float extent,
                        const MeanSettings& s)
     : map_(map),
-      exact_(caster, extent, order_for(s.share.value_or(0))),
+      exact_(caster, extent, order_of_share(s.share.value_or(0))),
       share_(s.share),
       seed_(s.seed),
       lasting_seed_(s.lasting_seed),
@@ -84,7 +78,7 @@ void MeanOracle::draw_evenly(const EyeBlock& eyes, uint32_t eye, int group, cons
     for_each_bit(wanted.row_span(eye), [&](size_t k) {
         if (!is_below(key, k, below)) return;
         drawn_.set(eye, k);
-        inverse_.push_back(inverse(below));
+        inverse_.push_back(inverse_share(below));
     });
 }
 
@@ -205,7 +199,7 @@ void MeanOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> querie
         if (!is_below(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0, below)) continue;
         number.push_back(i);
         drawn.push_back(q);
-        inverse_.push_back(inverse(below));
+        inverse_.push_back(inverse_share(below));
     }
     std::vector<Word> seen(words_for(drawn.size()));
     Counters traced;

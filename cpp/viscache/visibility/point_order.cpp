@@ -19,7 +19,7 @@ uint32_t sortable(float v) {
     return bits >> 31 ? ~bits : bits | 0x80000000u;
 }
 
-int longest_axis(Vec3 extent) {
+int longest_extent(Vec3 extent) {
     if (extent.x >= extent.y && extent.x >= extent.z) return 0;
     return extent.y >= extent.z ? 1 : 2;
 }
@@ -31,16 +31,16 @@ size_t left_side(size_t count) {
     return left;
 }
 
-class Splitter {
+class PointSplitter {
 public:
-    Splitter(std::span<const Vec3> points, std::span<uint32_t> order)
+    PointSplitter(std::span<const Vec3> points, std::span<uint32_t> order)
         : points_(points), order_(order), keys_(points.size()) {}
 
     void split(size_t first, size_t last) {
         if (last - first <= kPacket) return;
         Bounds bounds;
         for (size_t i = first; i < last; ++i) bounds.add(points_[order_[i]]);
-        const int axis = longest_axis(bounds.hi - bounds.lo);
+        const int axis = longest_extent(bounds.hi - bounds.lo);
         const size_t middle = first + left_side(last - first);
         // One integer holds coordinate and index: their order is total
         for (size_t i = first; i < last; ++i)
@@ -63,7 +63,7 @@ private:
 std::vector<uint32_t> packet_order(std::span<const Vec3> points) {
     std::vector<uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0u);
-    Splitter(points, order).split(0, points.size());
+    PointSplitter(points, order).split(0, points.size());
     return order;
 }
 

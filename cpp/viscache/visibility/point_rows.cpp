@@ -6,7 +6,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kPointsPerBlock = 4096;
+constexpr size_t kPointsPerRowBlock = 4096;
 
 class RowsStart final : public FrameStart {
 public:
@@ -26,7 +26,7 @@ private:
 };
 
 /// State of one thread.
-struct Worker {
+struct RowWorker {
     std::unique_ptr<VisibilityOracle> oracle;
     RowBlock block;
     BitMatrix visible;
@@ -40,10 +40,10 @@ PointRows point_rows(OracleSource& source, float extent, const RowInput& input, 
     threads = resolve_threads(threads);
     RowsStart start(ends, input.position.size(), threads);
     source.prepare(start, control);
-    std::vector<Worker> workers(static_cast<size_t>(threads));
-    in_row_blocks(input.position, kPointsPerBlock, row_words_for(ends.count), rows, threads, control,
+    std::vector<RowWorker> workers(static_cast<size_t>(threads));
+    in_row_blocks(input.position, kPointsPerRowBlock, row_words_for(ends.count), rows, threads, control,
                   &control.done, [&](std::span<const uint32_t> points, int t) -> const BitMatrix& {
-                      Worker& own = workers[size_t(t)];
+                      RowWorker& own = workers[size_t(t)];
                       if (!own.oracle) {
                           own.oracle = source.make();
                           own.oracle->watch(control);
@@ -56,7 +56,7 @@ PointRows point_rows(OracleSource& source, float extent, const RowInput& input, 
                   });
     PointRows out;
     Counters counters;
-    for (const Worker& worker : workers) counters.merge(worker.counters);
+    for (const RowWorker& worker : workers) counters.merge(worker.counters);
     source.report(counters, out.report);
     out.rays = counters.rays();
     return out;

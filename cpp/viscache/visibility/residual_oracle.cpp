@@ -9,20 +9,10 @@
 
 namespace viscache {
 
-namespace {
-
-/// Few of the queries of one eye point are drawn, so that packets of one light would be nearly empty.
-std::optional<PacketOrder> order_for(double share) {
-    constexpr double kDense = 0.25;
-    return share >= kDense ? std::nullopt : std::optional(PacketOrder::kByPixel);
-}
-
-}  // namespace
-
 ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
                                const ResidualSettings& s)
     : inner_(std::move(inner)),
-      exact_(caster, extent, order_for(s.share.value_or(0))),
+      exact_(caster, extent, order_of_share(s.share.value_or(0))),
       share_(s.share),
       octaves_(s.octaves),
       seed_(s.seed),

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "viscache/visibility/parameter_row.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/shadow_ray.h"
 
@@ -16,11 +17,6 @@ constexpr size_t kBandRows = 4;      // rows of texels traced together, in squar
 constexpr size_t kPieceRays = 1024;  // rays per call of the caster
 constexpr float kGrow = 1.0001f;     // enlarges the directional map, so that points on the sphere lie inside
 constexpr float kBehind = 2.f;       // distance of the origin of directional depths from the centre, in radii
-
-template <class Value>
-void require(bool holds, const char* what, Value given) {
-    if (!holds) throw std::invalid_argument(std::string(what) + ", got " + std::to_string(given));
-}
 
 size_t faces_of(Semantic s) { return is_direction(s) ? 1 : kFaces; }
 
@@ -35,10 +31,10 @@ inline uint32_t texel_of(float u, float resolution) {
 }  // namespace
 
 void ShadowMapSettings::validate() const {
-    require(resolution >= 1 && resolution <= 16384, "resolution must be in [1, 16384]", resolution);
-    require(bias >= 0 && bias <= 1, "bias must be in [0, 1]", bias);
-    require(slope_bias >= 0 && slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", slope_bias);
-    require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
+    detail::require(resolution >= 1 && resolution <= 16384, "resolution must be in [1, 16384]", resolution);
+    detail::require(bias >= 0 && bias <= 1, "bias must be in [0, 1]", bias);
+    detail::require(slope_bias >= 0 && slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", slope_bias);
+    detail::require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
 }
 
 ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,

@@ -15,7 +15,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kPointsPerTile = 4096, kTilesPerRound = 64;
+constexpr size_t kPointsPerMatrixTile = 4096, kTilesPerRound = 64;
 constexpr size_t kPointsPerPiece = 128;  // of a tile that packets answer
 
 /// The segments of a tile towards one target.
@@ -64,9 +64,9 @@ struct Tile {
 };
 
 /// Memory of one thread.
-class Worker {
+class MatrixWorker {
 public:
-    explicit Worker(const Question& q, const Control& control) : q_(q), control_(control) {}
+    explicit MatrixWorker(const Question& q, const Control& control) : q_(q), control_(control) {}
 
     /// Sorts the points `some` along a tree, and tries a few targets if shafts are a choice.
     void prepare(Tile& tile, std::span<const uint32_t> some) {
@@ -189,22 +189,22 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
         work.tree_s = wall_seconds() - start;
     }
     threads = resolve_threads(threads);
-    std::vector<std::optional<Worker>> workers(static_cast<size_t>(threads));
-    const auto worker = [&](int t) -> Worker& {
-        std::optional<Worker>& own = workers[size_t(t)];
+    std::vector<std::optional<MatrixWorker>> workers(static_cast<size_t>(threads));
+    const auto worker = [&](int t) -> MatrixWorker& {
+        std::optional<MatrixWorker>& own = workers[size_t(t)];
         return own ? *own : own.emplace(q, control);
     };
     const std::vector<uint32_t> along = morton_order(points);
-    const size_t tiles = (points.size() + kPointsPerTile - 1) / kPointsPerTile;
+    const size_t tiles = (points.size() + kPointsPerMatrixTile - 1) / kPointsPerMatrixTile;
     std::vector<Tile> round(std::min(tiles, kTilesPerRound));
     control.total = tiles * q.words();
     for (size_t next = 0; next < tiles; next += round.size()) {
         const size_t count = std::min(round.size(), tiles - next);
         parallel_for(count, threads, [&](size_t i, int t) {
             control.check();
-            const size_t first = (next + i) * kPointsPerTile;
+            const size_t first = (next + i) * kPointsPerMatrixTile;
             worker(t).prepare(
-                round[i], std::span(along).subspan(first, std::min(kPointsPerTile, points.size() - first)));
+                round[i], std::span(along).subspan(first, std::min(kPointsPerMatrixTile, points.size() - first)));
         });
         // A work item is a tile and one word of targets; its words belong to no other item
         parallel_for(count * q.words(), threads, [&](size_t item, int t) {

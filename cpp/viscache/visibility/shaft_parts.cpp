@@ -16,12 +16,6 @@ constexpr int kBins = 32;
 constexpr uint32_t kOwnPart = 4096;
 constexpr size_t kBoxesAtOnce = 1 << 14;
 
-float half_area(const Bounds& b) {
-    if (b.empty()) return 0;
-    const Vec3 e = b.hi - b.lo;
-    return e.x * e.y + e.y * e.z + e.z * e.x;
-}
-
 Bounds bounds_of(const ShaftTriangle& t) {
     return {min(min(t.corner[0], t.corner[1]), t.corner[2]), max(max(t.corner[0], t.corner[1]), t.corner[2])};
 }
@@ -67,9 +61,9 @@ void join(std::vector<ShaftPart>& parts, size_t index, int32_t left, int32_t rig
 }
 
 /// Splits ranges of one order.
-class Splitter {
+class PartSplitter {
 public:
-    Splitter(std::span<const ShaftTriangle> triangles, int threads, const Control& control)
+    PartSplitter(std::span<const ShaftTriangle> triangles, int threads, const Control& control)
         : triangles_(triangles), control_(control), box_(triangles.size()), order_(triangles.size()) {
         std::iota(order_.begin(), order_.end(), 0u);
         const size_t n = triangles.size();
@@ -149,7 +143,7 @@ private:
 
     Cut cheapest_cut(uint32_t first, uint32_t count, const Bounds& centres) const {
         // The price of a side is its area times its blocks, counted as half full
-        const auto price = [](const Bounds& b, uint32_t n) { return half_area(b) * float((n + 7) / 8); };
+        const auto price = [](const Bounds& b, uint32_t n) { return b.half_area() * float((n + 7) / 8); };
         Cut best;
         float least = std::numeric_limits<float>::infinity();
         for (int axis = 0; axis < 3; ++axis) {
@@ -210,7 +204,7 @@ void graft(std::vector<ShaftPart>& tree, size_t index, const std::vector<ShaftPa
 double longest_side(const ShaftTriangle& triangle) { return Sides(triangle).longest(); }
 
 ShaftParts split_into_parts(std::span<const ShaftTriangle> triangles, int threads, const Control& control) {
-    Splitter splitter(triangles, threads, control);
+    PartSplitter splitter(triangles, threads, control);
     std::vector<ShaftPart> parts{range(0, uint32_t(triangles.size()))};
     std::vector<size_t> level{0}, small;
     size_t top = 0;  // number of parts above the small ones, and of these

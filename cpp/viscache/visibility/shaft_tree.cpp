@@ -8,12 +8,6 @@ namespace viscache {
 
 namespace {
 
-float half_area(const Bounds& b) {
-    if (b.empty()) return 0;
-    const Vec3 e = b.hi - b.lo;
-    return e.x * e.y + e.y * e.z + e.z * e.x;
-}
-
 /// Nodes of the largest parts below other parts. What a thread has made is a tree of its own until it is
 /// joined.
 class Widener {
@@ -29,7 +23,7 @@ public:
             for (size_t i = 0; i < kids.size(); ++i) {
                 if (part(kids[i]).is_leaf()) continue;
                 const bool first = largest == kids.size();
-                if (first || half_area(part(kids[i]).box) > half_area(part(kids[largest]).box)) largest = i;
+                if (first || part(kids[i]).box.half_area() > part(kids[largest]).box.half_area()) largest = i;
             }
             if (largest == kids.size()) break;
             const ShaftPart& opened = part(kids[largest]);
@@ -90,7 +84,7 @@ private:
 };
 
 /// Appends a tree; returns the index of its root.
-int32_t append(ShaftTree& tree, const ShaftTree& more) {
+int32_t append_subtree(ShaftTree& tree, const ShaftTree& more) {
     const auto nodes = int32_t(tree.nodes.size()), blocks = int32_t(tree.blocks.size());
     for (ShaftNode node : more.nodes) {
         for (size_t lane = 0; lane < kShaftLanes; ++lane)
@@ -124,7 +118,7 @@ ShaftTree widen_parts(std::span<const ShaftTriangle> triangles, const ShaftParts
     size_t next = 0;
     widener.widen(tree, 0, [&](int32_t kid) {
         return widener.widen(tree, kid, [&](int32_t) {
-            const int32_t index = append(tree, subtrees[next]);
+            const int32_t index = append_subtree(tree, subtrees[next]);
             subtrees[next++] = {};
             return index;
         });

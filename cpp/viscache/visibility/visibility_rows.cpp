@@ -64,9 +64,9 @@ void RowBlock::fill(const RowInput& input, const FarEnds& ends, std::span<const 
 namespace {
 
 /// State of one thread.
-class Worker {
+class SkyWorker {
 public:
-    Worker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
+    SkyWorker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
            const Control& control)
         : extent_(extent), sky_(sky), oracle_(caster, extent, order) {
         oracle_.watch(control);
@@ -100,7 +100,7 @@ uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& 
     threads = resolve_threads(threads);
     const size_t share = (n + size_t(threads) - 1) / size_t(threads);
     const size_t per_block = std::clamp(share, kFewestPointsPerBlock, kPointsPerBlock);
-    std::vector<Worker> workers;
+    std::vector<SkyWorker> workers;
     for (size_t t = 0; t < std::min((n + per_block - 1) / per_block, size_t(threads)); ++t)
         workers.emplace_back(caster, extent, sky, order, control);
     in_row_blocks(input.position, per_block, row_words_for(sky.count), rows, threads, control, done,
@@ -108,7 +108,7 @@ uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& 
                       return workers[size_t(t)].rows(input, points);
                   });
     uint64_t rays = 0;
-    for (const Worker& worker : workers) rays += worker.rays();
+    for (const SkyWorker& worker : workers) rays += worker.rays();
     return rays;
 }
 

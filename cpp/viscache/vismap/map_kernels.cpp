@@ -77,12 +77,12 @@ VISCACHE_INLINE double shape_body(size_t n, double floor, const double* share, i
 
 #undef VISCACHE_INLINE
 
-constexpr MapKernels kernels_of(Isa isa) {
+constexpr MapKernels map_kernels_of(Isa isa) {
     return {variant_of<expand_body>(isa), variant_of<shape_body>(isa)};
 }
 
 }  // namespace
 
-const MapKernels& map_kernels(Isa isa) { return table_of<kernels_of>(isa); }
+const MapKernels& map_kernels(Isa isa) { return table_of<map_kernels_of>(isa); }
 
 }  // namespace viscache

@@ -80,7 +80,7 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
 
 #undef VISCACHE_INLINE
 
-constexpr ProductKernels kernels_of(Isa isa) {
+constexpr ProductKernels product_kernels_of(Isa isa) {
     return {variant_of<diffuse16>(isa),   variant_of<glossy16>(isa),   variant_of<above_body>(isa),
             variant_of<gather_body>(isa), variant_of<raise_body>(isa), variant_of<weigh_body>(isa),
             variant_of<flag_body>(isa),   variant_of<scale_body>(isa), variant_of<sum_fours_body>(isa)};
@@ -88,6 +88,6 @@ constexpr ProductKernels kernels_of(Isa isa) {
 
 }  // namespace
 
-const ProductKernels& product_kernels(Isa isa) { return table_of<kernels_of>(isa); }
+const ProductKernels& product_kernels(Isa isa) { return table_of<product_kernels_of>(isa); }
 
 }  // namespace viscache

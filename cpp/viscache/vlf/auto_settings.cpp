@@ -30,7 +30,7 @@ struct Candidate {
     double cost;
 };
 
-std::vector<Candidate> candidates(const FieldTriangles& triangles, const FieldSettings& given) {
+std::vector<Candidate> candidate_settings(const FieldTriangles& triangles, const FieldSettings& given) {
     std::vector<Candidate> found;
     for (const int n : kTiles) {
         if (given.n_tiles != 0 && n != kTiles[0]) break;
@@ -76,7 +76,7 @@ FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettin
     const bool open = given.n_directions == 0 || given.n_tiles == 0 || given.bsp_depth < 0;
     if (!open) return given;
     // A lazy field keeps only as many subfields as fit
-    for (const Candidate& c : candidates(triangles, given))
+    for (const Candidate& c : candidate_settings(triangles, given))
         if (given.lazy || predicted_peak(triangles, c.settings, threads, control).peak() <= given.max_bytes)
             return c.settings;
     FieldSettings least = given;

@@ -16,9 +16,9 @@ namespace {
 constexpr double kTurningBits = 1.15, kEmbreeAtBlocks = 0.7;
 /// The batch is taken below this share of Embree's predicted cost. On seven blocks of four scenes the
 /// measured share was at most 1.1 times the predicted one.
-constexpr double kShare = 0.8;
-/// One axis is traced before the decision per this many axes, at least one, up to kProbedAxes.
-constexpr size_t kAxesPerProbe = 64, kProbedAxes = 4;
+constexpr double kBlockShare = 0.8;
+/// One axis is traced before the decision per this many axes, at least one, up to kProbedBlockAxes.
+constexpr size_t kAxesPerBlockProbe = 64, kProbedBlockAxes = 4;
 
 std::vector<Vec3> directions_of(const FarEnds& lights) {
     std::vector<Vec3> directions;
@@ -152,7 +152,7 @@ EngineChoice DirectionBlock::choose(Isa isa) const {
     const TraceAxis kernel = trace_axis_kernel(isa);
     const std::vector<size_t> some =
         probed_axes(axes_.size(),
-                    std::min(axes_.size(), std::clamp<size_t>(axes_.size() / kAxesPerProbe, 1, kProbedAxes)));
+                    std::min(axes_.size(), std::clamp<size_t>(axes_.size() / kAxesPerBlockProbe, 1, kProbedBlockAxes)));
     std::vector<AlignedCounts> work(some.size());
     std::vector<uint64_t> rays(some.size()), seen(some.size());
     const auto lanes_in = [](const std::vector<uint16_t>& lanes) {
@@ -184,7 +184,7 @@ EngineChoice DirectionBlock::choose(Isa isa) const {
     EngineChoice costs = predicted_costs(AlignedWork::of(all, traced, free), order, length, isa);
     costs.batch_ns *= kTurningBits;
     costs.embree_ns *= kEmbreeAtBlocks;
-    return decided(costs, kShare);
+    return decided(costs, kBlockShare);
 }
 
 }  // namespace viscache
