@@ -9,17 +9,17 @@
 
 namespace viscache {
 
-namespace {
-
-static_assert(sizeof(RTCRay16) >= sizeof(RayPacket16));
-
-using rtc::shared_device;
-
 /// Data of a geometry for its filter callback.
 struct GeometryData {
     const Scene* scene;
     uint32_t mesh;
 };
+
+namespace {
+
+static_assert(sizeof(RTCRay16) >= sizeof(RayPacket16));
+
+using rtc::shared_device;
 
 /// Rejects hits where the alpha of the material cuts a hole.
 void cutout_filter(const RTCFilterFunctionNArguments* args) {
