@@ -14,6 +14,9 @@ namespace py = pybind11;
 using FloatArray = RealArray<float, py::array::c_style | py::array::forcecast>;
 using DoubleArray = RealArray<double, py::array::c_style | py::array::forcecast>;
 using UintArray = RealArray<uint32_t, py::array::c_style | py::array::forcecast>;
+using BoolArray = py::array_t<bool, py::array::c_style | py::array::forcecast>;
+using WordArray = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
+using Float3 = std::array<float, 3>;
 
 inline std::string shape_text(const py::array& a) {
     std::string s = "(";
@@ -41,6 +44,12 @@ inline std::vector<Vec3> vec3s(const FloatArray& a, const char* name) {
 
 inline Vec3 vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 inline std::array<float, 3> array3(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// A new (N,) array with the given values.
+template <class T>
+py::array_t<T> array_of(const std::vector<T>& values) {
+    return py::array_t<T>(py::ssize_t(values.size()), values.data());
+}
 
 /// A new (N, 3) array with the given rows.
 inline py::array_t<float> from_vec3s(const std::vector<Vec3>& v) {

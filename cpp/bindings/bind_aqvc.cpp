@@ -8,10 +8,8 @@
 
 namespace viscache::bindings {
 
-void bind_aqvc_keys(py::module_& a, py::module_& t);
+void bind_aqvc_keys(py::module_& a);
 void bind_aqvc_levels(py::module_& a);
-void bind_aqvc_run(py::module_& t);
-void bind_aqvc_samples(py::module_& t);
 
 namespace {
 
@@ -102,11 +100,8 @@ void bind_aqvc(py::module_& m) {
         },
         py::arg("group"), py::kw_only(), py::arg("spp") = 1, py::arg("lift") = 1.0,
         "C_E of every level of a light group, coarse to fine.");
-    py::module_ t = m.def_submodule("_testing");
-    bind_aqvc_keys(a, t);
+    bind_aqvc_keys(a);
     bind_aqvc_levels(a);
-    bind_aqvc_run(t);
-    bind_aqvc_samples(t);
 }
 
 }  // namespace viscache::bindings

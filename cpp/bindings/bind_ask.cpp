@@ -11,8 +11,6 @@ namespace viscache::bindings {
 
 namespace {
 
-using BitRows = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
-
 /// The tiles of a frame if they are given, else tiles along a Morton curve.
 EyeTiles tiles_of(const py::object& eyes, float extent, size_t most) {
     if (!py::isinstance<py::list>(eyes))
@@ -39,7 +37,7 @@ py::array_t<AskedQuery> log_array(const std::vector<AskedQuery>& log) {
 }
 
 py::dict block(OracleSource& source, const py::object& eyes, const py::dict& ends,
-               const std::optional<BitRows>& wanted, const std::optional<FloatArray>& contributions,
+               const std::optional<WordArray>& wanted, const std::optional<FloatArray>& contributions,
                std::pair<size_t, size_t> log, float extent, size_t most, int threads) {
     const EyeTiles tiles = tiles_of(eyes, extent, most);
     const FarEnds lights = far_ends_from(ends, extent);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kStepChunk = 1024;  // rays between two checks for Ctrl-C
 
-py::dict stats_dict(const BspStats& s) {
+py::dict bsp_stats(const BspStats& s) {
     using namespace py::literals;
     return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "nodes"_a = s.nodes,
                     "leaves"_a = s.leaves, "empty_leaves"_a = s.empty_leaves, "references"_a = s.references,
@@ -55,7 +55,7 @@ void bind_bsp(py::module_& m) {
     py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(
         v, "BspCaster", "Traces single rays through a BSP tree.");
     caster.def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0)
-        .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
+        .def_property_readonly("stats", [](const BspCaster& c) { return bsp_stats(c.stats()); })
         .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),
              "Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all "
              "rays.");

@@ -10,7 +10,6 @@ namespace viscache::bindings {
 
 namespace {
 
-using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
 using IntArray = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
 
 PairDomain domain_of(const std::string& name) {
@@ -62,7 +61,7 @@ struct RowsArgument {
 };
 
 /// An array that owns the values of a table.
-py::array_t<int64_t> taken(std::vector<int64_t>& v, const PairTable& t) {
+py::array_t<int64_t> array_that_owns(std::vector<int64_t>& v, const PairTable& t) {
     auto* kept = new std::vector<int64_t>(std::move(v));
     const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<int64_t>*>(p); });
     return py::array_t<int64_t>({t.n_pairs, t.n_distances, t.n_angles}, kept->data(), owner);
@@ -70,9 +69,10 @@ py::array_t<int64_t> taken(std::vector<int64_t>& v, const PairTable& t) {
 
 py::dict dict_of(PairTable& t) {
     using namespace py::literals;
-    return py::dict("n"_a = taken(t.n, t), "n_undefined"_a = taken(t.n_undefined, t),
-                    "sum_q"_a = taken(t.sum_q, t), "sum_q2_high"_a = taken(t.sum_q2_high, t),
-                    "sum_q2_low"_a = taken(t.sum_q2_low, t));
+    return py::dict("n"_a = array_that_owns(t.n, t), "n_undefined"_a = array_that_owns(t.n_undefined, t),
+                    "sum_q"_a = array_that_owns(t.sum_q, t),
+                    "sum_q2_high"_a = array_that_owns(t.sum_q2_high, t),
+                    "sum_q2_low"_a = array_that_owns(t.sum_q2_low, t));
 }
 
 PairWork work_of(int threads, const std::optional<std::string>& isa, bool skip_dead = true) {

@@ -17,11 +17,6 @@ namespace viscache::bindings {
 
 namespace {
 
-template <class T>
-py::array_t<T> array_of(const std::vector<T>& v) {
-    return py::array_t<T>(py::ssize_t(v.size()), v.data());
-}
-
 py::dict points_dict(const SurfacePoints& p) {
     using namespace py::literals;
     return py::dict("position"_a = from_vec3s(p.position), "normal"_a = from_vec3s(p.normal),

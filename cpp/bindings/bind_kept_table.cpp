@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include "arrays.h"
+#include "gil.h"
 #include "viscache/aqvc/kept_rows.h"
 #include "viscache/aqvc/kept_table.h"
 #include "viscache/aqvc/parameters.h"
@@ -14,18 +15,12 @@ namespace viscache::bindings {
 namespace {
 
 template <class T>
-py::array_t<T> array_of(const std::vector<T>& values) {
-    return py::array_t<T>(py::ssize_t(values.size()), values.data());
-}
-
-template <class T>
 std::vector<T> values_of(const py::array_t<T, py::array::c_style | py::array::forcecast>& a) {
     return {a.data(), a.data() + a.size()};
 }
 
 void bind_rows(py::module_& m) {
     using Longs = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
-    using Words = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
     py::class_<AqvcRows>(m, "AqvcRows", "See viscache.AqvcRows.")
         .def(py::init<uint64_t>(), py::arg("max_bytes"))
         .def("clear", &AqvcRows::clear)
@@ -46,7 +41,7 @@ void bind_rows(py::module_& m) {
         .def(
             "restore",
             [](AqvcRows& rows, size_t tile, size_t group, uint64_t digest, uint64_t row_words,
-               const Longs& cells, const Words& words) {
+               const Longs& cells, const WordArray& words) {
                 if (tile >= rows.tiles() || group >= kLightGroups) throw py::index_error("no such rows");
                 rows.restore(tile, int(group), {digest, row_words, values_of(cells), values_of(words)});
             },

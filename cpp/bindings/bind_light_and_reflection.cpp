@@ -77,7 +77,7 @@ const Conductor& kept(const Conductor& metal) {
     return metals.try_emplace({e.x, e.y, e.z, k.x, k.y, k.z}, metal).first->second;
 }
 
-void bind_shading_point(py::module_& s, py::module_& t) {
+void bind_shading_point(py::module_& s) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta, CoatKind coat, bool nonlinear, Float3 metal_eta,
@@ -103,38 +103,14 @@ void bind_shading_point(py::module_& s, py::module_& t) {
             return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return eval_bsdf(sp, w); });
         },
         py::arg("sp"), py::arg("wi"), "f without the cosine factor, (N, 3).");
-    t.def(
-        "diffuse_albedo", [](const ShadingPoint& sp) { return array3(diffuse_albedo(sp)); }, py::arg("sp"),
-        "Albedo of the diffuse part for light from wo.");
-    t.def(
-        "pdf_bsdf",
-        [](const ShadingPoint& sp, const FloatArray& wi) {
-            return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });
-        },
-        py::arg("sp"), py::arg("wi"), "Density of `sample_bsdf` per solid angle, (N,).");
-    t.def(
-        "sample_bsdf",
-        [](const ShadingPoint& sp, const FloatArray& u) {
-            std::vector<Vec3> wi, weight;
-            const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
-                const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
-                wi.push_back(sample ? sample->wi : Vec3{});
-                weight.push_back(sample ? sample->weight : Rgb{});
-                return sample ? sample->pdf : 0.f;
-            });
-            return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);
-        },
-        py::arg("sp"), py::arg("u"),
-        "Directions (N, 3), weights f·cos/pdf (N, 3) and densities (N,) for u (N, 3); density 0: no sample.");
 }
 
 }  // namespace
 
 void bind_light_and_reflection(py::module_& m) {
     py::module_ s = m.def_submodule("sampling");
-    py::module_ t = m.def_submodule("_testing");
     bind_environment(s);
-    bind_shading_point(s, t);
+    bind_shading_point(s);
 }
 
 }  // namespace viscache::bindings

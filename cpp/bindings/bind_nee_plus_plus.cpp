@@ -1,38 +1,12 @@
-// Next Event Estimation++: its settings, and its voxel map for tests.
+// Next Event Estimation++: its settings, and its voxel map kept between frames.
 
-#include "caster_queries.h"
-#include "real_numbers.h"
+#include "arrays.h"
+#include "viscache/scene/scene.h"
 #include "viscache/visibility/kept_voxels.h"
 
 namespace viscache::bindings {
 
 namespace {
-
-/// Fills a voxel map over a box with given connections.
-py::tuple learnt_map(const NeePlusPlusSettings& settings, std::array<float, 3> low, std::array<float, 3> high,
-                     const FloatArray& near, const FloatArray& far,
-                     const py::array_t<bool, py::array::c_style | py::array::forcecast>& seen,
-                     bool direction) {
-    require_same_rows(near, far, "near and far");
-    const auto from = vec3s(near, "near"), to = vec3s(far, "far");
-    if (seen.ndim() != 1 || size_t(seen.size()) != from.size())
-        throw std::invalid_argument("seen must have one value per row of near");
-    VoxelVisibility map({vec3(low), vec3(high)}, settings);
-    const Semantic semantic = direction ? Semantic::kDirection : Semantic::kPoint;
-    const py::ssize_t n = py::ssize_t(from.size());
-    py::array_t<uint32_t> near_cell(n), far_cell(n);
-    for (py::ssize_t i = 0; i < n; ++i) {
-        near_cell.mutable_at(i) = map.voxel(from[size_t(i)]);
-        far_cell.mutable_at(i) = map.far_cell(semantic, to[size_t(i)]);
-        map.add(near_cell.at(i), far_cell.at(i), seen.at(i));
-    }
-    py::array_t<double> visibility(n), probability(n);
-    for (py::ssize_t i = 0; i < n; ++i) {
-        visibility.mutable_at(i) = map.visibility(near_cell.at(i), far_cell.at(i));
-        probability.mutable_at(i) = map.probability(near_cell.at(i), far_cell.at(i));
-    }
-    return py::make_tuple(near_cell, far_cell, visibility, probability);
-}
 
 /// Places and counts (N,) of all pairs with tests.
 py::tuple state_of(const KeptVoxels& kept) {
@@ -51,11 +25,10 @@ py::tuple state_of(const KeptVoxels& kept) {
                           py::array_t<uint32_t>(py::ssize_t(seen.size()), seen.data()));
 }
 
-using Places = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
 using Numbers = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
 void restore(KeptVoxels& kept, const Scene& scene, const NeePlusPlusSettings& settings, uint64_t frames,
-             const Places& place, const Numbers& tested, const Numbers& seen) {
+             const WordArray& place, const Numbers& tested, const Numbers& seen) {
     if (place.ndim() != 1 || tested.ndim() != 1 || seen.ndim() != 1 || place.size() != tested.size() ||
         place.size() != seen.size())
         throw std::invalid_argument("places and counts must be rows of the same length");
@@ -89,12 +62,6 @@ void bind_nee_plus_plus(py::module_& m) {
         .def("state", &state_of, "Places, tests and unblocked tests (N,) of all pairs with tests.")
         .def("restore", &restore, py::arg("scene"), py::arg("settings"), py::arg("frames"), py::arg("place"),
              py::arg("tested"), py::arg("seen"), "Sets what `state` gave, in an object without frames.");
-    py::module_ t = m.def_submodule("_testing");
-    t.def(
-        "learnt_map", &learnt_map, py::arg("settings"), py::arg("low"), py::arg("high"), py::arg("near"),
-        py::arg("far"), py::arg("seen"), py::kw_only(), py::arg("direction") = false,
-        "Cells of both ends (N,), then the visibility and probability of every connection in the filled map. "
-        "`far` holds places, or directions towards the light.");
 }
 
 }  // namespace viscache::bindings

@@ -10,7 +10,7 @@ namespace viscache::bindings {
 
 namespace {
 
-std::optional<RayWay> way_named(const std::optional<std::string>& name) {
+std::optional<RayWay> ray_way(const std::optional<std::string>& name) {
     if (!name) return std::nullopt;
     if (*name == "coherent") return RayWay::kCoherent;
     if (*name == "as_given") return RayWay::kAsGiven;
@@ -19,8 +19,9 @@ std::optional<RayWay> way_named(const std::optional<std::string>& name) {
 }
 
 /// Any hits by Embree; every block is traced in the way that suits it.
-py::array_t<bool> occluded(const EmbreeCaster& caster, const AnyFloatArray& o, const AnyFloatArray& d,
-                           const py::object& t_max, int threads, const std::optional<std::string>& way) {
+py::array_t<bool> embree_occluded(const EmbreeCaster& caster, const AnyFloatArray& o, const AnyFloatArray& d,
+                                  const py::object& t_max, int threads,
+                                  const std::optional<std::string>& way) {
     const RowView origins(o, "origins"), directions(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
@@ -29,7 +30,7 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const AnyFloatArray& o, c
     const RayArrays rays{origins.rows, directions.rows, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    const std::optional<RayWay> fixed = way_named(way);
+    const std::optional<RayWay> fixed = ray_way(way);
     bool usable = true;
     const auto trace = [&](Control& control) {
         usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
@@ -122,7 +123,7 @@ void bind_scene(py::module_& m) {
                  return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
              }),
              py::arg("scene"), py::kw_only(), py::arg("robust") = true, py::call_guard<WithoutGil>())
-        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+        .def("occluded", &embree_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("threads") = 0, py::kw_only(), py::arg("way") = py::none(),
              "Any hits. `way` (coherent, as_given or sorted) fixes what otherwise follows from the rays.")
         .def("intersect", &nearest_hits<EmbreeCaster>, py::arg("origins"), py::arg("directions"),

@@ -13,9 +13,6 @@ namespace viscache::bindings {
 
 namespace {
 
-using BitRows = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
-using Bools = py::array_t<bool, py::array::c_style | py::array::forcecast>;
-
 /// All queries of a frame.
 class FrameTaps {
 public:
@@ -211,7 +208,7 @@ private:
 class Answers {
 public:
     explicit Answers(const FrameTaps& taps) : taps_(taps), given_(taps.answers()) {}
-    void block(int group, const BitRows& bits, const std::optional<FloatArray>& weights, size_t columns) {
+    void block(int group, const WordArray& bits, const std::optional<FloatArray>& weights, size_t columns) {
         const size_t words = words_for(columns);
         if (bits.ndim() != 2 || size_t(bits.shape(0)) != taps_.rows() || size_t(bits.shape(1)) != words)
             throw py::value_error("bits must have shape (" + std::to_string(taps_.rows()) + ", " +
@@ -224,7 +221,7 @@ public:
         keep_.append(bits);
         if (weights) keep_.append(*weights);
     }
-    void samples(int group, const Bools& visible, const std::optional<FloatArray>& weights,
+    void samples(int group, const BoolArray& visible, const std::optional<FloatArray>& weights,
                  std::vector<std::vector<uint32_t>> order, std::vector<std::vector<uint32_t>> run_end) {
         const LocalSamples& s = taps_.joined(group).at;
         if (visible.ndim() != 1 || size_t(visible.size()) != s.size())

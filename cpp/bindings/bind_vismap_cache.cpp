@@ -14,7 +14,6 @@ namespace viscache::bindings {
 
 namespace {
 
-using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
 using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;
 
 py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,

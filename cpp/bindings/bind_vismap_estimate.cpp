@@ -1,11 +1,9 @@
-// Control variates, and estimates at one point with tabulated light, reflection and maps; for tests.
+// Estimates at one point with tabulated light, reflection and maps.
 #include <pybind11/native_enum.h>
 
 #include "bound_maps.h"
 #include "interrupt.h"
-#include "real_numbers.h"
 #include "table_reflection.h"
-#include "viscache/math/cpu_time.h"
 #include "viscache/vismap/point_estimate.h"
 
 namespace viscache::bindings {
@@ -211,37 +209,6 @@ void bind_point(py::module_& s) {
              "The same for passes of these sizes. `alpha` belongs to the first pass.");
 }
 
-void bind_equations(py::module_& t) {
-    t.def("control_variate_estimate", py::vectorize(control_variate_estimate), py::arg("sum_f"),
-          py::arg("sum_g"), py::arg("j"), py::arg("alpha"), py::arg("n"), "Eq. 2 for one channel.");
-    t.def(
-        "product_terms",
-        [](double ratio, double visible, double approximate, double d) {
-            const ProductTerms t = product_terms(ratio, visible, approximate, d);
-            return std::pair(t.z, t.w);
-        },
-        py::arg("b_over_b_tilde"), py::arg("visible"), py::arg("approximate"), py::arg("d") = 1.0,
-        "Eq. 3: Z and W.");
-    t.def("residual_variance", py::vectorize(residual_variance), py::arg("var_z"), py::arg("var_w"),
-          py::arg("covariance"), py::arg("alpha"), "Eq. 4: variance of Z − αW.");
-    t.def("best_alpha", &best_alpha, py::arg("var_w"), py::arg("covariance"));
-    t.def("least_residual_variance", &least_residual_variance, py::arg("var_z"), py::arg("rho"),
-          "Eq. 5: variance at the best α.");
-    t.def("correlation", &correlation, py::arg("var_z"), py::arg("var_w"), py::arg("covariance"),
-          "Eq. 6: ρ.");
-    t.def(
-        "regressed_alpha",
-        [](const DoubleArray& z, const DoubleArray& w, double var_w) {
-            if (z.ndim() != 1 || w.ndim() != 1 || z.shape(0) != w.shape(0))
-                throw py::value_error("z and w must have one shape (N,)");
-            AlphaSums sums;
-            for (py::ssize_t i = 0; i < z.shape(0); ++i) sums.add(z.at(i), w.at(i));
-            return regressed_alpha(sums, var_w);
-        },
-        py::arg("z"), py::arg("w"), py::arg("var_w"),
-        "α from samples (N,) of Z and W, both minus the mean of W.");
-}
-
 }  // namespace
 
 void bind_vismap_estimate(py::module_& m) {
@@ -251,9 +218,7 @@ void bind_vismap_estimate(py::module_& m) {
         .value("PREVIOUS_PASS", AlphaMode::kPreviousPass)
         .finalize();
     py::module_ s = m.def_submodule("vismap");
-    py::module_ t = m.def_submodule("_testing");
     bind_point(s);
-    bind_equations(t);
 }
 
 }  // namespace viscache::bindings

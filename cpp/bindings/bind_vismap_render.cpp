@@ -1,8 +1,5 @@
 // Visibility maps for the environment light of frames.
 #include "frame_maps.h"
-#include "real_numbers.h"
-
-#include "bound_maps.h"
 #include "pixel_maps.h"
 
 namespace viscache::bindings {
@@ -50,21 +47,6 @@ void bind_vismap_render(py::module_& m) {
         py::kw_only(), py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
         "The maps of a cache, which must not change while the frame is rendered. d_max and footprint belong "
         "to the centres of the pixels, (H·W,).");
-    py::module_ t = m.def_submodule("_testing");
-    t.def(
-        "given_maps",
-        [](const VisMapSettings& settings, const BoolArray& bits, const FloatArray& beta,
-           const std::vector<BoolArray>& dilated) {
-            const auto given = std::make_shared<BoundMaps>(bits, beta, dilated);
-            if (!given->dilated()) throw py::value_error("dilated must be given");
-            return FrameMaps{
-                {{given->view.m, [given] { return [given](Vec3, Vec3, size_t) { return given->view; }; }, 0},
-                 settings},
-                {},
-                py::tuple()};
-        },
-        py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),
-        "The same blend of maps for all points.");
 }
 
 }  // namespace viscache::bindings

@@ -1,9 +1,6 @@
 // Directions of the visibility field.
 
-#include "checked_rows.h"
-#include "real_numbers.h"
-#include "rows.h"
-#include "viscache/vlf/direction_axes.h"
+#include "arrays.h"
 #include "viscache/vlf/directions.h"
 
 namespace viscache::bindings {
@@ -31,18 +28,6 @@ py::array_t<float> frames(uint32_t n_directions) {
     return a;
 }
 
-/// Numbers of the direction along each axis and of the one against it; -1: none.
-py::array_t<int64_t> shared_axes(const FloatArray& directions) {
-    const auto axes = axes_of(units(directions, "directions"));
-    py::array_t<int64_t> numbers({py::ssize_t(axes.size()), py::ssize_t(2)});
-    int64_t* out = numbers.mutable_data();
-    for (const SharedAxis& axis : axes) {
-        *out++ = axis.along;
-        *out++ = axis.against == SharedAxis::kNone ? -1 : int64_t(axis.against);
-    }
-    return numbers;
-}
-
 }  // namespace
 
 void bind_vlf_directions(py::module_& m) {
@@ -63,10 +48,6 @@ void bind_vlf_directions(py::module_& m) {
             return py::array_t<float>(py::ssize_t(weights.size()), weights.data());
         },
         py::arg("n_directions"), "Solid angles (l,), in sr.");
-    py::module_ t = m.def_submodule("_testing");
-    t.def("shared_axes", &shared_axes, py::arg("directions"),
-          "Pairs of opposite unit directions (A, 2): the one along each axis and the one against it; -1: "
-          "none.");
     v.def("nearest_direction", &nearest_direction, py::arg("directions"), py::arg("n_directions"),
           "Index of the axis nearest to each row.");
 }

@@ -69,8 +69,8 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
     return py::make_tuple(t, object, triangle, uv);
 }
 
-py::array_t<bool> occluded(const DynamicField& field, const FloatArray& o, const FloatArray& d,
-                           const py::object& t_max, int threads) {
+py::array_t<bool> dynamic_occluded(const DynamicField& field, const FloatArray& o, const FloatArray& d,
+                                   const py::object& t_max, int threads) {
     require_usable(o, "origins");
     require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
@@ -129,7 +129,7 @@ void bind_vlf_dynamic(py::module_& m) {
             py::arg("object"), py::arg("place"), py::arg("threads") = 0)
         .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("threads") = 0,
              "t, object, triangle (N,), barycentrics (N, 2).")
-        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+        .def("occluded", &dynamic_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("threads") = 0)
         .def_property_readonly("settings", &DynamicField::settings)
         .def_property_readonly("objects", &DynamicField::objects)

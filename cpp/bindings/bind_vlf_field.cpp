@@ -7,7 +7,7 @@ namespace viscache::bindings {
 
 namespace {
 
-py::dict stats_dict(const FieldStats& s) {
+py::dict field_stats(const FieldStats& s) {
     using namespace py::literals;
     return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "subfields"_a = s.subfields,
                     "built"_a = s.built, "evicted"_a = s.evicted, "tiles"_a = s.tiles,
@@ -34,11 +34,6 @@ uint32_t checked_direction(const VisibilityField& field, uint32_t direction) {
     return direction;
 }
 
-template <class T>
-py::array_t<T> copied(const std::vector<T>& v) {
-    return py::array_t<T>(py::ssize_t(v.size()), v.data());
-}
-
 /// The lists of one direction: leaves and depth range of every tile, triangles and border of every leaf.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     const SubfieldLease f = field.subfield(checked_direction(field, direction));
@@ -56,11 +51,11 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
         ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
     }
     py::dict d;
-    d["first_leaf"] = copied(first_leaf);
-    d["first_id"] = copied(first_id);
-    d["ids"] = copied(ids);
+    d["first_leaf"] = array_of(first_leaf);
+    d["first_id"] = array_of(first_id);
+    d["ids"] = array_of(ids);
     d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
-    d["borders"] = copied(borders);
+    d["borders"] = array_of(borders);
     return d;
 }
 
@@ -105,7 +100,7 @@ void bind_vlf_field(py::module_& m) {
         .def(py::init(&field_over), py::arg("scene"), py::arg("settings"), py::kw_only(),
              py::arg("threads") = 0, py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
-        .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
+        .def_property_readonly("stats", [](const VisibilityField& f) { return field_stats(f.stats()); })
         .def("subfield", &subfield_dict, py::arg("direction"), "The lists of one direction as arrays.")
         .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,

@@ -91,7 +91,6 @@ uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& set
 
 void bind_vlf_parts(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::module_ t = m.def_submodule("_testing");
     v.def("cover_tiles", &cover, py::arg("triangles"), py::arg("n_tiles"),
           "Tiles of triangles in canonical space: (triangle, x, y) (K, 3) and depth ranges (K, 2).");
     v.def("walk_tiles", &walk, py::arg("origin"), py::arg("direction"), py::arg("n_tiles"),
@@ -99,7 +98,6 @@ void bind_vlf_parts(py::module_& m) {
           "Tiles (K, 2) and t (K, 2) of a ray in canonical space.");
     v.def("walk_leaves", &leaves, py::arg("z0"), py::arg("z1"), py::arg("leaves"), py::arg("borders"),
           py::arg("low"), py::arg("high"), py::arg("upwards"), py::arg("how"));
-    t.def("tile_depth", &tile_depth, py::arg("count"), py::arg("depth"), py::arg("leaf_target"));
     v.def(
         "expected_references",
         [](const std::shared_ptr<Scene>& scene, int n_tiles) {
@@ -109,15 +107,6 @@ void bind_vlf_parts(py::module_& m) {
         },
         py::arg("scene"), py::arg("n_tiles"),
         "Expected number of entries in the lists of one direction, without splits along the depth.");
-    t.def(
-        "expected_build_s",
-        [](const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
-            settings.validate();
-            check_tiles(settings.n_tiles);
-            const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
-            return expected_build_s(triangles, settings);
-        },
-        py::arg("scene"), py::arg("settings"), "Estimated CPU seconds of the build.");
     v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
           "Bytes of a field before it is built.");
 }

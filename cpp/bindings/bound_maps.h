@@ -9,8 +9,6 @@
 
 namespace viscache::bindings {
 
-using BoolArray = py::array_t<bool, py::array::c_style | py::array::forcecast>;
-
 /// Owns the words of the maps in Z order, and the core's view of them.
 class BoundMaps {
 public:

@@ -12,8 +12,6 @@
 
 namespace viscache::bindings {
 
-using Float3 = std::array<float, 3>;
-
 inline py::array_t<uint32_t> from_triangles(const std::vector<Vec3u>& t) {
     py::array_t<uint32_t> a({py::ssize_t(t.size()), py::ssize_t(3)});
     if (!t.empty()) std::memcpy(a.mutable_data(), t.data(), t.size() * sizeof(Vec3u));

@@ -15,8 +15,6 @@ namespace {
 constexpr size_t kEyesPerRun = 4096;  // eye points whose samples are asked for in one call
 
 using Index = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
-using Bools = py::array_t<bool, py::array::c_style | py::array::forcecast>;
-using Bits = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
 
 void pack_into(const py::object& wanted, BitMatrix& bits) {
     if (wanted.is_none()) {
@@ -24,7 +22,7 @@ void pack_into(const py::object& wanted, BitMatrix& bits) {
             for (size_t k = 0; k < bits.columns(); ++k) bits.set(r, k);
         return;
     }
-    const auto a = Bools::ensure(wanted);
+    const auto a = BoolArray::ensure(wanted);
     if (!a || a.ndim() != 2 || size_t(a.shape(0)) != bits.rows() || size_t(a.shape(1)) != bits.columns())
         throw py::value_error("wanted must have shape (" + std::to_string(bits.rows()) + ", " +
                               std::to_string(bits.columns()) + ")");
@@ -136,7 +134,7 @@ void PythonOracle::block(const EyeBlock&, const FarEnds& lights, const BitMatrix
     weights_.clear();
     call([&] {
         const py::tuple answer = written_.attr("block")(far_ends_dict(lights), unpacked(wanted));
-        const auto bits = answer[0].cast<Bits>();
+        const auto bits = answer[0].cast<WordArray>();
         const size_t words = words_for(lights.count);
         if (bits.ndim() != 2 || size_t(bits.shape(0)) != wanted.rows() || size_t(bits.shape(1)) != words)
             throw std::logic_error("an answer must have a row of bits per eye point");
@@ -182,7 +180,7 @@ void PythonOracle::pairs(const EyeBlock&, std::span<const ShadowQuery> queries, 
             for (size_t k = 0; k < numbers.size(); ++k)
                 index.mutable_at(py::ssize_t(k)) = queries[numbers[k]].eye;
             const py::tuple answer = written_.attr("pairs")(index, far_ends_dict(ends_of(queries, numbers)));
-            const auto seen = answer[0].cast<Bools>();
+            const auto seen = answer[0].cast<BoolArray>();
             if (seen.ndim() != 1 || size_t(seen.size()) != numbers.size())
                 throw std::logic_error("an answer must have a bit per connection");
             const bool weighted = !answer[1].is_none();

@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-import h5netcdf  # type: ignore[import-untyped,unused-ignore]
 import numpy as np
 import numpy.typing as npt
 
@@ -86,6 +85,8 @@ def record_queries(
         "max_bytes must be a whole number >= 65536",
         max_bytes,
     )
+    import h5netcdf  # type: ignore[import-untyped,unused-ignore]
+
     target = Path(path)
     partial = target.with_name(target.name + ".partial")
     try:

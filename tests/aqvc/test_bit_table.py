@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from viscache import _core
-
-_testing = _core._testing
+from core import testing
 
 
 def random_keys(n, seed=1):
@@ -14,7 +12,7 @@ def random_keys(n, seed=1):
 
 def test_a_table_gives_back_what_was_put_and_nothing_else():
     """Values of few keys in a large table."""
-    table = _testing.BitTable(10007)
+    table = testing.BitTable(10007)
     keys, bits = random_keys(20), np.arange(20) % 3 == 0
     assert (table.get(keys) == -1).all()
     table.put(keys, bits)
@@ -27,7 +25,7 @@ def test_a_table_gives_back_what_was_put_and_nothing_else():
 @pytest.mark.extreme
 def test_a_table_of_one_slot_holds_the_last_key():
     """C_T = 1."""
-    table = _testing.BitTable(1)
+    table = testing.BitTable(1)
     keys = random_keys(5)
     for i in range(5):
         counts = table.put(keys[i : i + 1], [True])
@@ -38,7 +36,7 @@ def test_a_table_of_one_slot_holds_the_last_key():
 @pytest.mark.extreme
 def test_one_bit_digests_work_and_are_never_empty():
     """Digest 0 is stored as 1, so half of the keys do not vanish."""
-    table = _testing.BitTable(10007, 1)
+    table = testing.BitTable(10007, 1)
     keys = random_keys(200)
     table.put(keys, np.zeros(200, bool))
     assert (table.get(keys) == 0).sum() > 190
@@ -46,7 +44,7 @@ def test_one_bit_digests_work_and_are_never_empty():
 
 def test_sizes_are_primes():
     """κ mod a prime: low bits of κ do not decide alone."""
-    assert [_testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [
+    assert [testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [
         1,
         1,
         2,
@@ -58,6 +56,6 @@ def test_sizes_are_primes():
 
 def test_occupancy_follows_the_number_of_writes():
     """1 − e^(−n/C_T)."""
-    table = _testing.BitTable(_testing.largest_prime(2**14))
+    table = testing.BitTable(testing.largest_prime(2**14))
     table.put(random_keys(2**14), np.ones(2**14, bool))
     assert table.occupied / table.slots == pytest.approx(1 - np.exp(-1), abs=0.01)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from core import testing
 from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
-_testing = _core._testing
 CENTER, RADIUS = np.float32([0.3, -1.0, 2.0]), 7.5
 
 
@@ -125,7 +125,7 @@ def test_the_octahedral_map_is_a_bijection_with_bounded_cell_areas():
     """Distinct directions stay distinct, poles and z = ±0 included; areas within 5.2×."""
     w = unit(np.random.default_rng(7), 10**6)
     corners = np.float32([[0, 0, 1], [0, 0, -1], [1, 0, 0.0], [1, 0, -0.0], [0, -1, 0]])
-    uv = _testing.octahedral_square(np.concatenate([w, corners]))
+    uv = testing.octahedral_square(np.concatenate([w, corners]))
     assert ((uv >= 0) & (uv <= 1)).all()
     z = 1 - np.abs(2 * uv - 1).sum(1)
     xy = np.where(z[:, None] < 0, 0, 2 * uv - 1)
@@ -230,7 +230,7 @@ def test_random_light_vertices_occupy_the_poisson_share_of_their_cells():
     y = np.random.default_rng(9).uniform(-side, side, (m, 3)).astype(np.float32)
     y[:, 1] = 0
     up = np.tile(np.float32([0, 1, 0]), (m, 1))
-    r = _testing.resolution_light(m / (2 * side) ** 2, RADIUS)
+    r = testing.resolution_light(m / (2 * side) ** 2, RADIUS)
     got = keys(y, up, 20.0, semantic=2, far=y, far_normals=up, far_r=np.full(m, r))[0]
     width = 2 * RADIUS / got[0, 14]
     expected = (2 * side / width) ** 2 * (1 - np.exp(-m * width**2 / (2 * side) ** 2))
@@ -243,7 +243,7 @@ def test_only_the_derived_environment_rule_makes_finer_cells_for_more_samples(ru
     """Printed Eq. 9 keeps the whole sky in a handful of cells."""
     for m in (64, 256, 1024):
         w = unit(np.random.default_rng(m), m)
-        r = _testing.resolution_environment(m / (4 * np.pi), printed=rule == "printed")
+        r = testing.resolution_environment(m / (4 * np.pi), printed=rule == "printed")
         got = keys(w, w, 20.0, semantic=3, far=w, far_r=np.full(m, r))[0]
         cells = len(np.unique(got[:, 8:], axis=0))
         assert cells > 0.45 * m if grows else cells <= 4

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from core import testing
 from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
-_testing = _core._testing
 PAPERS = Path(__file__).resolve().parents[2] / "docs" / "papers.md"
 
 
@@ -70,20 +70,20 @@ def hashes(scheme: str) -> tuple[Callable[..., np.ndarray], Callable[..., np.nda
 
 WIDE, FEW = (1e-4, 1e4), (0.1, 64.0)
 EQUATIONS = {
-    "Eq. 2": Equation(_testing.expected_paths, reference.expected_paths, (WIDE,) * 5),
+    "Eq. 2": Equation(testing.expected_paths, reference.expected_paths, (WIDE,) * 5),
     "Eq. 3": Equation(
-        _testing.patch_area_product, reference.patch_area_product, (WIDE, WIDE, WIDE, FEW)
+        testing.patch_area_product, reference.patch_area_product, (WIDE, WIDE, WIDE, FEW)
     ),
     "Eq. 4": Equation(bins("round"), bins_transcribed(True), ((0.01, 0.98),), 0),
     "Eq. 4 printed": Equation(bins("floor"), bins_transcribed(False), ((0.01, 0.98),), 0),
-    "Eq. 5": Equation(_testing.patch_area, reference.patch_area, (WIDE, WIDE)),
-    "Eq. 6": Equation(_testing.resolution_pair, reference.resolution_pair, (WIDE, WIDE, FEW, WIDE)),
+    "Eq. 5": Equation(testing.patch_area, reference.patch_area, (WIDE, WIDE)),
+    "Eq. 6": Equation(testing.resolution_pair, reference.resolution_pair, (WIDE, WIDE, FEW, WIDE)),
     "Eq. 7": Equation(aqvc.resolution_eye, reference.resolution_eye, (WIDE, FEW, WIDE)),
-    "Eq. 7 light": Equation(_testing.resolution_light, reference.resolution_light, (WIDE, WIDE)),
-    "Eq. 8": Equation(lambda r: _testing.ladder(r)[0], reference.ladder, ((1.0, 1e6),), 0),
-    "Eq. 9": Equation(_testing.resolution_environment, reference.resolution_environment, (WIDE,)),
+    "Eq. 7 light": Equation(testing.resolution_light, reference.resolution_light, (WIDE, WIDE)),
+    "Eq. 8": Equation(lambda r: testing.ladder(r)[0], reference.ladder, ((1.0, 1e6),), 0),
+    "Eq. 9": Equation(testing.resolution_environment, reference.resolution_environment, (WIDE,)),
     "Eq. 9 printed": Equation(
-        lambda d: _testing.resolution_environment(d, printed=True),
+        lambda d: testing.resolution_environment(d, printed=True),
         reference.resolution_environment_printed,
         (WIDE,),
     ),

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from core import testing
 from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
-_testing = _core._testing
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ CASES = [("surface", s) for s in ("scheme2", "scheme1_mixed")] + [
 @pytest.mark.parametrize(("kind", "scheme"), CASES)
 def test_false_hits_of_fresh_keys_come_at_the_predicted_rate(kind, scheme, load, bits, probes):
     """Occupancy·2^−b·(1 + 2^(1−b)); occupancy = 1 − e^(−load)."""
-    table = _testing.BitTable(_testing.largest_prime(2**17), bits, scheme)
+    table = testing.BitTable(testing.largest_prime(2**17), bits, scheme)
     n = int(load * table.slots)
     counts = table.put(structured_keys(kind, 0, n), np.zeros(n, bool))
     occupancy = table.occupied / table.slots

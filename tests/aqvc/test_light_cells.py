@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from aqvc import tiles
+from core import testing
 from reference import aqvc, aqvc_samples
 from viscache import _core
 
@@ -14,7 +15,7 @@ AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 def cells(semantic, far, normal, density, **options):
     """Columns and clamps from C++."""
     limit = {"limit": options.pop("limit")} if "limit" in options else {}
-    column, clamps = _core._testing.light_cells(
+    column, clamps = testing.light_cells(
         _core.aqvc.AqvcParameters(**options),
         tiles.CENTER,
         tiles.RADIUS,
@@ -93,8 +94,8 @@ def test_cells_beyond_the_room_have_no_column_and_known_ones_keep_theirs():
 def test_every_instruction_set_maps_directions_to_the_same_bits(isa):
     """The numbers of the transcription."""
     w = directions(1001) * np.float32(7)
-    u, v = _core._testing.octahedral_batch(w, isa=isa)
-    want = _core._testing.octahedral_square(w)
+    u, v = testing.octahedral_batch(w, isa=isa)
+    want = testing.octahedral_square(w)
     np.testing.assert_array_equal(np.stack([u, v], axis=1), want)
-    u, v = _core._testing.octahedral_batch(np.float32([[0, 0, 0], [0, 0, np.inf]]), isa=isa)
+    u, v = testing.octahedral_batch(np.float32([[0, 0, 0], [0, 0, np.inf]]), isa=isa)
     assert np.isnan(u).all()

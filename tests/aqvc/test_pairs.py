@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aqvc import tiles
+from core import testing
 from viscache import _core
 
 
@@ -66,7 +67,7 @@ def test_samples_of_many_eye_points_share_rays(kind):
     assert 0.05 * len(exact) < c["rays"] < 0.8 * len(exact)
     assert 0 < (visible != exact).mean() < 0.15
     assert c["lookups"] == len(exact) and c["table_writes"] == c["rays"]
-    assert c["table_slots"] == _core._testing.largest_prime(2**20)
+    assert c["table_slots"] == testing.largest_prime(2**20)
 
 
 @pytest.mark.parametrize("kind", ["area", "environment"])

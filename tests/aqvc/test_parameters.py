@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from core import testing
 from viscache import _core
 from viscache.settings import aqvc as settings
 from viscache.settings.by_name import replaced
@@ -172,7 +173,7 @@ def test_hash_and_digest_are_keyed_as_they_say_what_is_kept_under_a_key() -> Non
     assert (one != other).any(axis=1).all()
     found = []
     for bits in (31, 4):
-        table = _core._testing.BitTable(5003, bits)
+        table = testing.BitTable(5003, bits)
         table.put(keys[:1000], [True] * 1000)
         found.append((table.get(keys[1000:]) >= 0).sum())
     assert found[0] == 0 < found[1]

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
+from core import testing
 from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
-_testing = _core._testing
 
 
 def make(width, height, branches=1, **options):
     y, x = np.divmod(np.tile(np.arange(width * height), branches), width)
-    order = _testing.order(x.tolist(), y.tolist(), width, height, aqvc.AqvcParameters(**options))
+    order = testing.order(x.tolist(), y.tolist(), width, height, aqvc.AqvcParameters(**options))
     return x, y, order
 
 
@@ -61,7 +61,7 @@ def test_runs_never_straddle_a_segment():
 @pytest.mark.extreme
 def test_positions_outside_the_tile_fall_back_to_the_given_order():
     """Bad positions are no reason to fail."""
-    o = _testing.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
+    o = testing.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
     assert o["eye"] == [0, 1]
-    empty = _testing.order([], [], 0, 0, aqvc.AqvcParameters())
+    empty = testing.order([], [], 0, 0, aqvc.AqvcParameters())
     assert empty["eye"] == [] and empty["run_end"] == []

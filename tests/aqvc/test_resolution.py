@@ -5,20 +5,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from core import testing
 from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
-_testing = _core._testing
 POSITIVE = st.floats(1e-6, 1e6)
 
 
 def test_the_printed_examples_of_equations_6_7_and_9_hold():
     """Eq. 6 gives 2.828, Eq. 7 gives 4, Eq. 9 gives 16 for the worked numbers."""
-    assert _testing.resolution_pair(16.0, 1.0, 2.0, 1.0) == pytest.approx(2 * 4**0.25)
+    assert testing.resolution_pair(16.0, 1.0, 2.0, 1.0) == pytest.approx(2 * 4**0.25)
     assert aqvc.resolution_eye(16.0, 2.0, 1.0) == pytest.approx(4)
-    assert _testing.resolution_environment(256 / (4 * np.pi)) == pytest.approx(16)
-    printed = _testing.resolution_environment(256 / (4 * np.pi), printed=True)
+    assert testing.resolution_environment(256 / (4 * np.pi)) == pytest.approx(16)
+    printed = testing.resolution_environment(256 / (4 * np.pi), printed=True)
     assert printed == pytest.approx(1.273, abs=1e-3)
 
 
@@ -27,20 +27,20 @@ def test_patches_of_equations_6_and_7_have_the_area_of_equation_3(d_e, d_l, c_e,
     """A_e·A_l·P_e·P_l·N_P = C_E² before the ladder, for both rules."""
     p_e, m = d_e / n_s, 7.0
     p_l, n_p = d_l / m, m * n_s
-    area = _testing.patch_area_product(p_e, p_l, n_p, c_e)
-    both = _testing.patch_area(_testing.resolution_pair(d_e, d_l, c_e, b_r), b_r) ** 2
-    split = _testing.patch_area(aqvc.resolution_eye(d_e, c_e, b_r), b_r)
-    split *= _testing.patch_area(_testing.resolution_light(d_l, b_r), b_r)
+    area = testing.patch_area_product(p_e, p_l, n_p, c_e)
+    both = testing.patch_area(testing.resolution_pair(d_e, d_l, c_e, b_r), b_r) ** 2
+    split = testing.patch_area(aqvc.resolution_eye(d_e, c_e, b_r), b_r)
+    split *= testing.patch_area(testing.resolution_light(d_l, b_r), b_r)
     assert both == pytest.approx(area, rel=1e-12)
     assert split == pytest.approx(area, rel=1e-12)
-    assert _testing.expected_paths(n_p, p_e, area, p_l, 1.0) == pytest.approx(c_e**2, rel=1e-12)
+    assert testing.expected_paths(n_p, p_e, area, p_l, 1.0) == pytest.approx(c_e**2, rel=1e-12)
 
 
 EQUATIONS = {
-    "pair": (_testing.resolution_pair, reference.resolution_pair, 4),
+    "pair": (testing.resolution_pair, reference.resolution_pair, 4),
     "eye": (aqvc.resolution_eye, reference.resolution_eye, 3),
-    "light": (_testing.resolution_light, reference.resolution_light, 2),
-    "environment": (_testing.resolution_environment, reference.resolution_environment, 1),
+    "light": (testing.resolution_light, reference.resolution_light, 2),
+    "environment": (testing.resolution_environment, reference.resolution_environment, 1),
 }
 
 
@@ -59,8 +59,8 @@ def test_the_equations_equal_their_transcription(name):
 def test_densities_of_thirty_decades_keep_resolutions_finite():
     """Roots before products."""
     for d in (1e-30, 1e30):
-        assert 0 < _testing.resolution_pair(d, d, 12.0, 1.0) < np.inf
-    tiny = _testing.resolution_pair(1e-300, 1e-300, 1.0, 1.0)
+        assert 0 < testing.resolution_pair(d, d, 12.0, 1.0) < np.inf
+    tiny = testing.resolution_pair(1e-300, 1e-300, 1.0, 1.0)
     assert tiny == pytest.approx(2e-150)
 
 
@@ -68,7 +68,7 @@ def test_densities_of_thirty_decades_keep_resolutions_finite():
 def test_the_ladder_is_equation_8(c_r):
     """The table equals ⌊C_R^⌊log R + ½⌋⌋ where R >= 1 and never decreases."""
     r = np.exp(np.random.default_rng(1).uniform(0, 18, 20000))
-    got, slots, clamps = _testing.ladder(np.sort(r), c_r=c_r)
+    got, slots, clamps = testing.ladder(np.sort(r), c_r=c_r)
     np.testing.assert_array_equal(got, reference.ladder(np.sort(r), c_r))
     np.testing.assert_array_equal(slots, got)
     assert (np.diff(got) >= 0).all() and got.min() >= 1
@@ -77,7 +77,7 @@ def test_the_ladder_is_equation_8(c_r):
 
 def test_the_ladder_has_the_known_rungs():
     """1, 2, 3 … 114 at C_R = 1.2, the same integers on every machine."""
-    rungs = np.unique(_testing.ladder(np.linspace(1, 120, 5000))[0]).astype(int).tolist()
+    rungs = np.unique(testing.ladder(np.linspace(1, 120, 5000))[0]).astype(int).tolist()
     want = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 31, 38, 46, 55, 66, 79, 95, 114]
     assert rungs == want
 
@@ -89,7 +89,7 @@ def test_the_ladder_has_the_known_rungs():
 )
 def test_resolutions_out_of_range_are_clamped_and_counted(r, clamp):
     """P = 0 gives one cell, not-a-number the finest cells; never silently."""
-    got, slot, clamps = _testing.ladder([r])
+    got, slot, clamps = testing.ladder([r])
     assert clamps == {"low": 0, "high": 0, "nan": 0, clamp: 1}
     assert slot[0] > 0
     assert got[0] == 1 if clamp == "low" else got[0] > 2e8
@@ -98,6 +98,6 @@ def test_resolutions_out_of_range_are_clamped_and_counted(r, clamp):
 @pytest.mark.extreme
 def test_resolutions_beyond_32_bits_get_finer_still():
     """R > R_max is folded, not clamped: a negative slot, counted."""
-    got, slot, clamps = _testing.ladder([1e9, 1e12, 1e14])
+    got, slot, clamps = testing.ladder([1e9, 1e12, 1e14])
     np.testing.assert_allclose(got, [1e9, 1e12, 1e14], rtol=0.1)
     assert (slot < 0).all() and len(set(slot)) == 3 and clamps["high"] == 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core import testing
 from viscache import _core
 
 BOXES = np.array(
@@ -28,7 +29,7 @@ def caster(scale: float = 1.0, shift: tuple[float, float, float] = (0, 0, 0)):
     boxes = BOXES * np.float32(scale) + np.concatenate([move, move])
     spheres = SPHERES * np.float32(scale)
     spheres[:, :3] += move
-    return _core._testing.AnalyticCaster(boxes, spheres)
+    return testing.AnalyticCaster(boxes, spheres)
 
 
 def first_hits(origin, direction):
@@ -139,7 +140,7 @@ def tile_run(
 ):
     """A cache over the eye points with the given parameters; every light group is cached."""
     center = tuple(float(c * scale + s) for c, s in zip(CENTER, shift, strict=True))
-    return _core._testing.TileRun(
+    return testing.TileRun(
         caster(scale, shift),
         eyes,
         _core.aqvc.AqvcParameters(**{"exact_groups": ()} | options),

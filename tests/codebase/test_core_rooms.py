@@ -1,20 +1,29 @@
-"""What only tests use of the C++ module is in `_core._testing`; the package uses all the rest."""
+"""The package uses all that `viscache._core` binds; what only tests use is bound in tests/core."""
 
 import ast
+import os
 import re
+import shutil
+import subprocess
+import sys
 import types
 from collections.abc import Iterator
+from pathlib import Path
 
-import viscache._core as core
-from codebase.repository import paths, sources, text
+import pytest
+
+from codebase.repository import ROOT, paths, sources, text
+from core import testing
+from viscache import _core
 
 CORE = "viscache._core"
-TESTING = f"{CORE}._testing."
+TESTING = "core.testing"
+MODULES = (CORE, TESTING)
 STUBS = "python/viscache/_core/"
 
 
-def bound(module: types.ModuleType, prefix: str = CORE) -> Iterator[str]:
-    """Dotted names that the C++ module binds."""
+def bound(module: types.ModuleType, prefix: str) -> Iterator[str]:
+    """Dotted names that a C++ module binds."""
     for name, value in vars(module).items():
         if isinstance(value, types.ModuleType):
             yield from bound(value, f"{prefix}.{name}")
@@ -23,7 +32,7 @@ def bound(module: types.ModuleType, prefix: str = CORE) -> Iterator[str]:
 
 
 def used(source: str) -> set[str]:
-    """Dotted names of the C++ module that a Python file reads."""
+    """Dotted names of the C++ modules that a Python file reads."""
     tree = ast.parse(source)
     names: dict[str, str] = {}
 
@@ -35,11 +44,11 @@ def used(source: str) -> set[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
             for imported in node.names:
-                if f"{node.module}.{imported.name}".startswith(CORE):
+                if f"{node.module}.{imported.name}".startswith(MODULES):
                     names[imported.asname or imported.name] = f"{node.module}.{imported.name}"
         elif isinstance(node, ast.Import):
             for imported in node.names:
-                if imported.asname and imported.name.startswith(CORE):
+                if imported.asname and imported.name.startswith(MODULES):
                     names[imported.asname] = imported.name
     for node in ast.walk(tree):  # aqvc = _core.aqvc
         if isinstance(node, ast.Assign) and (found := dotted(node.value)):
@@ -69,21 +78,19 @@ def in_signatures(stub: str) -> set[str]:
     }
 
 
-def test_what_is_outside_testing_is_used_by_the_package() -> None:
+def test_what_the_core_binds_is_used_by_the_package() -> None:
     package = used_under("python/viscache/")
-    stubs = [path for path in paths(".pyi", under=STUBS) if not path.endswith("/_testing.pyi")]
-    passed_on = set().union(*(in_signatures(text(path)) for path in stubs))
-    outside = {name for name in bound(core) if not name.startswith(TESTING)}
-    assert len(outside) > 100
-    unused = {name for name in outside - package if name.rpartition(".")[2] not in passed_on}
-    assert sorted(unused) == [], "bind what only tests use in _core._testing"
+    passed_on = set().union(*(in_signatures(text(path)) for path in paths(".pyi", under=STUBS)))
+    names = set(bound(_core, CORE))
+    assert len(names) > 100
+    unused = {name for name in names - package if name.rpartition(".")[2] not in passed_on}
+    assert sorted(unused) == [], "bind what only tests use in tests/core"
 
 
-def test_what_is_in_testing_is_used_by_tests_alone() -> None:
-    testing = {name for name in bound(core) if name.startswith(TESTING)}
-    assert len(testing) > 50
-    assert sorted(testing - used_under("tests/")) == [], "no test uses it"
-    assert sorted(testing & used_under("python/viscache/")) == [], "the package uses it"
+def test_what_is_bound_for_tests_is_used_by_tests() -> None:
+    names = set(bound(testing, TESTING))
+    assert len(names) > 50
+    assert sorted(names - used_under("tests/")) == [], "no test uses it"
 
 
 def test_uses_are_found_in_every_form() -> None:
@@ -93,8 +100,41 @@ def test_uses_are_found_in_every_form() -> None:
     }
     assert used("from viscache._core import Scene") == {f"{CORE}.Scene"}
     assert used("import viscache._core as core\ncore.Scene") >= {f"{CORE}.Scene"}
+    assert used("from core import testing\ntesting.order") >= {f"{TESTING}.order"}
+    assert used("from core.testing import order") == {f"{TESTING}.order"}
     assert used("def f(x): return x.aqvc.ladder") == set()
     assert in_signatures("def f(a: viscache._core.Scene) -> list[Camera]: ...") >= {
         "Scene",
         "Camera",
     }
+
+
+@pytest.mark.parametrize(
+    ("skips", "status", "said"),
+    [
+        (False, 2, "ImportError: tests/core is not built: run scripts/test"),
+        (True, 5, "SKIPPED [1] core/__init__.py"),
+    ],
+)
+def test_without_the_module_of_tests_nothing_passes_silently(
+    skips: bool, status: int, said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "core").mkdir()
+    shutil.copy(ROOT / "tests/core/__init__.py", tmp_path / "core")
+    (tmp_path / "test_order.py").write_text(
+        "from core import testing\n\ndef test_it(): testing.order\n"
+    )
+    (tmp_path / "pytest.ini").write_text(
+        "[pytest]\npythonpath = .\naddopts = -ra --import-mode=importlib\nfilterwarnings = error\n"
+    )
+    environment = {**os.environ, "VISCACHE_TEST_CORE": "none"}
+    if not skips:
+        del environment["VISCACHE_TEST_CORE"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", tmp_path],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == status and said in done.stdout, done.stdout

@@ -30,6 +30,8 @@ EMBREE_INCLUDED_BY = {
     EMBREE_PACKETS: (EMBREE_HOME,),
     EMBREE_VERSIONS: (EMBREE_PACKETS, EMBREE_BOXES),
 }
+# Bindings of the package, and of what only tests call.
+BINDINGS = ("cpp/bindings/", "tests/core/")
 INCLUDE = re.compile(r"""^\s*#\s*include\s*(["<])([^">]+)[">]""", re.M)
 
 
@@ -47,8 +49,8 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
                     yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
             elif path not in EMBREE_INCLUDED_BY.get(f"cpp/{included}", (path,)):
                 yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
-            if re.search(r"^pybind11/|^Python\.h$", included) and parts[:2] != ("cpp", "bindings"):
-                yield f"{path}: only cpp/bindings includes pybind11, got {included}"
+            if re.search(r"^pybind11/|^Python\.h$", included) and not path.startswith(BINDINGS):
+                yield f"{path}: only {' and '.join(BINDINGS)} include pybind11, got {included}"
             if folder is None:
                 continue
             if outside[0] == "viscache":
@@ -62,8 +64,9 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
 
 
 def test_the_core_keeps_its_layers() -> None:
-    files = sources(".h", ".cpp", under="cpp/")
-    assert any(path.startswith("cpp/viscache/") for path in files)
+    files = sources(".h", ".cpp", under="cpp/") | sources(".h", ".cpp", under="tests/core/")
+    for folder in ("cpp/viscache/", *BINDINGS):
+        assert any(path.startswith(folder) for path in files)
     assert list(violations(files)) == []
 
 
@@ -97,6 +100,7 @@ def test_every_rank_has_its_folder() -> None:
             "includes Embree",
         ),
         ("cpp/viscache/math/a.h", "#include <pybind11/numpy.h>", "only cpp/bindings"),
+        ("tests/cpp/a.cpp", "#include <pybind11/numpy.h>", "only cpp/bindings"),
         ("tests/cpp/a.cpp", "#include <embree4/rtcore.h>", "includes Embree"),
         ("cpp/viscache/math/a.h", '#include "viscache/utils/b.h"', "there is no folder utils"),
     ],
@@ -117,6 +121,7 @@ def test_a_broken_rule_is_found(path: str, line: str, expected: str) -> None:
         (EMBREE_BOXES, '#include "viscache/visibility/embree.h"'),
         (EMBREE_VERSIONS, "#include <embree4/rtcore.h>"),
         ("cpp/bindings/bind_a.cpp", "#include <pybind11/pybind11.h>"),
+        ("tests/core/bind_a.cpp", "#include <pybind11/pybind11.h>"),
         ("cpp/viscache/math/a.h", "#include <vector>"),
     ],
 )

@@ -7,7 +7,7 @@ import pytest
 from codebase.repository import sources
 
 #: Folders that are free of statements joined by commas.
-FOLDERS = ["cpp", "tests/cpp"]
+FOLDERS = ["cpp", "tests/core", "tests/cpp"]
 
 #: Comments, strings, characters and preprocessor lines.
 QUIET = re.compile(

@@ -10,7 +10,7 @@
 #include "viscache/render/path_weight.h"
 #include "viscache/visibility/bsp_caster.h"
 
-namespace viscache::test {
+namespace viscache::test::bdpt_tests {
 namespace {
 
 void add_quad(SceneDescription& d, Vec3 corner, Vec3 a, Vec3 b, int material, Rgb emission = {}) {
@@ -179,4 +179,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::bdpt_tests

@@ -5,7 +5,7 @@
 #include "check.h"
 #include "viscache/visibility/bsp_caster.h"
 
-namespace viscache::test {
+namespace viscache::test::bsp_tests {
 namespace {
 
 std::mt19937 random(11);
@@ -127,4 +127,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::bsp_tests

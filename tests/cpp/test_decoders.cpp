@@ -6,7 +6,7 @@
 #include "check.h"
 #include "viscache/scene/decode_image.h"
 
-namespace viscache::test {
+namespace viscache::test::decoders_tests {
 namespace {
 
 using loading::decode_image;
@@ -213,4 +213,4 @@ const Suite suite{
     {"pictures: claims that the bytes cannot hold are refused", claims_are_refused_before_memory_is_taken}};
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::decoders_tests

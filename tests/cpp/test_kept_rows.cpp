@@ -4,7 +4,7 @@
 #include "check.h"
 #include "viscache/aqvc/kept_rows.h"
 
-namespace viscache::test {
+namespace viscache::test::kept_rows_tests {
 namespace {
 
 const std::vector<size_t> kCells{300, 200, 0, 400, 100, 900, 1};
@@ -87,4 +87,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::kept_rows_tests

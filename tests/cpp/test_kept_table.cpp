@@ -2,7 +2,7 @@
 #include "check.h"
 #include "viscache/aqvc/kept_table.h"
 
-namespace viscache::test {
+namespace viscache::test::kept_table_tests {
 namespace {
 
 constexpr uint32_t kSlots = 101;
@@ -65,4 +65,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::kept_table_tests

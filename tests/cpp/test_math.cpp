@@ -11,7 +11,7 @@
 #include "viscache/math/float_mode.h"
 #include "viscache/math/isa.h"
 
-namespace viscache::test {
+namespace viscache::test::math_tests {
 namespace {
 
 BitMatrix random_bits(size_t rows, size_t columns, uint64_t seed) {
@@ -160,4 +160,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::math_tests

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "viscache/correlation/neighbourhood.h"
 
-namespace viscache::test {
+namespace viscache::test::pairs_tests {
 namespace {
 
 constexpr size_t kPoints = 150, kWords = 5;
@@ -101,4 +101,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::pairs_tests

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "viscache/aqvc/place_cells.h"
 
-namespace viscache::test {
+namespace viscache::test::place_cells_tests {
 namespace {
 
 /// Points on slopes in all directions; some have no normal, are not finite or are far away.
@@ -64,4 +64,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::place_cells_tests

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "viscache/visibility/query.h"
 
-namespace viscache::test {
+namespace viscache::test::query_tests {
 namespace {
 
 void spawned_points_leave_the_surface() {
@@ -49,4 +49,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::query_tests

@@ -4,7 +4,7 @@
 #include "viscache/scene/content_hash.h"
 #include "viscache/scene/description_bytes.h"
 
-namespace viscache::test {
+namespace viscache::test::scene_tests {
 namespace {
 
 void cameras_have_orthonormal_frames() {
@@ -80,4 +80,4 @@ const Suite suite{
     {"description: damaged bytes are refused", damaged_bytes_are_refused}};
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::scene_tests

@@ -7,7 +7,7 @@
 #include "check.h"
 #include "viscache/visibility/shadow_map.h"
 
-namespace viscache::test {
+namespace viscache::test::shadow_map_tests {
 namespace {
 
 /// The plane y = 0.
@@ -122,4 +122,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::shadow_map_tests

@@ -14,7 +14,7 @@
 #include "viscache/visibility/shaft_kernels.h"
 #include "viscache/visibility/shaft_scene.h"
 
-namespace viscache::test {
+namespace viscache::test::shafts_tests {
 namespace {
 
 std::mt19937 random(5);
@@ -342,4 +342,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::shafts_tests

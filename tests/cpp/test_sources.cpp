@@ -15,7 +15,7 @@
 #include "viscache/visibility/roulette_source.h"
 #include "viscache/visibility/shadow_map_source.h"
 
-namespace viscache::test {
+namespace viscache::test::sources_tests {
 namespace {
 
 struct Setup {
@@ -285,4 +285,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::sources_tests

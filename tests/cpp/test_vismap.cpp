@@ -5,7 +5,7 @@
 #include "viscache/vismap/insertion.h"
 #include "viscache/vismap/temporal.h"
 
-namespace viscache::test {
+namespace viscache::test::vismap_tests {
 namespace {
 
 /// A ball above the plane y = 0.
@@ -157,4 +157,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::vismap_tests

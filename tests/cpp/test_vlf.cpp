@@ -5,7 +5,7 @@
 #include "check.h"
 #include "viscache/vlf/dynamic.h"
 
-namespace viscache::test {
+namespace viscache::test::vlf_tests {
 namespace {
 
 std::mt19937 random(7);
@@ -130,4 +130,4 @@ const Suite suite{
 };
 
 }  // namespace
-}  // namespace viscache::test
+}  // namespace viscache::test::vlf_tests

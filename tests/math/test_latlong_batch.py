@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from viscache import _core
-from viscache._core._testing import bilinear_places, latlong_batch
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
@@ -36,7 +36,7 @@ def test_places_are_those_of_exact_arithmetic(to_world: npt.NDArray[np.float64])
     """Far below a pixel of the largest image, 16384 wide; near the poles columns matter less."""
     worst = 0.0
     for y in (0.0005, 0.1, 0.37, 0.5 + 1e-3, 0.77, 0.9995):
-        u, v = latlong_batch(to_world, y=y, first=0.5, step=1 / N, n=N)
+        u, v = testing.latlong_batch(to_world, y=y, first=0.5, step=1 / N, n=N)
         u_exact, v_exact = exact(to_world, float(np.float32(y)))
         around = np.abs((u - u_exact + 0.5) % 1 - 0.5) * np.sin(np.pi * v_exact)
         worst = max(worst, float(around.max()), float(np.abs(v - v_exact).max()))
@@ -48,16 +48,16 @@ def test_places_are_those_of_exact_arithmetic(to_world: npt.NDArray[np.float64])
 def test_every_instruction_set_gives_the_same_bits(isa: str) -> None:
     """The portable code's, at tails of all lengths too."""
     for n in (1, 15, 16, 33, N):
-        want = latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa="portable")
-        got = latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa=isa)
+        want = testing.latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa="portable")
+        got = testing.latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa=isa)
         np.testing.assert_array_equal(got, want)
 
 
 def test_poles_and_the_seam_are_places() -> None:
     """Straight up is row 0, straight down row 1, and nothing is NaN."""
     y_up = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # the map's z axis shows up in the image
-    up = latlong_batch(y_up, y=0.5, first=0.5, step=1, n=1)
-    corner = latlong_batch(y_up, y=0, first=0, step=1, n=2)
+    up = testing.latlong_batch(y_up, y=0.5, first=0.5, step=1, n=1)
+    corner = testing.latlong_batch(y_up, y=0, first=0, step=1, n=2)
     assert {round(float(v), 5) for v in (up[1, 0], *corner[1])} == {0.0, 1.0}
     assert np.isfinite(up).all() and np.isfinite(corner).all()
 
@@ -76,7 +76,7 @@ def places(width: int, height: int) -> tuple[npt.NDArray[np.float32], npt.NDArra
 def test_look_ups_are_bilinear_around_the_sphere(width: int, height: int) -> None:
     """Columns wrap around, rows end at the poles, and the shares are those of the place."""
     u, v = places(width, height)
-    pixels, shares = bilinear_places(u, v, width=width, height=height)
+    pixels, shares = testing.bilinear_places(u, v, width=width, height=height)
     x, y = u * np.float32(width) - np.float32(0.5), v * np.float32(height) - np.float32(0.5)
     left, up = np.floor(x).astype(int), np.floor(y).astype(int)
     rows = np.clip([up, up + 1], 0, height - 1)
@@ -96,7 +96,7 @@ def test_look_ups_are_bilinear_around_the_sphere(width: int, height: int) -> Non
 def test_look_ups_of_every_instruction_set_have_the_same_bits(isa: str) -> None:
     u, v = places(1000, 500)
     for n in (1, 15, 16, 33, len(u)):
-        want = bilinear_places(u[:n], v[:n], width=1000, height=500, isa="portable")
-        got = bilinear_places(u[:n], v[:n], width=1000, height=500, isa=isa)
+        want = testing.bilinear_places(u[:n], v[:n], width=1000, height=500, isa="portable")
+        got = testing.bilinear_places(u[:n], v[:n], width=1000, height=500, isa=isa)
         np.testing.assert_array_equal(got[0], want[0])
         np.testing.assert_array_equal(got[1], want[1])

@@ -4,14 +4,14 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from sampling.chi_square import p_value
 from viscache import _core
 
 maps = _core.sampling
-_testing = _core._testing
 Array = npt.NDArray[np.float64]
 EQUAL_AREA = (maps.direction_to_equal_area, maps.equal_area_to_direction)
-OCTAHEDRAL = (_testing.direction_to_octahedral, _testing.octahedral_to_direction)
+OCTAHEDRAL = (testing.direction_to_octahedral, testing.octahedral_to_direction)
 ISAS = ["portable", "avx2", "avx512"]
 BOTH = pytest.mark.parametrize("pair", [OCTAHEDRAL, EQUAL_AREA], ids=["octahedral", "equal area"])
 
@@ -43,7 +43,7 @@ def octahedral_transcription(d: Array) -> Array:
 
 def test_the_octahedral_map_is_the_published_one() -> None:
     d = directions(100_000)
-    assert _testing.direction_to_octahedral(d) == pytest.approx(
+    assert testing.direction_to_octahedral(d) == pytest.approx(
         octahedral_transcription(d), abs=2e-7
     )
 
@@ -51,10 +51,10 @@ def test_the_octahedral_map_is_the_published_one() -> None:
 def test_the_octahedral_map_takes_directions_of_any_length() -> None:
     d = np.array([[1.0, 2.0, -3.0]])
     for scale in (1e-30, 1e30):
-        assert _testing.direction_to_octahedral(scale * d) == pytest.approx(
+        assert testing.direction_to_octahedral(scale * d) == pytest.approx(
             octahedral_transcription(d), abs=1e-6
         )
-    assert _testing.direction_to_octahedral(np.zeros((1, 3))).tolist() == [[0.5, 0.5]]
+    assert testing.direction_to_octahedral(np.zeros((1, 3))).tolist() == [[0.5, 0.5]]
 
 
 @BOTH
@@ -129,7 +129,7 @@ def test_batches_have_the_bits_of_single_points(isa: str) -> None:
     inside = np.random.default_rng(6).random((4096, 2))
     grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 8)] * 2), -1).reshape(-1, 2)
     p = np.concatenate([inside, grid, np.full((16, 2), 0.5)]).astype(np.float32)
-    directions, back = _testing.equal_area_round_trip(p, isa=isa)
+    directions, back = testing.equal_area_round_trip(p, isa=isa)
     single = maps.equal_area_to_direction(p)
     assert directions.tobytes() == single.tobytes()
     assert back.tobytes() == maps.direction_to_equal_area(single).tobytes()
@@ -137,7 +137,7 @@ def test_batches_have_the_bits_of_single_points(isa: str) -> None:
 
 def test_a_batch_is_whole_vectors() -> None:
     with pytest.raises(ValueError, match="multiple of 16, got 3"):
-        _testing.equal_area_round_trip(np.zeros((3, 2)))
+        testing.equal_area_round_trip(np.zeros((3, 2)))
 
 
 def test_the_equal_area_map_stretches_no_area() -> None:
@@ -179,7 +179,7 @@ def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-u
 
 def test_octahedral_cells_differ_by_the_factor_that_is_derived() -> None:
     """Solid angle per unit square in [4.0, 20.8], mean 4π; cells are exact spherical quads."""
-    cells = cell_solid_angles(_testing.octahedral_to_direction, 128, 1)
+    cells = cell_solid_angles(testing.octahedral_to_direction, 128, 1)
     assert cells.sum() == pytest.approx(4 * np.pi, rel=1e-5)
     ratio = cells * 128**2 / (4 * np.pi)
     assert ratio.min() >= 4.0 / 12.57 - 1e-3 and ratio.max() <= 20.8 / 12.57
@@ -203,4 +203,4 @@ def test_uniform_directions_fill_equal_area_texels_evenly() -> None:
 
     expected = np.full(1024, 400_000 / 1024)
     assert p_value(counts(maps.direction_to_equal_area), expected) >= 1e-3
-    assert p_value(counts(_testing.direction_to_octahedral), expected) < 1e-6  # negative control
+    assert p_value(counts(testing.direction_to_octahedral), expected) < 1e-6  # negative control

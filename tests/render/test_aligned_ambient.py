@@ -9,9 +9,9 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from correlation.scenes import clutter, convex
 from render.test_interrupt import LIMIT, quickest_stop
-from viscache import _core
 from vlf.aligned_scenes import surface, unpacked
 
 Array = npt.NDArray[Any]
@@ -29,7 +29,7 @@ def test_a_share_is_the_weighted_mean_of_its_bits(n: int) -> None:
     bits = vc.aligned_occlusion(scene, points, normals, n)
     weight = np.abs(normals.astype(float) @ vc.vlf.directions(n).T) * vc.vlf.direction_weights(n)
     expected = (weight * unpacked(bits, n)).sum(1) / weight.sum(1)
-    np.testing.assert_allclose(_core._testing.free_share(n, normals, bits), expected, atol=1e-5)
+    np.testing.assert_allclose(testing.free_share(n, normals, bits), expected, atol=1e-5)
 
 
 def test_a_convex_body_is_lit_fully() -> None:
@@ -96,7 +96,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\) with shared directions"):
         vc.render(scene, SHARED, rays=vc.Bsp(), size=(8, 8))
     with pytest.raises(ValueError, match=r"rows must have shape \(1, 3\), got \(1, 1\)"):
-        _core._testing.free_share(129, [[0, 0, 1.0]], np.zeros((1, 1), np.uint64))
+        testing.free_share(129, [[0, 0, 1.0]], np.zeros((1, 1), np.uint64))
 
 
 def test_an_empty_view_is_black() -> None:

@@ -11,13 +11,13 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from reference.every_isa import ISAS, printed_by
 from render.mitsuba_frames import area_layers, assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, Part, box, quad
 from render.strip_lights import strip_lights
 from render.ztest import compare
 from viscache import _core
-from viscache._core import _testing
 
 Array = npt.NDArray[Any]
 SIZE = (48, 32)
@@ -207,7 +207,7 @@ def test_rays_find_the_nearest_light(lights: int) -> None:
     way = corners[random.integers(0, lights, n)].mean(axis=1) + random.normal(size=(n, 3)) * 0.2 - o
     way[1000:3000, 1] = 0
     way = (way / np.linalg.norm(way, axis=1, keepdims=True)).astype(np.float32)
-    light, point = _testing.nearest_emitter(scene._core, o, way)
+    light, point = testing.nearest_emitter(scene._core, o, way)
     hit = scene.intersect(o, way)
     same = light == hit.triangle
     # Rays through an edge, and those in the plane of a triangle, may differ
@@ -229,7 +229,7 @@ def test_rays_find_spheres_and_what_they_hide() -> None:
     o[3] = (0, 0, -3)
     ways = np.array([(0, 0, -1), (0, 0, 0), (0, 0, 1), (0, 1, 0)], np.float32)
     ways[1] = np.array([3.7, 0, -8]) / np.linalg.norm([3.7, 0, -8])
-    light, point = _testing.nearest_emitter(scene._core, o, ways)
+    light, point = testing.nearest_emitter(scene._core, o, ways)
     assert list(light) == [0, 1, -1, 0]
     np.testing.assert_allclose(point[0], (0, 0, -2), atol=1e-6)
     np.testing.assert_allclose(point[3], (0, 1, -3), atol=1e-6)

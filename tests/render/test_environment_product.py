@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
@@ -98,9 +99,7 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     integrator = direct(passes=2)
     settings = vc.VisMaps(sampling="guided").estimate(False, _core.PointSet.ZERO_TWO)
     core, caster = core_settings(integrator), scene.caster()
-    given = _core._testing.given_maps(
-        settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps)
-    )
+    given = testing.given_maps(settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
     made = _core.render_frame(
         scene._core,
         caster,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from core import testing
 from scene.test_bsdf import glossy
 from viscache import _core
-from viscache._core._testing import glossy_sum
 from viscache._core.sampling import eval_bsdf
 
 ISAS = ("portable", "avx2", "avx512")
@@ -50,12 +50,12 @@ def test_sums_are_those_of_single_lights(semantic, n):
     seen = np.random.default_rng(n).random(n) < 0.6
     seen[0] = True
     given = {"semantic": semantic, "far": far, "normal": normal, "value": value, "bound2": 0.1}
-    got = glossy_sum(SP, AT, seen=seen.tolist(), **given)
+    got = testing.glossy_sum(SP, AT, seen=seen.tolist(), **given)
     want = expected(semantic, far, normal, value, 0.1, seen)
     np.testing.assert_allclose(got, want, rtol=1e-4, atol=1e-7)
-    assert glossy_sum(SP, AT, seen=[False] * n, **given) == (0, 0, 0)
+    assert testing.glossy_sum(SP, AT, seen=[False] * n, **given) == (0, 0, 0)
     if n > 1:
-        assert glossy_sum(SP, AT, seen=[True] * n, **given) != got
+        assert testing.glossy_sum(SP, AT, seen=[True] * n, **given) != got
 
 
 @pytest.mark.parametrize("semantic", [POINT, DIRECTION, SURFACE])
@@ -66,5 +66,5 @@ def test_every_instruction_set_sums_to_the_same_bits(semantic, isa):
     far[7] = AT
     seen = [k != 7 and k % 3 > 0 for k in range(300)]
     given = {"semantic": semantic, "far": far, "normal": normal, "value": value, "bound2": 0.1}
-    sums = [glossy_sum(SP, AT, seen=seen, isa=i, **given) for i in (isa, "portable")]
+    sums = [testing.glossy_sum(SP, AT, seen=seen, isa=i, **given) for i in (isa, "portable")]
     assert sums[0] == sums[1] and np.isfinite(sums[0]).all() and min(sums[0]) > 0

@@ -12,11 +12,11 @@ import pytest
 from scipy import stats
 
 import viscache as vc
+from core import testing
 from render.mitsuba_frames import SIZE, area_layers, ours, theirs
 from render.mitsuba_scene import Look, Model, ball, box, quad
 from render.strip_lights import strip_lights
 from render.ztest import compare
-from viscache._core import _testing
 from viscache.testing.student import blocks
 
 Array = npt.NDArray[Any]
@@ -97,14 +97,14 @@ def chosen(lights: Lights, way: str, i: int, u: Array) -> tuple[Array, Array]:
     """Lights and probabilities at point i for numbers u, a multiple of 50."""
     rows = u.reshape(-1, 50)
     points, normals = (np.broadcast_to(v[i], (len(rows), 3)) for v in (lights.x, lights.n))
-    light, pmf = _testing.choose_light(lights.scene._core, way, points, normals, rows)
+    light, pmf = testing.choose_light(lights.scene._core, way, points, normals, rows)
     return light.ravel(), pmf.ravel()
 
 
 def told(lights: Lights, way: str, i: int, n: Array | None = None) -> Array:
     """Probabilities at point i, or with another normal there."""
     normal = lights.n[i] if n is None else n
-    pmf = _testing.light_probabilities(lights.scene._core, way, lights.x[i][None], normal[None])
+    pmf = testing.light_probabilities(lights.scene._core, way, lights.x[i][None], normal[None])
     return np.asarray(pmf[0])
 
 
@@ -112,7 +112,7 @@ def told(lights: Lights, way: str, i: int, n: Array | None = None) -> Array:
 @pytest.mark.parametrize("seed", range(6))
 def test_every_light_that_contributes_can_be_chosen(way: str, seed: int) -> None:
     lights = Lights(seed)
-    pmf = _testing.light_probabilities(lights.scene._core, way, lights.x, lights.n)
+    pmf = testing.light_probabilities(lights.scene._core, way, lights.x, lights.n)
     light = lights.light()
     seen = light > 1e-9 * light.max(axis=1, keepdims=True)
     assert seen.sum() > 100
@@ -134,7 +134,7 @@ def test_estimates_follow_the_light(way: str, largest: float, share: float) -> N
         light = lights.light()
         total = light.sum(axis=1)
         for w, found in spread.items():
-            pmf = _testing.light_probabilities(lights.scene._core, w, lights.x, lights.n)
+            pmf = testing.light_probabilities(lights.scene._core, w, lights.x, lights.n)
             second = np.divide(light**2, pmf, where=light > 0, out=np.zeros_like(light)).sum(axis=1)
             found += list(second[total > 0] / total[total > 0] ** 2 - 1)
     assert np.median(spread[way]) < share * np.median(spread["power"])

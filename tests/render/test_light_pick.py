@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viscache as vc
+from core import testing
 from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, ball, box
 from viscache import cli
-from viscache._core import _testing
 from viscache.oracles.points import unpack
 from viscache.render import render_part
 from viscache.sweeps.store import Store
@@ -29,7 +29,7 @@ OFFSETS = (np.arange(4096) + 0.5) / 4096
 def weights(contributions: Any, most: int, u: Any = OFFSETS) -> Array:
     """Weights (offsets, lights)."""
     c = np.asarray(contributions, np.float32)
-    return np.asarray(_testing.pick_columns(c, most, np.atleast_1d(u)), np.float64)
+    return np.asarray(testing.pick_columns(c, most, np.atleast_1d(u)), np.float64)
 
 
 MANY = st.lists(st.floats(0, 1e4, width=32, allow_subnormal=False), min_size=1, max_size=150)

@@ -11,10 +11,10 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from render.mitsuba_scene import Look, Model, Part, ball, box, quad
 from render.ztest import compare
 from viscache._core import CoatKind, MaterialKind
-from viscache._core._testing import diffuse_albedo
 from viscache._core.sampling import ShadingPoint
 
 Images = npt.NDArray[np.float64]
@@ -278,7 +278,7 @@ def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(
         coat=coat,
         nonlinear=True,
     )
-    expected = diffuse_albedo(lit)[0] / 0.8 * on_the_wall(SHEET, direction)
+    expected = testing.diffuse_albedo(lit)[0] / 0.8 * on_the_wall(SHEET, direction)
     found = on_the_wall(replace(SHEET, look=look), direction)
     assert found == pytest.approx(expected, rel=1e-4)
 

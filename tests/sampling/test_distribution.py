@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import stats
 
+from core import testing
 from sampling.chi_square import p_value
-from viscache import _core
 
-Distribution = _core._testing.Distribution1D
+Distribution = testing.Distribution1D
 weights_strategy = arrays(
     np.float64, st.integers(1, 40), elements=st.one_of(st.just(0.0), st.floats(1e-6, 1e6))
 ).filter(lambda w: w.sum() > 0)

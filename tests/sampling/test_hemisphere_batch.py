@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from core import testing
 from viscache import _core
 
-sampling = _core._testing
 WARPS = {
-    True: sampling.square_to_cosine_hemisphere,
-    False: sampling.square_to_uniform_hemisphere,
+    True: testing.square_to_cosine_hemisphere,
+    False: testing.square_to_uniform_hemisphere,
 }
 NORMALS = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.3, -0.5, 0.8), (-0.7, 0.1, -1e-4)]
 VARIANTS = ["portable", "avx2", "avx512"]
@@ -19,8 +19,8 @@ VARIANTS = ["portable", "avx2", "avx512"]
 def test_a_batch_holds_the_points_of_the_sequence_around_the_normal(
     normal: tuple[float, float, float], cosine: bool
 ) -> None:
-    directions, cosines = sampling.hemisphere_batch(7, 11, normal, cosine=cosine)
-    points = sampling.sobol02(np.arange(32, dtype=np.uint32), 7, 11)
+    directions, cosines = testing.hemisphere_batch(7, 11, normal, cosine=cosine)
+    points = testing.sobol02(np.arange(32, dtype=np.uint32), 7, 11)
     local = WARPS[cosine](points)
     n = np.array(normal) / np.linalg.norm(normal)
     assert cosines == pytest.approx(local[:, 2], abs=1e-7)
@@ -38,12 +38,12 @@ def test_every_variant_gives_the_same_bits(isa: str, cosine: bool) -> None:
         pytest.skip(f"this CPU has no {isa}")
     for seed in range(50):
         case = (seed, ~seed & 0xFFFFFFFF, NORMALS[3], cosine)
-        ours = sampling.hemisphere_batch(*case, isa=isa)
-        theirs = sampling.hemisphere_batch(*case)
+        ours = testing.hemisphere_batch(*case, isa=isa)
+        theirs = testing.hemisphere_batch(*case)
         for a, b in zip(ours, theirs, strict=True):
             assert a.tobytes() == b.tobytes()
 
 
 def test_an_unknown_variant_is_refused() -> None:
     with pytest.raises(ValueError, match="isa must be portable, avx2 or avx512"):
-        sampling.hemisphere_batch(0, 0, (0, 0, 1), isa="sse2")
+        testing.hemisphere_batch(0, 0, (0, 0, 1), isa="sse2")

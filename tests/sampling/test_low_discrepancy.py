@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 from scipy import stats
 
-from viscache import _core
+from core import testing
 
 SEEDS = [(0, 0), (1, 2), (0xFFFFFFFF, 0x80000000), (0x12345678, 0x9ABCDEF0)]
 
@@ -28,7 +28,7 @@ def is_net(points: npt.NDArray[np.float32], m: int) -> bool:
 def test_every_aligned_run_is_a_net(seeds: tuple[int, int], m: int) -> None:
     for run in (0, 1, 5, 12345):
         index = (np.arange(2**m) + run * 2**m).astype(np.uint32)
-        assert is_net(_core._testing.sobol02(index, *seeds), m)
+        assert is_net(testing.sobol02(index, *seeds), m)
 
 
 def test_random_points_are_not_a_net() -> None:
@@ -40,7 +40,7 @@ def test_points_stay_below_one() -> None:
     rng = np.random.default_rng(3)
     index = np.concatenate([np.arange(1 << 16), 2**32 - 1 - np.arange(1 << 16)]).astype(np.uint32)
     for seeds in rng.integers(0, 2**32, (16, 2)):
-        points = _core._testing.sobol02(index, int(seeds[0]), int(seeds[1]))
+        points = testing.sobol02(index, int(seeds[0]), int(seeds[1]))
         assert points.min() >= 0 and points.max() < 1
 
 
@@ -49,9 +49,7 @@ def test_over_seeds_each_point_is_uniform() -> None:
     rng = np.random.default_rng(4)
     for index in (0, 1, 7, 100):
         seeds = rng.integers(0, 2**32, (4096, 2))
-        points = np.array(
-            [_core._testing.sobol02(np.array([index]), int(a), int(b))[0] for a, b in seeds]
-        )
+        points = np.array([testing.sobol02(np.array([index]), int(a), int(b))[0] for a, b in seeds])
         cell = (points[:, 0] * 16).astype(int) * 16 + (points[:, 1] * 16).astype(int)
         assert stats.chisquare(np.bincount(cell, minlength=256)).pvalue >= 1e-3 / 4
 
@@ -60,8 +58,8 @@ def test_over_seeds_each_point_is_uniform() -> None:
 def test_sequences_of_different_seeds_are_uncorrelated() -> None:
     index = np.arange(16, dtype=np.uint32)
     seeds = np.random.default_rng(5).integers(0, 2**32, (2048, 4))
-    a = np.array([_core._testing.sobol02(index, int(s[0]), int(s[1])) for s in seeds])
-    b = np.array([_core._testing.sobol02(index, int(s[2]), int(s[3])) for s in seeds])
+    a = np.array([testing.sobol02(index, int(s[0]), int(s[1])) for s in seeds])
+    b = np.array([testing.sobol02(index, int(s[2]), int(s[3])) for s in seeds])
     # Points of one net are stratified, so 2048 independent nets are the sample size
     assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 4 / np.sqrt(2048)
 
@@ -72,7 +70,7 @@ def test_radical_inverse_mirrors_the_digits(base: int) -> None:
         expected, digit, rest = Fraction(0), Fraction(1, base), i
         while rest:
             expected, digit, rest = expected + rest % base * digit, digit / base, rest // base
-        assert _core._testing.radical_inverse(base, i) == pytest.approx(float(expected), rel=1e-14)
+        assert testing.radical_inverse(base, i) == pytest.approx(float(expected), rel=1e-14)
 
 
 def test_radical_inverse_stays_below_one() -> None:
@@ -80,10 +78,10 @@ def test_radical_inverse_stays_below_one() -> None:
         power = base
         while power * base < 2**64:
             power *= base
-        assert _core._testing.radical_inverse(base, power - 1) < 1
-        assert _core._testing.radical_inverse(base, 2**64 - 1) < 1
+        assert testing.radical_inverse(base, power - 1) < 1
+        assert testing.radical_inverse(base, 2**64 - 1) < 1
 
 
 def test_radical_inverse_refuses_bases_below_two() -> None:
     with pytest.raises(ValueError, match="base must be >= 2, got 1"):
-        _core._testing.radical_inverse(1, 3)
+        testing.radical_inverse(1, 3)

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 from scipy import stats
 
-from viscache import _core
+from core import testing
 
 MASK = (1 << 64) - 1
 N_KEYS = 1 << 14
@@ -35,13 +35,13 @@ def keys(vary: int, n: int = N_KEYS) -> npt.NDArray[np.uint64]:
 
 def test_streams_are_the_same_bits_everywhere() -> None:
     for key in [(0, 0, 0, 0), (1, 2, 3, 4), (MASK, 10, MASK, MASK), (1 << 40, 5, 1 << 33, 99)]:
-        got = _core._testing.random_u32(np.array([key], dtype=np.uint64), 5)[0]
+        got = testing.random_u32(np.array([key], dtype=np.uint64), 5)[0]
         assert got.tolist() == transcription(*key, 5)
 
 
 def test_floats_are_the_upper_24_bits() -> None:
-    bits = _core._testing.random_u32(keys(2), 8)
-    floats = _core._testing.random(keys(2), 8)
+    bits = testing.random_u32(keys(2), 8)
+    floats = testing.random(keys(2), 8)
     assert np.array_equal(floats, (bits >> 8).astype(np.float32) * np.float32(2.0**-24))
     assert floats.min() >= 0 and floats.max() < 1
 
@@ -62,7 +62,7 @@ def pair_uniformity(
 @pytest.mark.stat
 @pytest.mark.parametrize("vary", [0, 2, 3], ids=["seed", "pixel", "pass"])
 def test_streams_of_neighbouring_keys_are_uniform_and_uncorrelated(vary: int) -> None:
-    values = _core._testing.random(keys(vary), 8)
+    values = testing.random(keys(vary), 8)
     for draw in range(8):
         assert uniformity(values[:, draw]) >= 1e-3 / 24
     assert pair_uniformity(values[:-1], values[1:]) >= 1e-3 / 6  # across keys
@@ -78,14 +78,14 @@ def test_streams_of_different_purposes_are_uncorrelated() -> None:
     values = []
     for purpose in range(11):
         k[:, 1] = purpose
-        values.append(_core._testing.random(k, 4).ravel())
+        values.append(testing.random(k, 4).ravel())
     r = np.corrcoef(values) - np.eye(11)
     assert np.abs(r).max() < 4.5 / np.sqrt(values[0].size)
 
 
 @pytest.mark.stat
 def test_every_bit_is_set_half_of_the_time() -> None:
-    bits = _core._testing.random_u32(keys(2), 8).ravel()
+    bits = testing.random_u32(keys(2), 8).ravel()
     share = [np.mean((bits >> b) & 1) for b in range(32)]
     assert np.abs(np.array(share) - 0.5).max() < 4 * 0.5 / np.sqrt(bits.size)
 
@@ -95,11 +95,11 @@ def test_a_poor_generator_is_found() -> None:
     """Negative controls: a counter without mixing, and a stream a few percent off uniform."""
     counter = ((np.arange(N_KEYS) * 2654435761) % 2**32 / 2**32).astype(np.float32)
     assert pair_uniformity(counter[:-1], counter[1:]) < 1e-6
-    good = _core._testing.random(keys(2), 8)
+    good = testing.random(keys(2), 8)
     assert uniformity(good ** np.float32(1.07)) < 1e-6
     assert np.corrcoef(good.ravel(), good.ravel())[0, 1] > 4 / np.sqrt(good.size)
 
 
 def test_keys_must_have_four_columns() -> None:
     with pytest.raises(ValueError, match=r"keys must have shape \(N, 4\), got \(2, 3\)"):
-        _core._testing.random(np.zeros((2, 3), dtype=np.uint64), 1)
+        testing.random(np.zeros((2, 3), dtype=np.uint64), 1)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from core import testing
 from viscache import _core
-from viscache._core._testing import sphere_batch
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
@@ -15,7 +15,7 @@ def test_directions_are_even_over_the_sphere():
     """Equal bands of z and equal sectors, each drawn as often: scrambles differ, so do samples."""
     rng = np.random.default_rng(8)
     w = np.concatenate(
-        [sphere_batch(*map(int, rng.integers(2**32, size=2)), n=4) for _ in range(20000)]
+        [testing.sphere_batch(*map(int, rng.integers(2**32, size=2)), n=4) for _ in range(20000)]
     )
     np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
     band = np.minimum(7, ((w[:, 2] + 1) * 4).astype(int))
@@ -32,14 +32,14 @@ def test_directions_are_even_over_the_sphere():
 def test_points_of_one_sequence_are_stratified():
     """Of 2^k points each half of the sphere and each of 16 bands gets its share."""
     for n in (16, 64, 256):
-        z = sphere_batch(12345, 678, n=n)[:, 2]
+        z = testing.sphere_batch(12345, 678, n=n)[:, 2]
         assert (z > 0).sum() == n // 2
-    whole = sphere_batch(5, 6, n=64)
-    np.testing.assert_array_equal(sphere_batch(5, 6, first=32, n=32), whole[32:])
+    whole = testing.sphere_batch(5, 6, n=64)
+    np.testing.assert_array_equal(testing.sphere_batch(5, 6, first=32, n=32), whole[32:])
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 def test_every_instruction_set_draws_the_same_bits(isa):
     """The portable code's."""
-    want = sphere_batch(99, 2**31 + 7, n=333, isa="portable")
-    np.testing.assert_array_equal(sphere_batch(99, 2**31 + 7, n=333, isa=isa), want)
+    want = testing.sphere_batch(99, 2**31 + 7, n=333, isa="portable")
+    np.testing.assert_array_equal(testing.sphere_batch(99, 2**31 + 7, n=333, isa=isa), want)

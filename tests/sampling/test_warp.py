@@ -4,10 +4,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from sampling.chi_square import p_value, sphere_mass, sphere_p_value, uniforms
-from viscache import _core
 
-warp = _core._testing
 N = 200_000
 Rows = npt.NDArray[np.float32]
 
@@ -17,15 +16,15 @@ def constant(value: float, z_min: float = -1.0):  # type: ignore[no-untyped-def]
 
 
 SPHERICAL = {
-    "cosine hemisphere": (warp.square_to_cosine_hemisphere, warp.pdf_cosine_hemisphere),
+    "cosine hemisphere": (testing.square_to_cosine_hemisphere, testing.pdf_cosine_hemisphere),
     "uniform hemisphere": (
-        warp.square_to_uniform_hemisphere,
-        constant(warp.pdf_uniform_hemisphere(), 0),
+        testing.square_to_uniform_hemisphere,
+        constant(testing.pdf_uniform_hemisphere(), 0),
     ),
-    "uniform sphere": (warp.square_to_uniform_sphere, constant(warp.pdf_uniform_sphere())),
+    "uniform sphere": (testing.square_to_uniform_sphere, constant(testing.pdf_uniform_sphere())),
     "cone of 60 degrees": (
-        lambda u: warp.square_to_uniform_cone(u, 0.5),
-        constant(warp.pdf_uniform_cone(0.5), 0.5),
+        lambda u: testing.square_to_uniform_cone(u, 0.5),
+        constant(testing.pdf_uniform_cone(0.5), 0.5),
     ),
 }
 
@@ -48,8 +47,8 @@ def test_directions_follow_their_density(name: str) -> None:
 @pytest.mark.stat
 def test_a_wrong_density_is_found() -> None:
     """Negative controls: another sampler, and a tilt of 15 %."""
-    uniform = warp.square_to_uniform_hemisphere(uniforms(N, 2))
-    assert sphere_p_value(uniform, warp.pdf_cosine_hemisphere) < 1e-6
+    uniform = testing.square_to_uniform_hemisphere(uniforms(N, 2))
+    assert sphere_p_value(uniform, testing.pdf_cosine_hemisphere) < 1e-6
     tilted = sphere_p_value(
         uniform, lambda w: (w[:, 2] >= 0) * (1 + 0.15 * (w[:, 2] - 0.5)) / 2 / np.pi
     )
@@ -58,7 +57,7 @@ def test_a_wrong_density_is_found() -> None:
 
 @pytest.mark.stat
 def test_the_disk_is_uniform() -> None:
-    x, y = warp.square_to_disk_concentric(uniforms(N, 2)).T.astype(float)
+    x, y = testing.square_to_disk_concentric(uniforms(N, 2)).T.astype(float)
     r2 = x * x + y * y
     assert r2.max() <= 1 + 1e-6
     counts = np.histogram2d(r2, np.arctan2(y, x), (16, 32), [(0, 1 + 1e-6), (-np.pi, np.pi)])[0]
@@ -66,12 +65,12 @@ def test_the_disk_is_uniform() -> None:
 
 
 def test_the_disk_has_its_centre_in_the_middle_of_the_square() -> None:
-    assert warp.square_to_disk_concentric(np.array([[0.5, 0.5]])).tolist() == [[0, 0]]
+    assert testing.square_to_disk_concentric(np.array([[0.5, 0.5]])).tolist() == [[0, 0]]
 
 
 @pytest.mark.stat
 def test_the_triangle_is_uniform() -> None:
-    b1, b2 = warp.square_to_triangle(uniforms(N, 2)).T.astype(float)
+    b1, b2 = testing.square_to_triangle(uniforms(N, 2)).T.astype(float)
     assert b1.min() >= 0 and b2.min() >= 0 and (b1 + b2).max() <= 1 + 1e-6
     # 16² congruent small triangles: two of them in each square cell, but for the diagonal
     i, j = (16 * b1).astype(int), (16 * b2).astype(int)
@@ -85,7 +84,7 @@ def test_the_triangle_is_uniform() -> None:
 @pytest.mark.extreme
 def test_narrow_cones_keep_their_digits() -> None:
     cos_max = np.float32(1 - 2**-20)
-    w = warp.square_to_uniform_cone(np.array([[1 - 2**-24, 0.0]], dtype=np.float32), cos_max)
+    w = testing.square_to_uniform_cone(np.array([[1 - 2**-24, 0.0]], dtype=np.float32), cos_max)
     assert w[0, 0] == pytest.approx(np.sqrt(1 - float(cos_max) ** 2), rel=1e-4)
 
 
@@ -105,7 +104,7 @@ def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[
 def test_the_visible_part_of_a_sphere_is_uniform_in_solid_angle(distance: float) -> None:
     axis = np.array([2.0, -1.0, 2.0]) / 3
     center, origin = np.array([0.3, -0.2, 0.5]), np.array([0.3, -0.2, 0.5]) - distance * axis
-    p, n, pdf, pdf_area = warp.sample_sphere_light(center, 1.0, origin, uniforms(N, 2))
+    p, n, pdf, pdf_area = testing.sample_sphere_light(center, 1.0, origin, uniforms(N, 2))
     w, d = facing(origin, p)
     # On the sphere, facing the origin
     assert np.linalg.norm(p - center, axis=1) == pytest.approx(1, abs=1e-5)
@@ -129,7 +128,7 @@ def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
     u = np.stack(np.meshgrid(*2 * [(np.arange(256, dtype=np.float32) + 0.5) / 256]), -1).reshape(
         -1, 2
     )
-    p, n, pdf, pdf_area = warp.sample_sphere_light((0, 0, 3), 1.0, (0, 0, 0), u)
+    p, n, pdf, pdf_area = testing.sample_sphere_light((0, 0, 3), 1.0, (0, 0, 0), u)
     w, d = facing(np.zeros(3), p)
     assert np.mean(w[:, 2] / pdf) == pytest.approx(np.pi / 9, rel=1e-4)
     by_area = w[:, 2] * -(w * n).sum(1) / d**2 / pdf_area
@@ -142,7 +141,7 @@ def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
 def test_spheres_of_any_size_and_distance_give_finite_densities(
     scale: float, distance: float
 ) -> None:
-    p, n, pdf, pdf_area = warp.sample_sphere_light(
+    p, n, pdf, pdf_area = testing.sample_sphere_light(
         (0, 0, 0),
         scale,
         (0, 0, distance * scale),
@@ -157,7 +156,7 @@ def test_spheres_of_any_size_and_distance_give_finite_densities(
 
 @pytest.mark.parametrize(("radius", "z"), [(1.0, 0.0), (1.0, 0.5), (1.0, 1.0), (0.0, 2.0)])
 def test_there_is_no_sample_unless_outside_a_sphere_of_some_size(radius: float, z: float) -> None:
-    assert warp.sample_sphere_light((0, 0, 0), radius, (0, 0, z), uniforms(4, 2)) is None
+    assert testing.sample_sphere_light((0, 0, 0), radius, (0, 0, z), uniforms(4, 2)) is None
 
 
 # Microfacets
@@ -184,7 +183,7 @@ def stretched(alpha: float, bins: int = 256, sub: int = 4) -> tuple[Rows, npt.ND
 @pytest.mark.parametrize("alpha", [1e-3, 0.05, 0.3, 1.0])
 def test_the_projected_area_of_the_microfacets_is_one(alpha: float) -> None:
     h, dw = stretched(alpha)
-    assert (warp.ggx_d(h, alpha) * h[:, 2] * dw).sum() == pytest.approx(1, abs=1e-3)
+    assert (testing.ggx_d(h, alpha) * h[:, 2] * dw).sum() == pytest.approx(1, abs=1e-3)
 
 
 @pytest.mark.parametrize("alpha", [1e-3, 0.05, 0.3, 1.0])
@@ -193,7 +192,7 @@ def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos
     """∫ G1 D max(0, wo·h) dω = cos_o: this ties G1 to D."""
     h, dw = stretched(alpha, bins=1024)
     wo = (np.sqrt(1 - cos_o**2), 0.0, cos_o)
-    assert (warp.pdf_ggx_vndf(wo, h, alpha) * dw).sum() == pytest.approx(1, abs=5e-3)
+    assert (testing.pdf_ggx_vndf(wo, h, alpha) * dw).sum() == pytest.approx(1, abs=5e-3)
 
 
 @pytest.mark.slow
@@ -202,33 +201,33 @@ def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos
 @pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.1])
 def test_visible_normals_follow_their_density(alpha: float, cos_o: float) -> None:
     wo = (np.sqrt(1 - cos_o**2) * 0.8, np.sqrt(1 - cos_o**2) * 0.6, cos_o)
-    sampled = warp.sample_ggx_vndf(wo, alpha, uniforms(N, 2)).astype(float)
+    sampled = testing.sample_ggx_vndf(wo, alpha, uniforms(N, 2)).astype(float)
     assert np.linalg.norm(sampled, axis=1) == pytest.approx(1, abs=1e-6)
     s2 = (sampled[:, 0] ** 2 + sampled[:, 1] ** 2) / sampled[:, 2] ** 2 / alpha**2
     azimuth = np.arctan2(sampled[:, 1], sampled[:, 0]) % (2 * np.pi)
     counts = np.histogram2d((1 + s2) ** -0.5, azimuth, (16, 32), [(0, 1), (0, 2 * np.pi)])[0]
     h, dw = stretched(alpha, bins=16, sub=64)
-    mass = (warp.pdf_ggx_vndf(wo, h, alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
+    mass = (testing.pdf_ggx_vndf(wo, h, alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
     assert p_value(counts, N * mass) >= 1e-3
     # Negative control: 10 % rougher
     if alpha < 1:
         h, dw = stretched(alpha, bins=16, sub=64)
-        wrong = (warp.pdf_ggx_vndf(wo, h, 1.1 * alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
+        wrong = (testing.pdf_ggx_vndf(wo, h, 1.1 * alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
         assert p_value(counts, N * wrong) < 1e-6
 
 
 def test_smith_masking_has_its_limits() -> None:
-    assert warp.smith_g1(np.array([1.0, 0.0, -0.5]), 0.5).tolist() == [1, 0, 0]
-    assert warp.smith_g1(np.array([1e-30, 1e-10]), 0.5) == pytest.approx(0, abs=1e-9)
-    g1 = warp.smith_g1(np.array([0.3, 0.7]), 0.4)
-    assert warp.smith_g2(0.3, 0.7, 0.4) == pytest.approx(g1[0] * g1[1])
+    assert testing.smith_g1(np.array([1.0, 0.0, -0.5]), 0.5).tolist() == [1, 0, 0]
+    assert testing.smith_g1(np.array([1e-30, 1e-10]), 0.5) == pytest.approx(0, abs=1e-9)
+    g1 = testing.smith_g1(np.array([0.3, 0.7]), 0.4)
+    assert testing.smith_g2(0.3, 0.7, 0.4) == pytest.approx(g1[0] * g1[1])
 
 
 # Fresnel
 
 
 def test_schlick_goes_from_f0_to_one() -> None:
-    f = warp.schlick((0.04, 0.5, 1.0), np.array([1.0, 0.5, 0.0]))
+    f = testing.schlick((0.04, 0.5, 1.0), np.array([1.0, 0.5, 0.0]))
     assert f[0] == pytest.approx([0.04, 0.5, 1.0])
     assert f[1, 0] == pytest.approx(0.04 + 0.96 / 32)
     assert f[2] == pytest.approx([1, 1, 1])
@@ -242,13 +241,13 @@ def test_the_fresnel_term_is_that_of_amplitudes(eta: float) -> None:
         s = (cos_i - n * cos_t) / (cos_i + n * cos_t)
         p = (n * cos_i - cos_t) / (n * cos_i + cos_t)
         expected = 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
-        assert warp.fresnel_dielectric(sign * cos_i, eta) == pytest.approx(expected, abs=2e-5)
+        assert testing.fresnel_dielectric(sign * cos_i, eta) == pytest.approx(expected, abs=2e-5)
 
 
 def test_the_fresnel_term_has_its_limits() -> None:
-    assert warp.fresnel_dielectric(np.array([1.0, -1.0]), 1.5) == pytest.approx(0.04)
-    assert warp.fresnel_dielectric(np.array([0.0, -0.0, -0.1, -0.74]), 1.5).tolist() == [1, 1, 1, 1]
-    assert warp.fresnel_dielectric(np.array([-0.75]), 1.5)[0] < 1
+    assert testing.fresnel_dielectric(np.array([1.0, -1.0]), 1.5) == pytest.approx(0.04)
+    assert testing.fresnel_dielectric(np.array([0.0, -0.0, -0.1, -0.74]), 1.5).tolist() == [1] * 4
+    assert testing.fresnel_dielectric(np.array([-0.75]), 1.5)[0] < 1
 
 
 @pytest.mark.mitsuba
@@ -258,7 +257,7 @@ def test_the_fresnel_term_is_mitsubas() -> None:
     for cos_i in np.linspace(-1, 1, 41):
         for eta in (1.5, 0.7, 2.0):
             expected = mi.fresnel(float(cos_i), eta)[0]
-            assert warp.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(
+            assert testing.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(
                 expected, abs=2e-5
             )
 
@@ -266,16 +265,16 @@ def test_the_fresnel_term_is_mitsubas() -> None:
 @pytest.mark.parametrize("eta", [1.5, 0.7])
 def test_refraction_obeys_snell_and_can_be_reversed(eta: float) -> None:
     n = np.array([0.0, 0.6, 0.8])
-    wo = warp.square_to_uniform_sphere(uniforms(1000, 2)).astype(float)
+    wo = testing.square_to_uniform_sphere(uniforms(1000, 2)).astype(float)
     wo *= np.sign(wo @ n)[:, None]
-    t = warp.refract(wo, n, 1 / eta).astype(float)
+    t = testing.refract(wo, n, 1 / eta).astype(float)
     total = np.isnan(t[:, 0])
     # Nothing passes exactly where the Fresnel term is one
-    assert np.array_equal(total, warp.fresnel_dielectric(wo @ n, eta) == 1)
+    assert np.array_equal(total, testing.fresnel_dielectric(wo @ n, eta) == 1)
     assert total.any() == (eta < 1)
     wo, t = wo[~total], t[~total]
     assert np.linalg.norm(t, axis=1) == pytest.approx(1, abs=1e-5)
     assert eta * np.cross(n, t) == pytest.approx(-np.cross(n, wo), abs=1e-5)
     assert (t @ n).max() <= 0
     steep = wo @ n > 0.05  # at grazing angles rounding may bring total reflection on the way back
-    assert warp.refract(t, -n, eta)[steep] == pytest.approx(wo[steep], abs=1e-4)
+    assert testing.refract(t, -n, eta)[steep] == pytest.approx(wo[steep], abs=1e-4)

@@ -6,10 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
-from viscache import _core
 from viscache._core import CoatKind, MaterialKind
-from viscache._core._testing import diffuse_albedo, pdf_bsdf, sample_bsdf
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 N = 200_000
@@ -66,9 +65,11 @@ each_point = pytest.mark.parametrize("name", POINTS)
 @pytest.mark.stat
 def test_directions_follow_their_density(name: str) -> None:
     sp = POINTS[name]
-    wi, _, pdf = sample_bsdf(sp, uniforms(N, 3))
+    wi, _, pdf = testing.sample_bsdf(sp, uniforms(N, 3))
     assert (
-        sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(sp, w), (32, 64), sub=16, n_samples=N)
+        sphere_p_value(
+            wi[pdf > 0], lambda w: testing.pdf_bsdf(sp, w), (32, 64), sub=16, n_samples=N
+        )
         >= 1e-3
     )
 
@@ -76,20 +77,23 @@ def test_directions_follow_their_density(name: str) -> None:
 @pytest.mark.stat
 def test_a_wrong_density_is_found() -> None:
     """Negative controls: 15 % rougher; another share of the lobes."""
-    wi, _, pdf = sample_bsdf(glossy(), uniforms(N, 3))
+    wi, _, pdf = testing.sample_bsdf(glossy(), uniforms(N, 3))
     wi = wi[pdf > 0]
     rougher = glossy(roughness=0.345)
-    assert sphere_p_value(wi, lambda w: pdf_bsdf(rougher, w), (32, 64), n_samples=N) < 1e-6
-    wi, _, pdf = sample_bsdf(POINTS["plastic"], uniforms(N, 3))
+    assert sphere_p_value(wi, lambda w: testing.pdf_bsdf(rougher, w), (32, 64), n_samples=N) < 1e-6
+    wi, _, pdf = testing.sample_bsdf(POINTS["plastic"], uniforms(N, 3))
     darker = glossy(0.5, 0.2, (0.1, 0.3, 0.15), (0.04, 0.04, 0.04))
-    assert sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(darker, w), (32, 64), n_samples=N) < 1e-6
+    assert (
+        sphere_p_value(wi[pdf > 0], lambda w: testing.pdf_bsdf(darker, w), (32, 64), n_samples=N)
+        < 1e-6
+    )
 
 
 @each_point
 def test_the_density_integrates_to_the_share_of_samples(name: str) -> None:
     sp = POINTS[name]
-    _, _, pdf = sample_bsdf(sp, uniforms(N, 3))
-    total = sphere_mass(lambda w: pdf_bsdf(sp, w), (64, 128), sub=16).sum()
+    _, _, pdf = testing.sample_bsdf(sp, uniforms(N, 3))
+    total = sphere_mass(lambda w: testing.pdf_bsdf(sp, w), (64, 128), sub=16).sum()
     assert total == pytest.approx(np.mean(pdf > 0), abs=4e-3)
 
 
@@ -97,10 +101,10 @@ def test_the_density_integrates_to_the_share_of_samples(name: str) -> None:
 def test_samples_report_what_evaluation_gives(name: str) -> None:
     sp = POINTS[name]
     ns = np.array(TILTED["ns"] if "tilted" in name else (0, 0, 1))
-    wi, weight, pdf = sample_bsdf(sp, uniforms(2000, 3))
+    wi, weight, pdf = testing.sample_bsdf(sp, uniforms(2000, 3))
     wi, weight, pdf = wi[pdf > 0], weight[pdf > 0], pdf[pdf > 0]
     assert np.linalg.norm(wi.astype(float), axis=1) == pytest.approx(1, abs=1e-6)
-    assert pdf == pytest.approx(pdf_bsdf(sp, wi), rel=1e-6)
+    assert pdf == pytest.approx(testing.pdf_bsdf(sp, wi), rel=1e-6)
     assert weight == pytest.approx(eval_bsdf(sp, wi) * (wi @ ns / pdf)[:, None], rel=1e-4)
 
 
@@ -140,13 +144,13 @@ def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     index = np.arange(n, dtype=np.uint32)
     u = np.concatenate(
         [
-            _core._testing.sobol02(index, 1, 2),
+            testing.sobol02(index, 1, 2),
             ((np.arange(n) + 0.5) / n).astype(np.float32)[:, None],
         ],
         1,
     )
     u[:, 0] = np.random.default_rng(0).permutation(u[:, 0])
-    return sample_bsdf(sp, u)[1].astype(float).mean(0)
+    return testing.sample_bsdf(sp, u)[1].astype(float).mean(0)
 
 
 def test_a_diffuse_surface_reflects_its_base_color() -> None:
@@ -181,22 +185,24 @@ def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o: float) -> None
     reflected = (diffuse * points[:, 2:]).mean(0) * 2 * np.pi
     fresnel = np.array(specular) + (1 - np.array(specular)) * (1 - cos_o) ** 5
     assert reflected == pytest.approx(0.9971 * np.array(base) * (1 - fresnel), abs=1e-4)
-    assert diffuse_albedo(glossy(cos_o, 0.5, base, specular)) == pytest.approx(reflected, abs=1e-4)
+    assert testing.diffuse_albedo(glossy(cos_o, 0.5, base, specular)) == pytest.approx(
+        reflected, abs=1e-4
+    )
 
 
 def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> None:
     for kind, share in (("DIFFUSE", 1), ("MIRROR", 0), ("DIELECTRIC", 0)):
         sp = ShadingPoint(MaterialKind[kind], direction(0.3), base=(0.75, 0.5, 0.25))
-        assert diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
+        assert testing.diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
     below = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, -1), base=(1, 1, 1))
-    assert diffuse_albedo(below) == [0, 0, 0]
+    assert testing.diffuse_albedo(below) == [0, 0, 0]
 
 
 # Limits
 
 
 def test_nothing_is_reflected_below_either_normal() -> None:
-    w = _core._testing.square_to_uniform_sphere(uniforms(4000, 2))
+    w = testing.square_to_uniform_sphere(uniforms(4000, 2))
     above = (w @ np.array(TILTED["ns"]) > 0) & (w @ np.array(TILTED["ng"]) > 0)
     for name in (
         "diffuse, tilted normals",
@@ -204,7 +210,7 @@ def test_nothing_is_reflected_below_either_normal() -> None:
         "rough coat, tilted normals",
     ):
         assert np.array_equal(eval_bsdf(POINTS[name], w).max(1) > 0, above)
-        assert np.array_equal(pdf_bsdf(POINTS[name], w) > 0, above)
+        assert np.array_equal(testing.pdf_bsdf(POINTS[name], w) > 0, above)
     # The eye below the geometric normal, above the shading normal
     hidden = ShadingPoint(
         MaterialKind.GLOSSY,
@@ -213,30 +219,28 @@ def test_nothing_is_reflected_below_either_normal() -> None:
         ng=unit((-1, 0, 1)),
         specular=(1, 1, 1),
     )
-    assert not eval_bsdf(hidden, w).any() and not pdf_bsdf(hidden, w).any()
-    assert not sample_bsdf(hidden, uniforms(100, 3))[2].any()
+    assert not eval_bsdf(hidden, w).any() and not testing.pdf_bsdf(hidden, w).any()
+    assert not testing.sample_bsdf(hidden, uniforms(100, 3))[2].any()
 
 
 @pytest.mark.parametrize("kind", [MaterialKind.MIRROR, MaterialKind.DIELECTRIC])
 def test_mirrors_and_glass_are_zero(kind: MaterialKind) -> None:
     sp = ShadingPoint(kind, (0, 0, 1), base=(1, 1, 1), specular=(1, 1, 1))
     assert not eval_bsdf(sp, np.array([[0, 0, 1]])).any()
-    assert not pdf_bsdf(sp, np.array([[0, 0, 1]])).any()
-    assert not sample_bsdf(sp, uniforms(100, 3))[2].any()
+    assert not testing.pdf_bsdf(sp, np.array([[0, 0, 1]])).any()
+    assert not testing.sample_bsdf(sp, uniforms(100, 3))[2].any()
 
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("roughness", [1e-3, 1e-2, 1.0])
 @pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3, 1e-6])
 def test_weights_stay_finite_and_below_one_for_a_metal(roughness: float, cos_o: float) -> None:
-    wi, weight, pdf = sample_bsdf(glossy(cos_o, roughness), uniforms(10_000, 3))
+    wi, weight, pdf = testing.sample_bsdf(glossy(cos_o, roughness), uniforms(10_000, 3))
     assert np.isfinite(wi).all() and np.isfinite(weight).all() and np.isfinite(pdf).all()
     assert weight.min() >= 0 and weight.max() <= 1 + 1e-3
     # F = 1: what is left is the shadowing of wi
     some = pdf > 0
-    assert weight[some, 0] == pytest.approx(
-        _core._testing.smith_g1(wi[some, 2], roughness), rel=1e-3
-    )
+    assert weight[some, 0] == pytest.approx(testing.smith_g1(wi[some, 2], roughness), rel=1e-3)
 
 
 def test_black_surfaces_reflect_nothing() -> None:
@@ -272,6 +276,6 @@ def test_a_white_metal_is_mitsubas_rough_conductor(alpha: float) -> None:
         sp = ShadingPoint(MaterialKind.GLOSSY, wo, specular=(1, 1, 1), roughness=alpha)
         ours = eval_bsdf(sp, np.array([wi]))[0] * max(0.0, wi[2])
         assert ours == pytest.approx(np.array(value).ravel(), rel=1e-3, abs=1e-6)
-        assert pdf_bsdf(sp, np.array([wi]))[0] == pytest.approx(density, rel=1e-3, abs=1e-6)
+        assert testing.pdf_bsdf(sp, np.array([wi]))[0] == pytest.approx(density, rel=1e-3, abs=1e-6)
         compared += density > 0
     assert compared > 100

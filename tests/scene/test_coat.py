@@ -10,10 +10,10 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from sampling.chi_square import sphere_points
 from scene.test_bsdf import Vector, albedo, direction, glossy
 from viscache._core import CoatKind, MaterialKind
-from viscache._core._testing import diffuse_albedo
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 ETA = 1.5
@@ -137,7 +137,7 @@ def test_a_white_coated_surface_never_reflects_more_than_arrives(
     given = {"roughness": roughness, "eta": eta, "nonlinear": nonlinear}
     for cos_o in (1.0, 0.9, 0.6, 0.3, 0.1, 0.03, 0.01):
         lobe = albedo(coated(cos_o, kind, (0, 0, 0), **given), 1 << 12)
-        diffuse = np.array(diffuse_albedo(coated(cos_o, kind, (1, 1, 1), **given)))
+        diffuse = np.array(testing.diffuse_albedo(coated(cos_o, kind, (1, 1, 1), **given)))
         assert (lobe + diffuse).max() <= 1 + 1e-3
 
 
@@ -156,12 +156,12 @@ def test_the_albedo_under_a_coat_is_the_integral_of_its_reflection(
     sp = coated(cos_o, kind, specular=(0, 0, 0))
     f = eval_bsdf(sp, points).astype(float)
     reflected = (f * points[:, 2:]).mean(0) * 2 * np.pi
-    assert diffuse_albedo(sp) == pytest.approx(reflected, rel=2e-3)
+    assert testing.diffuse_albedo(sp) == pytest.approx(reflected, rel=2e-3)
 
 
 def test_nonlinear_scattering_makes_colours_darker_and_stronger() -> None:
-    plain = np.array(diffuse_albedo(coated(1, CoatKind.SMOOTH)))
-    darker = np.array(diffuse_albedo(coated(1, CoatKind.SMOOTH, nonlinear=True)))
+    plain = np.array(testing.diffuse_albedo(coated(1, CoatKind.SMOOTH)))
+    darker = np.array(testing.diffuse_albedo(coated(1, CoatKind.SMOOTH, nonlinear=True)))
     assert darker[0] == pytest.approx(plain[0])  # white stays white
     assert plain[0] / plain[2] == pytest.approx(5)
     assert darker[0] / darker[2] > 8

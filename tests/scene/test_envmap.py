@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from sampling.chi_square import p_value, sphere_p_value, uniforms
 from viscache import _core
 from viscache._core.sampling import EnvironmentMap
@@ -75,7 +76,7 @@ def test_rotation_takes_the_map_into_the_world() -> None:
     image, to_world = sky(), rotation()
     still = EnvironmentMap.from_latlong(image, resolution=256)
     turned = EnvironmentMap.from_latlong(image, to_world=to_world, resolution=256)
-    w = _core._testing.square_to_uniform_sphere(uniforms(2000, 2))
+    w = testing.square_to_uniform_sphere(uniforms(2000, 2))
     difference = np.abs(turned.eval(w @ to_world.T) - still.eval(w))
     assert difference.mean() < 0.01 * image.mean()
     assert np.abs(turned.eval(w) - still.eval(w)).mean() > 0.2 * image.mean()
@@ -93,7 +94,7 @@ def test_directions_are_those_of_mitsuba() -> None:
         {"type": "envmap", "bitmap": mi.Bitmap(image), "to_world": mi.ScalarTransform4f(to_world)}
     )
     map_ = EnvironmentMap.from_latlong(image, to_world=to_world[:3, :3])
-    w = _core._testing.square_to_uniform_sphere(uniforms(300, 2))
+    w = testing.square_to_uniform_sphere(uniforms(300, 2))
     theirs = []
     for d in w:
         si = mi.SurfaceInteraction3f()
@@ -204,11 +205,11 @@ def test_samples_are_those_of_tables_of_all_texels(resolution: int, share: float
     u = uniforms(3000, 2).astype(np.float32)
     u[:4] = [[0, 0], [1 - 2**-24, 1 - 2**-24], [0, 1 - 2**-24], [1 - 2**-24, 0]]
     totals = np.array([np.cumsum(row)[-1] for row in weights])
-    row, _, u_row = _core._testing.Distribution1D(totals).sample(u[:, 0].astype(float))
+    row, _, u_row = testing.Distribution1D(totals).sample(u[:, 0].astype(float))
     column, u_column = np.empty_like(row), np.empty_like(u_row)
     for y in np.unique(row):
         of_row = row == y
-        found = _core._testing.Distribution1D(weights[y]).sample(u[of_row, 1].astype(float))
+        found = testing.Distribution1D(weights[y]).sample(u[of_row, 1].astype(float))
         column[of_row], u_column[of_row] = found[0], found[2]
     margin = np.float32(resolution * 2**-21)
     inside = np.stack([u_column, u_row], 1).astype(np.float32).clip(margin, 1 - margin)
@@ -220,7 +221,7 @@ def test_samples_are_those_of_tables_of_all_texels(resolution: int, share: float
 
 def test_the_density_is_the_share_of_luminance() -> None:
     map_ = EnvironmentMap.from_latlong(sky())
-    w = _core._testing.square_to_uniform_sphere(uniforms(5000, 2))
+    w = testing.square_to_uniform_sphere(uniforms(5000, 2))
     assert map_.pdf(w) == pytest.approx(map_.eval(w) @ LUMINANCE / map_.total_power, rel=1e-4)
     n = map_.resolution
     centers = (np.stack(np.meshgrid(*2 * [np.arange(n)]), -1).reshape(-1, 2) + 0.5) / n
@@ -237,7 +238,7 @@ def test_irradiance_by_samples_is_that_of_the_image() -> None:
     normal = np.array([0.6, 0.8, 0.0])
     exact = (image * (np.maximum(0, d @ normal) * solid)[..., None]).sum((0, 1))
     index = np.arange(1 << 16, dtype=np.uint32)
-    wi, radiance, pdf = map_.sample(_core._testing.sobol02(index, 5, 6))
+    wi, radiance, pdf = map_.sample(testing.sobol02(index, 5, 6))
     estimate = (radiance * (np.maximum(0, wi @ normal) / pdf)[:, None]).mean(0)
     assert estimate == pytest.approx(exact, rel=5e-3)
 
@@ -266,7 +267,7 @@ def test_a_color_without_green_keeps_its_chance() -> None:
     image = np.zeros((8, 16, 3), dtype=np.float32)
     image[:, :8, 2], image[:, 8:, 1] = 1, 1
     map_ = EnvironmentMap.from_latlong(image)
-    w = _core._testing.square_to_uniform_sphere(uniforms(1000, 2))
+    w = testing.square_to_uniform_sphere(uniforms(1000, 2))
     assert (map_.pdf(w) > 0).all()
 
 

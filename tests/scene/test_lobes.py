@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from core import testing
 from scene.test_bsdf import COPPER, direction, glossy
 from viscache import _core
 from viscache._core import CoatKind, MaterialKind
-from viscache._core._testing import pdf_bsdf, reflect_directions
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 ISAS = ("portable", "avx2", "avx512")
@@ -50,10 +50,10 @@ def test_batches_are_the_bsdf_times_the_cosine_and_its_density(name):
     cosine = next((c for word, c in cosines.items() if word in name), 0.7)
     w = directions(direction(cosine))
     ns = np.float32(BENT["ns"]) if "bent" in name else np.float32([0, 0, 1])
-    f, pdf = reflect_directions(sp, w)
+    f, pdf = testing.reflect_directions(sp, w)
     want = eval_bsdf(sp, w) * (w @ ns)[:, None]
     np.testing.assert_allclose(f, want, rtol=2e-3, atol=1e-6)
-    np.testing.assert_allclose(pdf, pdf_bsdf(sp, w), rtol=2e-3, atol=1e-6)
+    np.testing.assert_allclose(pdf, testing.pdf_bsdf(sp, w), rtol=2e-3, atol=1e-6)
     # Beckmann's lobe ends where numbers do
     assert (f[(want == 0).all(1)] < 1e-20).all()
     assert (f[want > 1e-20] > 0).all() and 0.1 < (pdf > 0).mean() < 0.9
@@ -65,8 +65,8 @@ def test_every_instruction_set_reflects_the_same_bits(name, isa):
     """The portable code's."""
     w = directions((0.5, 0.5, 0.7), 333)
     for a, b in zip(
-        reflect_directions(POINTS[name], w, isa=isa),
-        reflect_directions(POINTS[name], w, isa="portable"),
+        testing.reflect_directions(POINTS[name], w, isa=isa),
+        testing.reflect_directions(POINTS[name], w, isa="portable"),
         strict=True,
     ):
         np.testing.assert_array_equal(a, b)
@@ -82,4 +82,4 @@ def test_what_reflects_nothing_gives_zero():
         ShadingPoint(MaterialKind.DIFFUSE, (0, 0, 1)),
         glossy(0.7, base=(0.5, 0.5, 0.5), ns=(0.0, 0.0, -1.0)),
     ):
-        assert not eval_bsdf(sp, w).any() and not reflect_directions(sp, w)[0].any()
+        assert not eval_bsdf(sp, w).any() and not testing.reflect_directions(sp, w)[0].any()

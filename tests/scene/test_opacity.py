@@ -11,8 +11,8 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from scene import test_mitsuba_parity as parity
-from viscache import _core
 
 BODY = """<shape type="rectangle"><transform name="to_world"><scale value="1.5"/>
 <rotate x="1" angle="-20"/><translate y="1"/></transform><bsdf type="mask">
@@ -52,7 +52,7 @@ def chords(n: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
 def solid(scene: vc.Scene, uv: npt.NDArray[np.float32], triangle: int = 0) -> npt.NDArray[Any]:
     n = len(uv)
     zeros = np.zeros(n, np.int64)
-    return _core._testing.solid_at(scene._core, zeros, zeros + triangle, uv)
+    return testing.solid_at(scene._core, zeros, zeros + triangle, uv)
 
 
 @pytest.mark.parametrize("opacity", [0.0, 0.1, 0.5, 0.9, 1.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import viscache as vc
-from viscache._core import _testing
+from core import testing
 
 
 def placed_scene() -> vc.Scene:
@@ -22,7 +22,7 @@ def placed_scene() -> vc.Scene:
 
 def test_every_placed_triangle_with_area_is_listed_once() -> None:
     scene = placed_scene()
-    flat = _testing.flat_triangles(scene._core)
+    flat = testing.flat_triangles(scene._core)
     sphere = len(scene.meshes())  # its tessellation: 24 rings of 48 sectors
     expected = [(0, 0, -1), (0, 2, -1)]
     expected += [(sphere, i, -1) for i in range(2 * 23 * 48)]
@@ -35,7 +35,7 @@ def test_every_placed_triangle_with_area_is_listed_once() -> None:
 
 def test_corners_are_those_of_the_mesh_transformed() -> None:
     scene = placed_scene()
-    flat = _testing.flat_triangles(scene._core)
+    flat = testing.flat_triangles(scene._core)
     mesh = scene.meshes()[0]
     np.testing.assert_array_equal(flat["corners"][1], mesh["vertices"][mesh["triangles"][2]])
     np.testing.assert_array_equal(flat["corners"][-2], [[1, 2, 3], [3, 2, 3], [1, 5, 3]])
@@ -44,12 +44,12 @@ def test_corners_are_those_of_the_mesh_transformed() -> None:
 
 def test_a_scene_without_triangles_gives_an_empty_list() -> None:
     scene = vc.Scene.from_description(vc.SceneDescription())
-    flat = _testing.flat_triangles(scene._core)
+    flat = testing.flat_triangles(scene._core)
     assert flat["corners"].shape == (0, 3, 3) and flat["degenerate"] == 0
 
 
 def test_thin_triangles_are_kept() -> None:
     """Area is judged in double: its square would vanish in single precision."""
     corners = [[0, 0, 0], [1, 0, 0], [0.5, 1e-20, 0]]
-    flat = _testing.flat_triangles(vc.Scene.from_arrays(corners, [[0, 1, 2]])._core)
+    flat = testing.flat_triangles(vc.Scene.from_arrays(corners, [[0, 1, 2]])._core)
     assert len(flat["corners"]) == 1 and flat["degenerate"] == 0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import _core
+from core import testing
 
 #: Packets wider than this many triangle sizes are traced incoherently.
 WIDEST = 6
@@ -36,7 +36,7 @@ def coherent(scene: vc.Scene, origins: float, ends: float) -> bool:
     box = np.random.default_rng(1).uniform(-1, 1, (16, 3)) / np.sqrt(3)
     box[3], box[9] = -1 / np.sqrt(3), 1 / np.sqrt(3)
     towards = float(np.abs(scene.bounds).max()) / 2
-    found: bool = _core._testing.coherent_between(
+    found: bool = testing.coherent_between(
         scene.caster(), origins * box, towards + ends * box[::-1]
     )
     return found
@@ -63,7 +63,7 @@ def test_scenes_without_area_have_an_answer() -> None:
 
 
 def test_rows_that_share_few_lights_are_traced_by_pixel() -> None:
-    by_light = _core._testing.by_light
+    by_light = testing.by_light
     assert by_light(np.ones((16, 100), bool)) and by_light(np.ones((3, 100), bool))
     assert not by_light(np.ones((2, 100), bool))
     # Each light is asked for by as many neighbours
@@ -78,8 +78,7 @@ def test_rows_that_share_few_lights_are_traced_by_pixel() -> None:
 
 #: Files that read a clock. All of them report times; `gil.cpp` waits for Python.
 CLOCKS = """
-bindings/bind_aqvc_levels.cpp bindings/bind_vismap_estimate.cpp bindings/bind_vismap_product.cpp
-bindings/gil.cpp viscache/math/cpu_time.h viscache/math/wall_clock.h
+bindings/bind_aqvc_levels.cpp bindings/gil.cpp viscache/math/cpu_time.h viscache/math/wall_clock.h
 viscache/render/aligned_ambient.cpp viscache/render/bdpt.cpp
 viscache/render/environment_product.cpp viscache/render/frame.cpp viscache/render/frame.h
 viscache/render/stage_clock.h viscache/visibility/roulette_source.cpp

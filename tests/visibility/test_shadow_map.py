@@ -12,8 +12,9 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from render.test_determinism import ROOM
-from viscache import _core, cli
+from viscache import cli
 
 Floats = npt.NDArray[np.floating[Any]]
 CENTER, RADIUS = (0.0, 0.0, 0.0), 2.0
@@ -47,7 +48,7 @@ def look_up(
     **settings: Any,
 ) -> tuple[npt.NDArray[np.bool_], Floats]:
     """Whether each point is lit, and the depths."""
-    return _core._testing.lit_by_light(
+    return testing.lit_by_light(
         scene.caster(),
         vc.ShadowMap(**settings).core(),
         far,

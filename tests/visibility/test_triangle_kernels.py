@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from viscache._core import _testing
+from core import testing
 
 Array = npt.NDArray[Any]
 KERNELS = ["watertight", "wald"]
@@ -17,7 +17,7 @@ KERNELS = ["watertight", "wald"]
 def hits(kernel: str, corners: Array, o: Array, d: Array, **ends: float) -> Array:
     """(t, u, v) of ray i against triangle i, corners (N, 3, 3)."""
     a, b, c = (np.ascontiguousarray(corners[:, i], dtype=np.float32) for i in range(3))
-    return _testing.triangle_hits(
+    return testing.triangle_hits(
         kernel, a, b, c, o.astype(np.float32), d.astype(np.float32), **ends
     )
 

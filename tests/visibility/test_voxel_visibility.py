@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from reference import nee_plus_plus as reference
-from viscache import _core
 
 LOW, HIGH = (-1.0, 0.0, 2.0), (3.0, 0.5, 4.0)
 
@@ -26,7 +26,7 @@ def learn(
     **settings: Any,
 ) -> tuple[npt.NDArray[Any], ...]:
     """Cells of both ends, visibility and probability."""
-    return _core._testing.learnt_map(
+    return testing.learnt_map(
         vc.NeePlusPlus(**settings).core(),
         low,
         high,

@@ -9,10 +9,10 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from correlation.scenes import above, unpacked
 from reference import vismap_records as reference
 from render.mitsuba_scene import Model, box, quad
-from viscache import _core
 from vismap.scenes import SIZE, clutter, made, pixels, view
 
 Array = npt.NDArray[Any]
@@ -34,7 +34,7 @@ def test_ambient_visibility_is_the_papers_integral() -> None:
     cosine = np.maximum(0, r.normals.astype(float) @ cache.directions.T.astype(float))
     expected = (free * cosine).sum(1) * (4 * np.pi / 1024) / np.pi
     np.testing.assert_allclose(r.ambient, expected, atol=1e-5)
-    one = _core._testing.ambient_visibility(r.bits[3], 5, cache.directions, r.normals[3].tolist())
+    one = testing.ambient_visibility(r.bits[3], 5, cache.directions, r.normals[3].tolist())
     assert one == r.ambient[3]
     assert not np.allclose(r.ambient, 1.01 * expected, atol=1e-5)
 
@@ -44,7 +44,7 @@ def test_the_pattern_integrates_the_cosine_of_any_plane() -> None:
     n = random.normal(size=(500, 3))
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     for m, tolerance in ((4, 0.02), (5, 0.006), (6, 0.003)):
-        pattern = _core._testing.record_pattern(m, 0)
+        pattern = testing.record_pattern(m, 0)
         integral = np.maximum(0, n @ pattern.T).sum(1) * 4 / 4**m
         assert np.abs(integral - 1).max() < tolerance
 

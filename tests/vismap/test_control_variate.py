@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from viscache._core import AlphaMode, PointSet
-from viscache._core import _testing as core
 from viscache._core.vismap import EnvironmentPyramid, PointEstimate, points
 from vismap.analytic import EDGE, Pixel, World, exact, world
 from vismap.worlds import blended, coarser, dilations, directions, luminance, shares
@@ -58,18 +58,18 @@ def test_equations_are_those_of_the_paper() -> None:
     var_z, var_w, cov = z.var(), w.var(), np.cov(z, w, ddof=0)[0, 1]
     for alpha in (0.0, 0.3, 1.0, 1.7):
         expected = (z - alpha * w).var()
-        assert core.residual_variance(var_z, var_w, cov, alpha) == pytest.approx(expected, 1e-9)
-        got = core.control_variate_estimate(z.sum(), w.sum(), 0.25, alpha, len(z))
+        assert testing.residual_variance(var_z, var_w, cov, alpha) == pytest.approx(expected, 1e-9)
+        got = testing.control_variate_estimate(z.sum(), w.sum(), 0.25, alpha, len(z))
         assert got == pytest.approx((z - alpha * w).mean() + alpha * 0.25, abs=1e-12)
-    best = core.best_alpha(var_w, cov)
-    rho = core.correlation(var_z, var_w, cov)
+    best = testing.best_alpha(var_w, cov)
+    rho = testing.correlation(var_z, var_w, cov)
     assert rho == pytest.approx(np.corrcoef(z, w)[0, 1], 1e-12)
-    least = core.least_residual_variance(var_z, rho)
+    least = testing.least_residual_variance(var_z, rho)
     assert least == pytest.approx((z - best * w).var(), 1e-9)
     assert all((z - (best + e) * w).var() > least for e in (-0.01, 0.01))
-    assert core.product_terms(0.8, 1, 0.3, 0.5) == (1.6, 0.6)
-    assert core.product_terms(0.8, 0, 0.3) == (0, 0.3)
-    assert core.best_alpha(0, 0) == core.correlation(0, 1, 0) == 0
+    assert testing.product_terms(0.8, 1, 0.3, 0.5) == (1.6, 0.6)
+    assert testing.product_terms(0.8, 0, 0.3) == (0, 0.3)
+    assert testing.best_alpha(0, 0) == testing.correlation(0, 1, 0) == 0
 
 
 def test_alpha_is_the_regression_with_a_prior() -> None:
@@ -78,10 +78,10 @@ def test_alpha_is_the_regression_with_a_prior() -> None:
         z, w = rng.normal(size=(2, 1, n))
         z += 0.4 * w
         expected = alpha_of(z, w, 0.7)[0]
-        assert core.regressed_alpha(z[0], w[0], 0.7) == pytest.approx(expected, rel=1e-12)
-    assert core.regressed_alpha(z[0], w[0], 0.0) == 0
-    assert core.regressed_alpha(9 * w[0], w[0], 0.1) == MOST
-    assert core.regressed_alpha(-9 * w[0], w[0], 0.1) == 0
+        assert testing.regressed_alpha(z[0], w[0], 0.7) == pytest.approx(expected, rel=1e-12)
+    assert testing.regressed_alpha(z[0], w[0], 0.0) == 0
+    assert testing.regressed_alpha(9 * w[0], w[0], 0.1) == MOST
+    assert testing.regressed_alpha(-9 * w[0], w[0], 0.1) == 0
 
 
 @pytest.mark.parametrize("eta", [1.0, 0.5, 0.25, 0.01])

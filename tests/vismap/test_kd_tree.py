@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from viscache import _core
+from core import testing
 from vismap.clouds import N, clouds, nearest
 
 Array = npt.NDArray[Any]
@@ -27,13 +27,13 @@ def test_searches_find_what_brute_force_finds(kind: str) -> None:
     points = clouds()[kind].astype(np.float32)
     queries = np.concatenate([points[:: N // 20], points[:5] + np.float32(0.01)])
     radii = (0.03, 0.3, 3.0)
-    grown = _core._testing.KdTree()
+    grown = testing.KdTree()
     for first in range(0, N, 500):
         grown.insert(points[first : first + 500], first)
         if first in (0, 500, 3000):  # while it grows
             so_far = points[: first + 500]
             check(grown, so_far, queries[:5], 0.2)
-    balanced = _core._testing.KdTree()
+    balanced = testing.KdTree()
     balanced.build(points)
     assert len(grown) == len(balanced) == N
     for radius in radii:
@@ -42,20 +42,20 @@ def test_searches_find_what_brute_force_finds(kind: str) -> None:
 
 
 def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow() -> None:
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     line = np.zeros((4000, 3), np.float32)
     line[:, 0] = np.arange(4000)  # the worst order for a tree that only grows
     for i in range(4000):
         tree.insert(line[i : i + 1], i)
         assert tree.depth <= 2 * len(tree).bit_length() + 9
     assert 10 <= tree.rebuilds <= 200
-    balanced = _core._testing.KdTree()
+    balanced = testing.KdTree()
     balanced.build(line)
     assert balanced.depth <= 11
 
 
 def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time() -> None:
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     points = np.random.default_rng(3).random((2000, 3)).astype(np.float32)
     built, rebuilds = 0, 0
     for n, point in enumerate(points, 1):
@@ -68,7 +68,7 @@ def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time
 
 
 def test_leaves_that_cannot_be_split_are_counted() -> None:
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     same = np.full((9, 3), 0.25, np.float32)
     tree.insert(same[:4], 0)
     assert tree.oversized_leaves == 0
@@ -81,7 +81,7 @@ def test_leaves_that_cannot_be_split_are_counted() -> None:
 
 
 def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside() -> None:
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     origin = np.zeros((1, 3), np.float32)
     assert tree.search(origin, 1.0, 4) == [[]]
     tree.insert(np.array([[1, 0, 0], [0.5, 0, 0]], np.float32), 0)
@@ -93,6 +93,6 @@ def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside() -> N
 def test_coarse_coordinates_with_many_ties(seed: int, n: int, levels: int, radius: float) -> None:
     random = np.random.default_rng(seed)
     points = (random.integers(0, levels, (n, 3)) / levels).astype(np.float32)
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     tree.insert(points, 0)
     check(tree, points, points[:10], radius)

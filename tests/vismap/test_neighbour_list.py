@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from viscache import _core
+from core import testing
 from vismap.clouds import clouds, nearest
 
 Array = npt.NDArray[Any]
@@ -37,7 +37,7 @@ def walk_through(points: Array, step: float) -> Array:
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 1e-2])
 def test_a_walk_finds_what_brute_force_finds(kind: str, step: float) -> None:
     points = clouds()[kind].astype(np.float32)[:: 10_000 // N][:N]
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     tree.build(points)
     walk = walk_through(points, step)
     for radius in (0.02, 0.2, 5.0):
@@ -48,7 +48,7 @@ def test_a_walk_finds_what_brute_force_finds(kind: str, step: float) -> None:
 
 def test_small_steps_seldom_need_the_tree() -> None:
     points = clouds()["random"].astype(np.float32)
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     tree.build(points)
     walk = walk_through(points, 1e-4)
     _, answered = tree.walk(walk, 1.0, 16)
@@ -57,7 +57,7 @@ def test_small_steps_seldom_need_the_tree() -> None:
 
 def test_a_list_notices_new_points() -> None:
     points = clouds()["random"].astype(np.float32)[:500]
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     tree.build(points)
     walk = walk_through(points, 1e-4)[:40]
     tree.walk(walk, 1.0, 16)
@@ -70,7 +70,7 @@ def test_a_list_notices_new_points() -> None:
 
 def test_points_at_rest_and_outside_are_served() -> None:
     points = clouds()["clusters"].astype(np.float32)[::10]
-    tree = _core._testing.KdTree()
+    tree = testing.KdTree()
     tree.build(points)
     walk = np.concatenate([np.repeat(points[:1], 5, 0), np.full((5, 3), 1e6, np.float32)])
     found, _ = tree.walk(walk, 0.5, 16)

@@ -5,10 +5,10 @@ import hashlib
 import numpy as np
 import pytest
 
+from core import testing
 from reference.every_isa import ISAS, printed_by
 from sampling.chi_square import p_value
 from viscache._core import PointSet
-from viscache._core._testing import ProductTree, reflection_at_nodes
 from viscache._core.sampling import eval_bsdf
 from viscache._core.vismap import EnvironmentPyramid, morton2, points
 from vismap.worlds import coarser, cosine_lobe, directions, luminance, morton, sky, surface
@@ -47,7 +47,9 @@ def test_sums_of_the_environment_are_those_of_numpy(edge: int) -> None:
 @pytest.mark.parametrize("name", SURFACES)
 @pytest.mark.parametrize("map_level", [4, 5, 6, 7])
 def test_probabilities_sum_to_one_at_every_level(name: str, map_level: int) -> None:
-    tree = ProductTree.of_surface(EnvironmentPyramid(sky(256, sun=1e6)), SURFACES[name], map_level)
+    tree = testing.ProductTree.of_surface(
+        EnvironmentPyramid(sky(256, sun=1e6)), SURFACES[name], map_level
+    )
     masses = tree.texel_masses()
     assert masses.sum() == pytest.approx(tree.total, rel=1e-12)
     for level in range(tree.dense_level + 1):
@@ -58,7 +60,7 @@ def test_probabilities_sum_to_one_at_every_level(name: str, map_level: int) -> N
 @pytest.mark.parametrize("name", SURFACES)
 def test_whatever_brings_light_can_be_drawn(name: str) -> None:
     light = sky(256, sun=1e6)
-    tree = ProductTree.of_surface(EnvironmentPyramid(light), SURFACES[name])
+    tree = testing.ProductTree.of_surface(EnvironmentPyramid(light), SURFACES[name])
     edge, sub = 256, 4
     fine = directions(edge * sub)
     cosine = np.maximum(fine @ np.asarray(surface_normal(name)), 0)
@@ -79,7 +81,7 @@ def surface_normal(name: str) -> tuple[float, float, float]:
 
 def test_the_floor_is_what_keeps_the_horizon_reachable() -> None:
     """Negative control: samples alone miss texels that a cosine reaches."""
-    tree = ProductTree.of_table(EnvironmentPyramid(sky(128)), horizon_table())
+    tree = testing.ProductTree.of_table(EnvironmentPyramid(sky(128)), horizon_table())
     b = luminance(horizon_table())
     b_tilde = luminance(tree.b_tilde())
     at_floor = (b > 0) & (b_tilde < 1.1e-3 * b_tilde.max())
@@ -99,7 +101,7 @@ def horizon_table() -> np.ndarray:
 @pytest.mark.parametrize("name", SURFACES)
 def test_reflection_sixteen_at_a_time_is_that_of_the_scene(name: str, level: int) -> None:
     for first in range(0, 4**level, 16 * 4 ** (level - 4) // 5 // 16 * 16 or 16):
-        d, b = reflection_at_nodes(SURFACES[name], level, first)
+        d, b = testing.reflection_at_nodes(SURFACES[name], level, first)
         cosine = np.maximum(d @ np.asarray(surface_normal(name)), 0)
         expected = eval_bsdf(SURFACES[name], d) * cosine[:, None]
         np.testing.assert_allclose(b, expected, rtol=2e-3, atol=1e-5)
@@ -107,7 +109,7 @@ def test_reflection_sixteen_at_a_time_is_that_of_the_scene(name: str, level: int
 
 @pytest.mark.parametrize("sun", [0.0, 1e4, 1e6])
 def test_samples_are_as_frequent_as_their_masses(sun: float) -> None:
-    tree = ProductTree.of_surface(EnvironmentPyramid(sky(128, sun=sun)), SURFACES["glossy"])
+    tree = testing.ProductTree.of_surface(EnvironmentPyramid(sky(128, sun=sun)), SURFACES["glossy"])
     n = 400_000
     texel, wi = tree.sample(points(PointSet.INDEPENDENT, n))
     counts = np.bincount(texel, minlength=128 * 128)
@@ -123,7 +125,9 @@ def test_samples_are_as_frequent_as_their_masses(sun: float) -> None:
 def test_the_warp_keeps_strata() -> None:
     """16 points of a (0, 2)-sequence fall into the four equal parts of the sphere evenly."""
     light = np.ones((128, 128, 3), np.float32)
-    tree = ProductTree.of_table(EnvironmentPyramid(light), np.ones((128, 128, 3), np.float32))
+    tree = testing.ProductTree.of_table(
+        EnvironmentPyramid(light), np.ones((128, 128, 3), np.float32)
+    )
     texel, _ = tree.sample(points(PointSet.ZERO_TWO, 16, seed=5))
     cells = (texel // 128 // 32) * 4 + texel % 128 // 32
     assert sorted(cells) == list(range(16))
@@ -143,12 +147,12 @@ def test_points_fill_their_strata() -> None:
 
 def test_nothing_is_drawn_in_the_dark() -> None:
     black = EnvironmentPyramid(np.zeros((128, 128, 3), np.float32))
-    tree = ProductTree.of_surface(black, SURFACES["diffuse"])
+    tree = testing.ProductTree.of_surface(black, SURFACES["diffuse"])
     assert tree.total == 0
     with pytest.raises(ValueError, match="total must be > 0"):
         tree.sample(np.zeros((1, 2)))
     light = EnvironmentPyramid(sky())
-    assert ProductTree.of_table(light, np.zeros((128, 128, 3), np.float32)).total == 0
+    assert testing.ProductTree.of_table(light, np.zeros((128, 128, 3), np.float32)).total == 0
 
 
 def test_bad_input_is_refused() -> None:
@@ -161,8 +165,8 @@ def test_bad_input_is_refused() -> None:
             EnvironmentPyramid(pixels)
     light = EnvironmentPyramid(sky())
     with pytest.raises(ValueError, match="map_level must be in"):
-        ProductTree.of_surface(light, SURFACES["diffuse"], 3)
-    tree = ProductTree.of_surface(light, SURFACES["diffuse"])
+        testing.ProductTree.of_surface(light, SURFACES["diffuse"], 3)
+    tree = testing.ProductTree.of_surface(light, SURFACES["diffuse"])
     with pytest.raises(ValueError, match=r"u must be in \[0, 1\)"):
         tree.sample(np.array([[0.5, 1.0]]))
 
@@ -172,7 +176,7 @@ def digest_of_trees() -> str:
     for m in (4, 5, 6):
         for glossy in (False, True):
             light = EnvironmentPyramid(sky(128, sun=1e5))
-            tree = ProductTree.of_surface(light, surface(glossy=glossy), m)
+            tree = testing.ProductTree.of_surface(light, surface(glossy=glossy), m)
             made.update(tree.texel_masses().tobytes())
             made.update(tree.sample(points(PointSet.ZERO_TWO, 500))[0].tobytes())
     return made.hexdigest()

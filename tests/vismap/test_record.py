@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from core import testing
 from reference import vismap_records as reference
 from viscache import _core
 
 vismap = _core.vismap
-_testing = _core._testing
 Array = npt.NDArray[Any]
 
 ISAS = ("portable", "avx2", "avx512")
@@ -45,8 +45,8 @@ def test_codes_of_all_cells_follow_the_papers_order() -> None:
     np.testing.assert_array_equal(codes, expected)
     assert codes[0, :8].tolist() == [0, 1, 4, 5, 16, 17, 20, 21]
     assert codes[1, :4].tolist() == [2, 3, 6, 7]
-    np.testing.assert_array_equal(_testing.gather2(codes), x)
-    np.testing.assert_array_equal(_testing.gather2(codes >> 1), y)
+    np.testing.assert_array_equal(testing.gather2(codes), x)
+    np.testing.assert_array_equal(testing.gather2(codes >> 1), y)
 
 
 def test_records_have_the_papers_size() -> None:
@@ -63,14 +63,14 @@ def test_every_node_says_what_its_cells_are(m: int, kind: str) -> None:
     bits = reference.packed(square)
     for level in range(m + 1):
         expected = reference.codes(square, level)
-        np.testing.assert_array_equal(_testing.node_codes(bits, m, level), expected)
+        np.testing.assert_array_equal(testing.node_codes(bits, m, level), expected)
 
 
 def test_the_hierarchy_starts_at_the_root() -> None:
     """Node z of level l has two bits at 2·((4^l − 1)/3 + z), as the estimate reads them."""
     square = maps(6)["random"]
     square[:32, :32] = True
-    words = _testing.hierarchy(reference.packed(square), 6)
+    words = testing.hierarchy(reference.packed(square), 6)
     assert words.dtype == np.uint64 and len(words) == 3
     stored = np.unpackbits(words.view(np.uint8), bitorder="little").reshape(-1, 2)
     codes = stored[:, 0] + 2 * stored[:, 1]
@@ -87,12 +87,12 @@ def test_difference_is_the_share_of_differing_cells(m: int, isa: str) -> None:
     flat = np.unpackbits(rows.view(np.uint8), axis=1)
     n = len(rows)
     i, j = (k.ravel() for k in np.meshgrid(np.arange(n), np.arange(n)))
-    delta = _testing.map_differences(rows[i], rows[j], m, isa=isa)
+    delta = testing.map_differences(rows[i], rows[j], m, isa=isa)
     np.testing.assert_array_equal(delta, (flat[i] != flat[j]).mean(axis=1, dtype=np.float32))
     table = delta.reshape(n, n)
     assert not np.diag(table).any()
     np.testing.assert_array_equal(table, table.T)
-    assert (_testing.map_differences(rows, ~rows, m, isa=isa) == 1).all()
+    assert (testing.map_differences(rows, ~rows, m, isa=isa) == 1).all()
     assert (table[:, :, None] <= table[:, None, :] + table.T[None, :, :]).all()
 
 
@@ -100,16 +100,16 @@ def test_difference_is_the_share_of_differing_cells(m: int, isa: str) -> None:
 def test_every_cell_counts_once_in_the_difference(isa: str) -> None:
     one = np.eye(4096, dtype=bool)
     rows = np.packbits(one, axis=1, bitorder="little").view(np.uint64)
-    delta = _testing.map_differences(rows, np.zeros_like(rows), 6, isa=isa)
+    delta = testing.map_differences(rows, np.zeros_like(rows), 6, isa=isa)
     assert (delta * 4096 == 1).all()
 
 
 def test_maps_of_other_sizes_are_refused() -> None:
     good, bad = np.zeros((2, 16), np.uint64), np.zeros((2, 15), np.uint64)
     with pytest.raises(ValueError, match=r"b must have shape \(N, 16\), got \(2, 15\)"):
-        _testing.map_differences(good, bad, 5)
+        testing.map_differences(good, bad, 5)
     with pytest.raises(ValueError, match="isa must be portable, avx2 or avx512"):
-        _testing.map_differences(good, good, 5, isa="mmx")
+        testing.map_differences(good, good, 5, isa="mmx")
     with pytest.raises(ValueError, match=r"bits must have shape \(16,\), got \(4,\)"):
         vismap.dilated(np.zeros(4, np.uint64), 5, 1)
     with pytest.raises(ValueError, match=r"level must be in \[1, 2\], got 3"):
@@ -198,10 +198,10 @@ def cell_of(directions: Array, edge: int) -> Array:
 
 @pytest.mark.parametrize("m", [4, 5, 6])
 def test_the_pattern_has_one_direction_in_every_cell_in_order(m: int) -> None:
-    pattern = _testing.record_pattern(m, 3)
+    pattern = testing.record_pattern(m, 3)
     np.testing.assert_array_equal(cell_of(pattern, 1 << m), np.arange(4**m))
-    np.testing.assert_array_equal(pattern, _testing.record_pattern(m, 3))
-    assert (pattern != _testing.record_pattern(m, 4)).any()
+    np.testing.assert_array_equal(pattern, testing.record_pattern(m, 3))
+    assert (pattern != testing.record_pattern(m, 4)).any()
     # Lloyd's iteration spreads them: neighbours nearer than a third of a cell are gone
     apart = np.sort(np.clip(pattern @ pattern.T, -1, 1), axis=1)[:, -2]
     assert np.degrees(np.arccos(apart.max())) > np.degrees(np.sqrt(4 * np.pi) / 2**m) / 3

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from correlation.scenes import above, unpacked
 from render.mitsuba_scene import Model, box, quad
 from viscache import _core
@@ -112,8 +113,8 @@ def test_records_go_above_the_share_and_only_after_enough_rays(eps_max: float) -
 
 
 def test_the_interval_spares_records_the_share_alone_would_remove() -> None:
-    assert _core._testing.wilson_lower(10, 100) == pytest.approx(0.05523, abs=1e-5)
-    assert _core._testing.wilson_lower(0, 100) == 0 == _core._testing.wilson_lower(0, 0)
+    assert testing.wilson_lower(10, 100) == pytest.approx(0.05523, abs=1e-5)
+    assert testing.wilson_lower(0, 100) == 0 == testing.wilson_lower(0, 0)
     for removal, gone in (("rate", 2), ("wilson", 1), ("none", 0)):
         cache, _ = made(removal=removal, n_startup=8, delta_max=1.0, w_min=0.0)
         misses = np.zeros(len(cache), np.uint32)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from core import testing
 from reference.vlf_aligned import excused, origins
 from viscache import _core
 
@@ -62,12 +63,12 @@ def unexcused(
     differing = np.argwhere(a != b)
     if not len(differing):
         return 0, 0
-    flat = _core._testing.flat_triangles(scene._core)
+    flat = testing.flat_triangles(scene._core)
     triangles, o = flat["corners"], origins(scene, points, normals)
     size = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0))) / 2
 
     def masks(numbers: Array, uv: Array) -> Array:
-        return _core._testing.solid_at(
+        return testing.solid_at(
             scene._core, flat["mesh"][numbers], flat["triangle"][numbers], uv.astype(np.float32)
         )
 

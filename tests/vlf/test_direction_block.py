@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from core import testing
 from correlation.scenes import above, clutter, masked, unpacked
 from reference.vlf_aligned import corners, excused, origins
 from viscache import _core
@@ -46,7 +47,7 @@ def by_embree(scene: vc.Scene, points: Array, normals: Array, directions: Array,
 @pytest.mark.parametrize("map_size", [1, 7, 24, 96])
 def test_every_direction_has_one_axis_and_opposites_share_theirs(kind: Any, map_size: int) -> None:
     sky = vc.correlation.DirectionSet(map_size=map_size, kind=kind).directions
-    axes = _core._testing.shared_axes(sky)
+    axes = testing.shared_axes(sky)
     paired = axes[:, 1] >= 0
     used = np.concatenate([axes[:, 0], axes[paired, 1]])
     np.testing.assert_array_equal(np.sort(used), np.arange(len(sky)))
@@ -58,7 +59,7 @@ def test_every_direction_has_one_axis_and_opposites_share_theirs(kind: Any, map_
 
 def test_the_nearest_is_not_taken_for_the_opposite() -> None:
     d = np.float32([[1, 0, 0], [1, 0, 0], [-1, 1e-5, 0], [0, 0, -1], [-1, 1e-7, 0], [-1, 0, 0]])
-    np.testing.assert_array_equal(_core._testing.shared_axes(d), [[0, 4], [1, 5], [2, -1], [3, -1]])
+    np.testing.assert_array_equal(testing.shared_axes(d), [[0, 4], [1, 5], [2, -1], [3, -1]])
 
 
 SCENES = ["bumpy_spheres?triangles=3000", "random_triangles?triangles=3000", "room?triangles=8000"]
@@ -116,7 +117,7 @@ def test_a_point_that_asks_both_of_two_opposites_gets_both() -> None:
     """Where opposites cancel but for the last digit, both may lie above a plane."""
     scene = clutter(n=400)
     sky = vc.correlation.DirectionSet(map_size=96).directions
-    axes = _core._testing.shared_axes(sky)
+    axes = testing.shared_axes(sky)
     rest = sky[axes[:, 0]] + sky[axes[:, 1]]
     pairs = axes[(rest != 0).any(1)][::60]
     r = np.random.default_rng(0)

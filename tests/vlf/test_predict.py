@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from core import testing
 from viscache import _core
 from vlf.field_rays import soup
 
@@ -144,7 +145,7 @@ def test_a_time_budget_chooses_a_field_that_is_built_sooner() -> None:
     for seconds in (0.02, 0.2, 2.0):
         settings = vc.Vlf(n_directions="auto", n_tiles="auto", max_build_s=seconds)
         f = vc.VisibilityField(scene, "auto", "auto", "auto", settings=settings)
-        assert _core._testing.expected_build_s(scene._core, f._core.settings) <= seconds
+        assert testing.expected_build_s(scene._core, f._core.settings) <= seconds
         sizes.append(f.stats["bytes"])
     assert sizes[0] < 0.5 * sizes[1] < 0.25 * sizes[2]
 
@@ -154,5 +155,5 @@ def test_the_rule_for_build_time_counts_references_and_tiles() -> None:
     for n in (16, 128):
         settings = vc.Vlf(n_directions=129, n_tiles=n, bsp_depth=3).core()
         references = _core.vlf.expected_references(scene._core, n)
-        seconds = _core._testing.expected_build_s(scene._core, settings)
+        seconds = testing.expected_build_s(scene._core, settings)
         assert seconds == pytest.approx(129 * (75e-9 * references + 27e-9 * n * n))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from core import testing
 from viscache import _core
 
 depth = st.floats(-1.25, 1.25, width=32, allow_subnormal=False)
@@ -76,12 +77,12 @@ def test_walks_end_where_the_ray_hardly_goes_deeper() -> None:
 @pytest.mark.parametrize("target", [1, 4, 10])
 def test_the_depth_of_a_tile_leaves_at_most_the_target(target: int) -> None:
     for count in range(200):
-        d = _core._testing.tile_depth(count, 12, target)
+        d = testing.tile_depth(count, 12, target)
         assert count <= target << d
         assert d == 0 or count > target << (d - 1)
         assert d == max(0, int(np.ceil(np.log2(max(count, 1) / target))))
-        assert _core._testing.tile_depth(count, 2, target) == min(d, 2)
+        assert testing.tile_depth(count, 2, target) == min(d, 2)
 
 
 def test_without_a_target_all_tiles_have_the_full_depth() -> None:
-    assert [_core._testing.tile_depth(c, 5, 0) for c in (0, 1, 100)] == [0, 5, 5]
+    assert [testing.tile_depth(c, 5, 0) for c in (0, 1, 100)] == [0, 5, 5]

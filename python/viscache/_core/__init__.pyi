@@ -8,7 +8,6 @@ import enum
 import numpy
 import numpy.typing
 import typing
-from . import _testing
 from . import aqvc
 from . import correlation
 from . import sampling

@@ -10,7 +10,6 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
@@ -87,6 +86,8 @@ def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.floa
     k is 8, or less if there are fewer points. A point without neighbours has density 0, which gives
     the coarsest cells. If k points coincide, they get the largest finite density of the set.
     """
+    from scipy.spatial import cKDTree
+
     k = min(NEIGHBOURS, len(positions) - 1)
     if k < 1:
         return np.zeros(len(positions), dtype=np.float32)

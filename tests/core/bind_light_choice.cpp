@@ -1,4 +1,4 @@
-// The choice among area lights and the picks of shared lights, for tests.
+// The choice among area lights and the picks of shared lights.
 
 #include <tuple>
 
@@ -105,8 +105,7 @@ py::array_t<float> picked(const FloatArray& contributions, size_t most, const Do
 
 }  // namespace
 
-void bind_light_choice(py::module_& m) {
-    py::module_ t = m.def_submodule("_testing");
+void bind_light_choice(py::module_& t) {
     t.def("choose_light", &choose, py::arg("scene"), py::arg("way"), py::arg("positions"), py::arg("normals"),
           py::arg("u"),
           "Lights (N, K) chosen at points with shading normals by numbers u (N, K), and their probabilities. "

@@ -1,6 +1,4 @@
-// The quantized cache over given eye points and lights without a renderer, for tests.
-#include <pybind11/pybind11.h>
-
+// The quantized cache over given eye points and lights without a renderer.
 #include <numeric>
 
 #include "analytic_caster.h"
@@ -82,8 +80,8 @@ py::dict counters_dict(const Counters& c) {
 /// A cache over one tile. Every call asks about this tile.
 class TileRun {
 public:
-    TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p,
-            std::array<float, 3> center, float radius, float extent, int spp)
+    TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p, Float3 center,
+            float radius, float extent, int spp)
         : caster_(caster),
           extent_(extent),
           eyes_(eye_block(eyes, extent)),
@@ -91,8 +89,7 @@ public:
                  radius, extent, spp) {
         cache_.begin_tile(eyes_);
     }
-    py::tuple block(const py::dict& lights,
-                    const py::array_t<bool, py::array::c_style | py::array::forcecast>& wanted, bool exact,
+    py::tuple block(const py::dict& lights, const BoolArray& wanted, bool exact,
                     const std::optional<FloatArray>& contribution) {
         const FarEnds far = far_ends(lights, extent_);
         if (wanted.ndim() != 2 || size_t(wanted.shape(0)) != eyes_.size() ||
@@ -215,8 +212,8 @@ void bind_aqvc_run(py::module_& t) {
     py::class_<AnalyticCaster>(t, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
         .def(py::init(&analytic_caster), py::arg("boxes"), py::arg("spheres"));
     py::class_<TileRun>(t, "TileRun", "The quantized cache over one tile of given eye points.")
-        .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, std::array<float, 3>,
-                      float, float, int>(),
+        .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, Float3, float, float,
+                      int>(),
              py::arg("caster"), py::arg("eyes"), py::arg("parameters"), py::kw_only(), py::arg("center"),
              py::arg("radius"), py::arg("extent"), py::arg("spp") = 1)
         .def("block", &TileRun::block, py::arg("lights"), py::arg("wanted"), py::kw_only(),

@@ -1,11 +1,12 @@
-// Batched kernels of reflection, directions and places in images, each with a chosen instruction set; for
-// tests.
+// BSDFs for rows of arrays; batched kernels of reflection, directions and places in images, each with a
+// chosen instruction set.
 
 #include "isa_argument.h"
 #include "real_numbers.h"
 #include "rows.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/sampling/sphere_batch.h"
+#include "viscache/scene/bsdf.h"
 #include "viscache/scene/latlong_batch.h"
 #include "viscache/scene/lobes.h"
 
@@ -73,8 +74,8 @@ py::tuple bilinear(const FloatArray& u, const FloatArray& v, int width, int heig
     return py::make_tuple(pixels, shares);
 }
 
-py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int semantic,
-                     const FloatArray& far, const FloatArray& normal, const FloatArray& value, float bound2,
+py::tuple glossy_sum(const ShadingPoint& sp, Float3 position, int semantic, const FloatArray& far,
+                     const FloatArray& normal, const FloatArray& value, float bound2,
                      const std::vector<bool>& seen, const IsaName& isa) {
     const auto y = vec3s(far, "far"), m = vec3s(normal, "normal"), v = vec3s(value, "value");
     SharedLights lights;
@@ -89,10 +90,36 @@ py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int 
     return py::make_tuple(sum.x, sum.y, sum.z);
 }
 
+void bind_bsdf(py::module_& t) {
+    t.def(
+        "diffuse_albedo", [](const ShadingPoint& sp) { return array3(diffuse_albedo(sp)); }, py::arg("sp"),
+        "Albedo of the diffuse part for light from wo.");
+    t.def(
+        "pdf_bsdf",
+        [](const ShadingPoint& sp, const FloatArray& wi) {
+            return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });
+        },
+        py::arg("sp"), py::arg("wi"), "Density of `sample_bsdf` per solid angle, (N,).");
+    t.def(
+        "sample_bsdf",
+        [](const ShadingPoint& sp, const FloatArray& u) {
+            std::vector<Vec3> wi, weight;
+            const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
+                const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
+                wi.push_back(sample ? sample->wi : Vec3{});
+                weight.push_back(sample ? sample->weight : Rgb{});
+                return sample ? sample->pdf : 0.f;
+            });
+            return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);
+        },
+        py::arg("sp"), py::arg("u"),
+        "Directions (N, 3), weights f·cos/pdf (N, 3) and densities (N,) for u (N, 3); density 0: no sample.");
+}
+
 }  // namespace
 
-void bind_lobes(py::module_& m) {
-    py::module_ t = m.def_submodule("_testing");
+void bind_reflection(py::module_& t) {
+    bind_bsdf(t);
     t.def("reflect_directions", &reflected, py::arg("sp"), py::arg("wi"), py::kw_only(),
           py::arg("isa") = py::none(), "f·cos (N, 3) and densities of `sample_bsdf` (N,).");
     t.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),

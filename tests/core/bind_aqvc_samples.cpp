@@ -1,19 +1,14 @@
-// Light cells of samples, for tests.
-#include <pybind11/pybind11.h>
-
-#include "arrays.h"
+// Light cells of samples, and the octahedral map of many directions.
+#include "aqvc_keys.h"
 #include "isa_argument.h"
-#include "real_numbers.h"
 #include "viscache/aqvc/light_cells.h"
 #include "viscache/aqvc/octahedral_batch.h"
 
 namespace viscache::bindings {
 namespace {
 
-using namespace py::literals;
-
 /// Column of every sample, given as for `TileRun.samples`. -1: no key; -2: no free column.
-py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, double radius, int semantic,
+py::tuple light_cells(const AqvcParameters& p, Float3 center, double radius, int semantic,
                       const FloatArray& far, const FloatArray& normal, const std::vector<float>& density,
                       uint32_t limit) {
     const auto y = vec3s(far, "far"), n = vec3s(normal, "normal");
@@ -32,8 +27,7 @@ py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, doub
     ClampCounts clamps;
     std::vector<uint32_t> column;
     cells.number(s, grid, p, column, clamps);
-    return py::make_tuple(std::vector<int32_t>(column.begin(), column.end()),
-                          py::dict("low"_a = clamps.low, "high"_a = clamps.high, "nan"_a = clamps.nan));
+    return py::make_tuple(std::vector<int32_t>(column.begin(), column.end()), clamps_dict(clamps));
 }
 
 py::tuple octahedral(const FloatArray& w, const std::optional<std::string>& isa) {

@@ -1,4 +1,4 @@
-// The triangles of a scene as one list, and intersections of single rays with single triangles; for tests.
+// The triangles of a scene as one list, and intersections of single rays with single triangles.
 #include "arrays.h"
 #include "bind_rows.h"
 #include "gil.h"
@@ -91,8 +91,7 @@ py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const Num
 
 }  // namespace
 
-void bind_triangles(py::module_& m) {
-    py::module_ t = m.def_submodule("_testing");
+void bind_triangles(py::module_& t) {
     t.def("flat_triangles", &flat_dict, py::arg("scene"),
           "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "
           "degenerate ones, left out.");

@@ -1,4 +1,4 @@
-// Batches, orders and ways of rays in arrays, for tests.
+// Batches, orders and ways of rays in arrays.
 
 #include "caster_queries.h"
 #include "isa_argument.h"
@@ -67,8 +67,7 @@ bool by_light(const py::array_t<bool, py::array::c_style>& wanted) {
 
 }  // namespace
 
-void bind_ray_batches(py::module_& m) {
-    py::module_ t = m.attr("_testing");
+void bind_ray_batches(py::module_& t) {
     t.def("packed_rays", &packed, py::arg("origins"), py::arg("directions"), py::arg("t_max"), py::kw_only(),
           py::arg("order") = py::none(), py::arg("isa") = py::none(),
           "Lanes and masks of up to 256 rays as Embree gets them; None if one of them must not be traced.");

@@ -12,8 +12,6 @@ namespace viscache::bindings {
 
 namespace {
 
-using Float3 = std::array<float, 3>;
-
 template <class F>
 void def_warp(py::module_& s, const char* name, F f, const char* doc) {
     s.def(name, [f](const FloatArray& u) { return map_rows<Vec2>(u, "u", f); }, py::arg("u"), doc);
@@ -136,8 +134,7 @@ void bind_microfacets(py::module_& t) {
 
 }  // namespace
 
-void bind_warp(py::module_& m) {
-    py::module_ t = m.def_submodule("_testing");
+void bind_warp(py::module_& t) {
     bind_shapes(t);
     bind_microfacets(t);
 }
