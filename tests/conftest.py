@@ -19,6 +19,16 @@ def shared_scenes() -> Path:
     return folder
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Workers share the cores: frames use the threads of their worker, as in any process."""
+    worker = getattr(config, "workerinput", None)
+    if worker is None:
+        return
+    count, own = worker["workercount"], int(worker["workerid"].removeprefix("gw"))
+    cores = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, cores[own % len(cores) :: max(count, 1)])
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("fuzzing")
     group.addoption("--fuzz-seconds", type=float, default=20, help="of each target; default: 20")

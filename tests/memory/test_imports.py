@@ -58,3 +58,12 @@ def test_two_of_them_work_in_any_order(other: str) -> None:
         pytest.skip(f"{other} is not installed")
     run(("viscache", other))
     run((other, "viscache"))
+
+
+def test_what_few_calls_need_is_loaded_by_these() -> None:
+    """`import viscache` stays quick: scipy would double its time."""
+    code = "import sys, viscache; print(*{name.partition('.')[0] for name in sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    late = {"scipy", "xarray", "matplotlib", "skimage", "h5py", "h5netcdf", "pandas", "PIL"}
+    assert "numpy" in done.stdout.split()
+    assert late.isdisjoint(done.stdout.split())

@@ -1,6 +1,8 @@
 #pragma once
 // Parallel loops. Threads take chunks from a shared counter, so results must not depend on which thread ran
 // a chunk.
+#include <sched.h>
+
 #include <atomic>
 #include <cstddef>
 #include <exception>
@@ -26,7 +28,13 @@ struct Control {
     }
 };
 
-inline int hardware_threads() { return std::max(1u, std::thread::hardware_concurrency()); }
+/// The cores that this process may use, as Python's os.sched_getaffinity counts them.
+inline int hardware_threads() {
+    cpu_set_t cores;
+    const bool known = sched_getaffinity(0, sizeof cores, &cores) == 0;
+    return std::max(1, known ? CPU_COUNT(&cores) : int(std::thread::hardware_concurrency()));
+}
+
 /// Number of threads to use: `wish`, or all hardware threads when `wish` is 0 or less.
 inline int resolve_threads(int wish) { return wish > 0 ? wish : hardware_threads(); }
 
