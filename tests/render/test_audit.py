@@ -217,10 +217,13 @@ def test_intervals_of_whole_pixels_hold_as_often_as_they_say() -> None:
 
 def test_intervals_of_queries_hold_and_rel_l1_from_queries_does_not(room: vc.Scene) -> None:
     size, seeds = (64, 48), 120
+    places = np.random.default_rng(2).uniform(*room.bounds, (24, 3))
+    down = np.broadcast_to([0.0, -1, 0], places.shape)
+    lights = vc.Whitted(vpls=vc.Vpls(places, down, np.full(24, 0.1)), n_area=4)
     held = {"bias": 0, "wrong": 0}
     for seed in range(seeds):
         found = [
-            vc.render(room, LIGHTS, visibility=CACHE, size=size, seed=seed, audit=audit).audit
+            vc.render(room, lights, visibility=CACHE, size=size, seed=seed, audit=audit).audit
             for audit in (vc.AuditQueries(share=0.05), ALL)
         ]
         for name in held:

@@ -12,7 +12,7 @@ import pytest
 PROGRAM = """
 import sys, threading, time
 sys.path.insert(0, {tests!r})
-from render.test_interrupt import busy_scene
+from render.busy import busy_scene
 import viscache as vc
 
 class Slow:
@@ -68,7 +68,6 @@ def run(
 @pytest.mark.parametrize(
     ("body", "n"),
     [
-        pytest.param(RENDER, 1, id="a frame"),
         pytest.param(RENDER, 3, id="three frames"),
         pytest.param(PROGRESS, 1, id="a frame with progress"),
         pytest.param(ORACLE, 2, id="an oracle written in Python"),
@@ -126,7 +125,7 @@ atexit.register(forked)
 
 
 def test_a_thread_that_is_no_daemon_ends_its_frame_first() -> None:
-    body = "begun.set(); print(vc.render(scene, vc.Direct(n_area=16), size=(512, 512)).image.shape)"
+    body = "begun.set(); print(vc.render(scene, vc.Direct(n_area=64), size=(128, 128), threads=1).image.shape)"
     program = PROGRAM.replace("daemon=True", "daemon=False")
     tests = str(Path(__file__).parents[1])
     ended = subprocess.run(
@@ -137,4 +136,4 @@ def test_a_thread_that_is_no_daemon_ends_its_frame_first() -> None:
         check=False,
     )
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert ended.stdout.splitlines()[-1] == "(512, 512, 3)"
+    assert ended.stdout.splitlines()[-1] == "(128, 128, 3)"

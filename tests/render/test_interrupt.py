@@ -14,13 +14,13 @@ from pathlib import Path
 import pytest
 
 import viscache as vc
-from render.mitsuba_scene import Model, ball, box, quad
+from render.busy import busy_scene
 
 PROGRAM = """
 import os, signal, sys, threading, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 sys.path.insert(0, {tests!r})
-from render.test_interrupt import busy_scene
+from render.busy import busy_scene
 import viscache as vc
 
 SIZE = (2048, 2048)
@@ -49,15 +49,6 @@ took = [attempt() for _ in range(3)]
 assert vc.render(scene, vc.Direct(), size=(8, 8)).sha256 == small, "the state is not clean"
 print(min(took))
 """
-
-
-def busy_scene() -> vc.Scene:
-    parts = (
-        box((-3, 0, -3), (3, 3, 3)).reversed(),
-        *(ball((x, y, z), 0.3, 24) for x in (-1, 0, 1) for y in (0.5, 1.5) for z in (-1, 0)),
-        quad((-1, 2.9, -1), (2, 0, 0), (0, 0, 2), emission=(5, 5, 5)),
-    )
-    return Model(parts, env=(0.5, 0.5, 0.5), origin=(0, 1.5, 2.8)).to_viscache()
 
 
 LIMIT = 0.5  # seconds from Ctrl-C to KeyboardInterrupt

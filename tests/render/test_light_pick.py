@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -149,13 +150,14 @@ def test_a_frame_of_picks_has_the_mean_of_the_exact_frame(make: Any, scene: vc.S
 
 def test_weights_of_a_uniform_choice_are_found_wrong(scene: vc.Scene) -> None:
     """The same picks with weight M/n each: the blocks of the picture tell."""
-    exact, good, wrong = [], [], []
-    for seed in range(16):
+    exact, wrong = [], []
+    for seed in range(6):
         options: dict[str, Any] = {"size": (64, 64), "seed": seed}
         all_lights = vc.connections(scene, direct(0), **options)
         picks = vc.connections(scene, direct(3), **options)
         answers: dict[str, Any] = picks.answers(vc.Exact())
-        good.append(picks.frame(answers).image)
+        same = vc.render(scene, direct(3), **options)
+        assert picks.frame(answers).sha256 == same.sha256  # whose mean is right
         exact.append(vc.render(scene, direct(0), **options).image)
         for group, ends in picks.groups.items():
             lights = len(ends)
@@ -166,10 +168,8 @@ def test_weights_of_a_uniform_choice_are_found_wrong(scene: vc.Scene) -> None:
             other = np.where(wanted > 3, wanted / 3 / weight, 1)
             answers[group] = (unpack(answers[group].bits, lights), other)
         wrong.append(picks.frame(answers).image)
-    a, b, c = (np.stack(x).astype(np.float64) for x in (exact, good, wrong))
-    assert_unbiased(b, a, energy=0.02, paired=True)
     with pytest.raises(AssertionError, match="the frames are biased"):
-        assert_unbiased(c, a, paired=True)
+        assert_unbiased(wrong, exact, paired=True)
 
 
 @pytest.mark.parametrize("make", [direct, whitted])
@@ -187,7 +187,7 @@ def test_as_many_picks_as_lights_give_the_same_bytes(make: Any, scene: vc.Scene)
 
 
 def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -> None:
-    options: dict[str, Any] = {"size": (100, 70), "spp": 16, "seed": 3}
+    options: dict[str, Any] = {"size": (70, 66), "spp": 16, "seed": 3}
     frames = [vc.render(scene, whitted(4), threads=n, **options) for n in (1, 2, 5)]
     assert len({f.sha256 for f in frames}) == 1
     assert len({str(f.counters["groups"]) for f in frames}) == 1
@@ -196,6 +196,7 @@ def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -
     assert vc.render(scene, whitted(4), **{**options, "seed": 4}).sha256 != frames[0].sha256
 
 
+@cache
 def digest() -> str:
     made = vc.render(lamps(14).to_viscache(), whitted(4), size=(40, 30), spp=4)
     return f"{made.sha256} {made.counters['groups']}"
@@ -251,10 +252,10 @@ def test_connections_have_the_picks(scene: vc.Scene) -> None:
 
 def test_the_audit_of_a_cache_counts_the_picks(scene: vc.Scene) -> None:
     """Audited pixels stand for the difference to the exact frame of the same picks."""
-    options: dict[str, Any] = {"size": (256, 256)}
+    options: dict[str, Any] = {"size": (128, 128)}
     cache = vc.Aqvc(c_e=24, exact_groups=())
     cached = vc.render(
-        scene, direct(2), visibility=cache, audit=vc.AuditPixels(n=1 << 16), **options
+        scene, direct(2), visibility=cache, audit=vc.AuditPixels(n=1 << 14), **options
     )
     exact = vc.render(scene, direct(2), **options)
     surfaces = exact.image - exact.layers["emitted"]

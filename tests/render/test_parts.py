@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,11 @@ SIZE: dict[str, Any] = {"size": (140, 70), "spp": 16, "seed": 3}
 @pytest.fixture(scope="module")
 def scene() -> vc.Scene:
     return vc.scenes.build(SCENE)
+
+
+@cache
+def in_one_piece(scene: vc.Scene, integrator: Any, visibility: Any) -> vc.Frame:
+    return vc.render(scene, integrator, visibility=visibility, **SIZE)
 
 
 def assert_same(a: vc.Frame, b: vc.Frame) -> None:
@@ -44,7 +50,7 @@ def test_any_number_of_parts_gives_the_same_bytes(
     scene: vc.Scene, visibility: Any, parts: int
 ) -> None:
     whitted = vc.Whitted(n_vpls=8, vpl_candidates=2)
-    whole = vc.render(scene, whitted, visibility=visibility, **SIZE)
+    whole = in_one_piece(scene, whitted, visibility)
     found = tiles.render(scene, whitted, visibility=visibility, parts=parts, **SIZE)
     assert_same(whole, found)
     assert whole.counters["light_rays"] > 0
@@ -70,7 +76,7 @@ def test_parts_join_where_only_some_processes_have_the_tree_of_shafts() -> None:
 def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
     import multiprocessing
 
-    ao = vc.AmbientOcclusion(n_samples=8, max_distance=None)
+    ao = vc.AmbientOcclusion(n_samples=2, max_distance=None)
     whole = vc.render(vc.scenes.build(SCENE), ao, **SIZE)
     with ThreadPoolExecutor(3) as pool:
         assert_same(whole, tiles.render(SCENE, ao, executor=pool, parts=7, **SIZE))
