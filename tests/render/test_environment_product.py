@@ -45,6 +45,12 @@ def images(n: int, layer: str, *args: Any, seed: int = 0, **kwargs: Any) -> Imag
     return np.stack([f.layers[layer] for f in frames]).astype(np.float64)
 
 
+@pytest.fixture(scope="module")
+def usual(scene: vc.Scene) -> Images:
+    """By product sampling without maps."""
+    return images(40, "environment", scene, direct(), seed=500)
+
+
 MAPS = [
     {"alpha": "one", "sampling": "product"},
     {"alpha": 0.4, "sampling": "guided"},
@@ -69,8 +75,7 @@ def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("maps", MAPS, ids=lambda m: f"{m['alpha']}-{m['sampling']}")
-def test_maps_do_not_change_the_mean(scene: vc.Scene, maps: dict[str, Any]) -> None:
-    usual = images(40, "environment", scene, direct(), seed=500)
+def test_maps_do_not_change_the_mean(scene: vc.Scene, usual: Images, maps: dict[str, Any]) -> None:
     ours = images(
         40, "environment", scene, direct(passes=2), visibility=vc.VisMaps(n_startup=60, **maps)
     )
@@ -81,13 +86,12 @@ def test_maps_do_not_change_the_mean(scene: vc.Scene, maps: dict[str, Any]) -> N
 
 @pytest.mark.stat
 @pytest.mark.parametrize("kind", ["random", "full", "empty"])
-def test_whatever_the_maps_hold_the_mean_stays(scene: vc.Scene, kind: str) -> None:
+def test_whatever_the_maps_hold_the_mean_stays(scene: vc.Scene, usual: Images, kind: str) -> None:
     maps = {
         "random": np.random.default_rng(3).random((3, 32, 32)) < 0.3,
         "full": np.ones((3, 32, 32), bool),
         "empty": np.zeros((3, 32, 32), bool),
     }[kind]
-    usual = images(40, "environment", scene, direct(), seed=500)
     ours = np.stack([given_maps(scene, maps, seed) for seed in range(40)]).astype(np.float64)
     result = compare(ours, usual)
     assert result.same, str(result)

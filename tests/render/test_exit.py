@@ -125,7 +125,8 @@ atexit.register(forked)
 
 
 def test_a_thread_that_is_no_daemon_ends_its_frame_first() -> None:
-    body = "begun.set(); print(vc.render(scene, vc.Direct(n_area=64), size=(128, 128), threads=1).image.shape)"
+    frame = "vc.render(scene, vc.Direct(n_area=64), size=(128, 128), threads=1)"
+    body = f"begun.set(); print({frame}.image.shape)"
     program = PROGRAM.replace("daemon=True", "daemon=False")
     tests = str(Path(__file__).parents[1])
     ended = subprocess.run(

@@ -167,7 +167,7 @@ def test_other_python_threads_run_while_rendering() -> None:
 
     counter = threading.Thread(target=count)
     counter.start()
-    frame = vc.render(scene, vc.Direct(n_area=16), size=(128, 128), spp=16)
+    frame = vc.render(scene, vc.Direct(n_area=16), size=(128, 128), spp=8)
     stop.set()
     counter.join()
     # One tick takes 10 ms; a held lock would let none through

@@ -189,7 +189,10 @@ LITTLE_ROOM: dict[str, Any] = {"size": (256, 160), "max_bytes": 1 << 20}
 def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
     """What is saved is the share of the rows that have room."""
     cache = {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",)), "use": "replace"}
-    small, whole = picture(room, **LITTLE_ROOM, **cache), picture(room, size=LITTLE_ROOM["size"], **cache)
+    small, whole = (
+        picture(room, **LITTLE_ROOM, **cache),
+        picture(room, size=LITTLE_ROOM["size"], **cache),
+    )
     saved = []
     for p in (small, whole):
         first = p.passes(1).counters["rays"]
@@ -251,7 +254,9 @@ def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room: vc
     exact = alone(picture(room, visibility="exact", **options))
     cache = {"visibility": vc.Aqvc(c_e=24)}
     corrected = picture(room, **cache, **options)
-    assert vc.testing.assert_unbiased(alone(corrected), exact, energy=0.005, paired=True).blocks == 6
+    assert (
+        vc.testing.assert_unbiased(alone(corrected), exact, energy=0.005, paired=True).blocks == 6
+    )
     assert corrected._sums.shares is not None
     with pytest.raises(AssertionError, match="the frames are biased"):
         vc.testing.assert_unbiased(
