@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,3 +28,10 @@ def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     fake.STOP.clear()
     yield fake
     fake.STOP.clear()
+
+
+@pytest.fixture
+def without_netcdf(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sweeps write no `table.nc`, which takes longer than all else of a small one."""
+    module = importlib.import_module("viscache.sweeps.sweep")
+    monkeypatch.setattr(module, "write_netcdf", lambda *_: None)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +19,21 @@ from viscache.array_digests import layer_digests
 from viscache.correlation import work_store
 from viscache.sweeps.store import DamagedPictureError, Store
 
+pytestmark = pytest.mark.usefixtures("without_netcdf")
 METHOD = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
 
 
 def swept(folder: Path, **more: Any) -> Any:
     given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (8, 8), "metrics": ["rel_l1"]}
     return vc.sweep("cube_on_plane", METHOD, directory=folder, **(given | more))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished sweep, to be copied."""
+    folder = tmp_path_factory.mktemp("finished")
+    swept(folder)
+    return folder
 
 
 def picture(folder: Path, of: str) -> Path:
@@ -76,9 +88,9 @@ def content(path: Path) -> dict[str, str]:
 )
 @pytest.mark.parametrize("of", ['"Exact"', '"Aqvc"'])
 def test_a_picture_that_is_not_the_stored_one_is_rendered_again(
-    tmp_path: Path, damage: Any, of: str
+    finished: Path, tmp_path: Path, damage: Any, of: str
 ) -> None:
-    before = swept(tmp_path)
+    before = swept(shutil.copytree(finished, tmp_path, dirs_exist_ok=True))
     target = picture(tmp_path, of)
     good = content(target)
     damage(target)
@@ -145,9 +157,9 @@ def damaged(data: bytes, start: int, step: int) -> bytes:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_damaged_database_is_one_line_with_its_name(
-    tmp_path: Path, seed: int, capsys: pytest.CaptureFixture[str]
+    finished: Path, tmp_path: Path, seed: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    swept(tmp_path)
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
     path = tmp_path / "sweep.sqlite"
     with closing(sqlite3.connect(path)) as db, db:
         db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
@@ -248,15 +260,24 @@ def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path, damage: str)
 
 
 def test_a_damaged_dataset_is_a_value_error_with_its_name(tmp_path: Path) -> None:
+    """Bytes here and there, and single ones of a file with few variables, which loads sooner."""
     path = tmp_path / "d.nc"
-    vc.correlation.save_dataset(correlation(tmp_path / "store"), path)
-    good = path.read_bytes()
-    refused = 0
-    for at in range(100, min(len(good), 12_000), 197):
-        path.write_bytes(good[:at] + bytes([good[at] ^ 0xFF]) + good[at + 1 :])
-        try:
-            vc.correlation.load_dataset(path)
-        except ValueError as error:
-            refused += 1
-            assert "d.nc" in str(error)
-    assert refused > 3
+    whole = correlation(tmp_path / "store")
+
+    def refused(damages: list[Callable[[bytes], bytes]], dataset: Any) -> int:
+        vc.correlation.save_dataset(dataset, path)
+        good, found = path.read_bytes(), 0
+        for damage in damages:
+            path.write_bytes(damage(good))
+            try:
+                vc.correlation.load_dataset(path)
+            except ValueError as error:
+                found += 1
+                assert "d.nc" in str(error)
+        return found
+
+    few = whole[["mean", "sigma", "se", "n"]]
+    assert refused([partial(damaged, start=n, step=3989) for n in range(100, 3989, 97)], whole) > 3
+    assert (
+        refused([partial(damaged, start=n, step=1 << 30) for n in range(100, 9000, 397)], few) > 3
+    )
