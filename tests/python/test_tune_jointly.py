@@ -80,7 +80,7 @@ def test_values_that_were_given_stay() -> None:
 
 
 def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room: vc.Scene) -> None:
-    given: dict[str, Any] = {"rel_l1": 0.02, "size": (160, 100)}
+    given: dict[str, Any] = {"rel_l1": 0.02, "size": (112, 70)}
     conference = vc.scenes.conference(triangles=20_000)
     found = vc.tune(conference, WHITTED, **given)
     alone = vc.tune(conference, WHITTED, parameter="c_e", **given)
@@ -133,25 +133,28 @@ def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room: v
     assert "No C_E that was tried takes 0.0001 s" in short.message
 
 
-def error_of_passes(scene: vc.Scene, found: Any) -> float:
-    given: dict[str, Any] = {"visibility": found.visibility, "use": found.use, "size": SIZE}
-    picture = vc.Progressive(scene, found.integrator, **given).passes(found.passes)
-    truth = vc.Progressive(scene, WHITTED, visibility="exact", first_pass=1 << 12, size=SIZE)
-    light = np.asarray(light_on_surfaces(truth.passes(128)), float)
-    return float(np.abs(np.asarray(light_on_surfaces(picture), float) - light).sum() / light.sum())
-
-
 def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
-    found = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=SIZE)
+    size = (48, 30)
+
+    def light(integrator: Any, passes: int, **given: Any) -> Any:
+        picture = vc.Progressive(room, integrator, size=size, **given).passes(passes)
+        return np.asarray(light_on_surfaces(picture), float)
+
+    def error(found: Tuned) -> float:
+        mine = light(found.integrator, found.passes, visibility=found.visibility, use=found.use)
+        return float(np.abs(mine - truth).sum() / truth.sum())
+
+    truth = light(WHITTED, 128, visibility="exact", first_pass=1 << 12)
+    found = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=size)
     assert found.passes == found.value and found.parameter == "passes" and found.reached
     assert [p.also for p in found.pilots] == [{}, {}, {"pick": 16}, {"pick": 64}]
     assert f"{found.passes} passes" in repr(found)
-    assert 0.03 / 1.6 < error_of_passes(room, found) < 0.03 * 1.3
-    again = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=SIZE, threads=1)
+    assert 0.03 / 1.6 < error(found) < 0.03 * 1.3
+    again = vc.tune(room, WHITTED, rel_l1=0.03, passes=True, size=size, threads=1)
     assert (again.passes, again.is_exact) == (found.passes, found.is_exact)
-    hard = vc.tune(room, WHITTED, rel_l1=0.01, passes=True, size=SIZE)
-    assert hard.reached and 0.01 / 1.6 < error_of_passes(room, hard) < 0.01 * 1.3
-    timed = vc.tune(room, WHITTED, seconds=1, passes=True, size=SIZE)
+    hard = vc.tune(room, WHITTED, rel_l1=0.01, passes=True, size=size)
+    assert hard.reached and 0.01 / 1.6 < error(hard) < 0.01 * 1.3
+    timed = vc.tune(room, WHITTED, seconds=1, passes=True, size=size)
     assert timed.wanted == "seconds" and timed.passes is not None and timed.passes >= 1
 
 
@@ -192,7 +195,7 @@ def test_targets_that_do_not_go_together_are_refused(
 
 
 def test_the_command_takes_every_target(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40", "--json"]
+    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "48x30", "--json"]
     for more, wanted in (
         (["--target", "flip<=0.05"], {"metric": "flip", "target": 0.05}),
         (["--target", "seconds<=600"], {"wanted": "seconds", "visibility": repr(vc.Exact())}),
@@ -201,5 +204,5 @@ def test_the_command_takes_every_target(capsys: pytest.CaptureFixture[str]) -> N
         assert cli.main([*words, *more]) == 0
         got = json.loads(capsys.readouterr().out)
         assert {name: got[name] for name in wanted} == wanted
-    assert cli.main([*words[:-1], "--error", "0.05", "--passes"]) == 0
+    assert cli.main([*words[:-1], "--error", "0.2", "--passes"]) == 0
     assert "passes" in capsys.readouterr().out

@@ -96,7 +96,11 @@ def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):  # type: ig
     pytester.makeini("[pytest]\nfilterwarnings = error\nxfail_strict = true\n")
 
     def ran(*arguments: str) -> pytest.RunResult:
-        return pytester.runpytest_subprocess("--strict-markers", "--strict-config", *arguments)
+        # Others of this environment are slow to load
+        alone = [f"-pno:{plugin}" for plugin in ("nbmake", "hypothesispytest", "anyio")]
+        return pytester.runpytest_subprocess(
+            "--strict-markers", "--strict-config", *alone, *arguments
+        )
 
     return ran
 
