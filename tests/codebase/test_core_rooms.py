@@ -33,6 +33,8 @@ def bound(module: types.ModuleType, prefix: str) -> Iterator[str]:
 
 def used(source: str) -> set[str]:
     """Dotted names of the C++ modules that a Python file reads."""
+    if not re.search(r"_core\b|\bcore\b", source):
+        return set()
     tree = ast.parse(source)
     names: dict[str, str] = {}
 

@@ -29,6 +29,7 @@ MODULES = [
 ]
 #: Refused or not measured with frames in some cases: what breaks them is below.
 RENDER = vc.render
+TOLD = isa._told
 
 
 def cases(name: str, every: int) -> Iterator[Case]:
@@ -36,10 +37,11 @@ def cases(name: str, every: int) -> Iterator[Case]:
 
 
 def forget_frames() -> None:
-    """Frames that families keep from case to case."""
+    """Frames that families keep from case to case; those of other processes stay."""
     for module in MODULES:
         for value in list(vars(module).values()):
-            if hasattr(value, "cache_clear") and value.__module__ == module.__name__:
+            own = getattr(value, "__module__", "") == module.__name__
+            if own and hasattr(value, "cache_clear") and value is not TOLD:
                 value.cache_clear()
 
 

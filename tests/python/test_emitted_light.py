@@ -107,6 +107,7 @@ def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces() -> None:
     assert got.rel_l1 == 0 and got.rel_l1_reflected is None
 
 
+@pytest.mark.usefixtures("without_netcdf")
 def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path: Path) -> None:
     table = vc.sweep(
         lit(),
