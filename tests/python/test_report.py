@@ -17,6 +17,8 @@ from viscache.sweeps import designs
 from viscache.sweeps.designs import Range
 from viscache.sweeps.sweep import sweep
 
+pytestmark = pytest.mark.usefixtures("without_netcdf")
+
 
 def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room") -> str:
     ds = sweep(

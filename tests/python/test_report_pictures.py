@@ -15,6 +15,8 @@ from viscache.report import embed, pictures
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
+pytestmark = pytest.mark.usefixtures("without_netcdf")
+
 #: Machado, Oliveira, Fernandes 2009, severity 1, on linear RGB.
 BLINDNESS = {
     "protanopia": [
