@@ -5,6 +5,7 @@ import pytest
 
 import viscache as vc
 from aqvc import tiles
+from reference.built import built
 
 
 @pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
@@ -28,7 +29,7 @@ def test_bright_connections_have_the_answers_of_rays_and_others_do_not_change(ki
 
 def test_a_bound_near_zero_is_the_exact_frame():
     """With all lights cached; 0 turns it off."""
-    scene, light = vc.scenes.build("room?triangles=3000"), vc.Whitted(n_vpls=32)
+    scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=32)
     size = (48, 32)
 
     def frame(bright):

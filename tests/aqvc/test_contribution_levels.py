@@ -7,6 +7,7 @@ import viscache as vc
 from aqvc import tiles
 from aqvc.test_waves import grid_of
 from reference import aqvc as reference
+from reference.built import built
 from viscache import _core
 
 ON = {"by_contribution": True, "level_step": 2}
@@ -72,7 +73,7 @@ def test_contributions_of_another_shape_are_refused():
 
 @pytest.fixture(scope="module")
 def room():
-    return vc.scenes.room(triangles=4000)
+    return built("room?triangles=4000")
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +101,7 @@ def test_a_weighed_frame_becomes_exact_as_c_e_falls(frames):
 
 def test_the_fast_preset_errs_less_with_fewer_rays():
     """The claim, with measured room: 0.78 times the rays, 0.95 times the error."""
-    room, whitted = vc.scenes.room(triangles=20000), vc.Whitted(n_vpls=64)
+    room, whitted = built("room?triangles=20000"), vc.Whitted(n_vpls=64)
     settings = (
         vc.Exact(),
         vc.Aqvc(c_e=10, refinement="on"),

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viscache as vc
+from reference.built import built
 from viscache import cli
 from viscache.exact_cost import SHARED_LIGHTS
 from viscache.render import render_part
@@ -86,7 +87,7 @@ def error_of(scene: vc.Scene, integrator: Any, found: Tuned, **frame: Any) -> fl
 
 
 def test_a_small_frame_is_tuned_by_other_eye_samples_and_checked_by_itself() -> None:
-    scene, whitted = vc.scenes.room(triangles=3000), vc.Whitted(n_vpls=32)
+    scene, whitted = built("room?triangles=3000"), vc.Whitted(n_vpls=32)
     found = vc.tune(scene, whitted, rel_l1=0.02, size=(96, 60), seed=5)
     assert found.samples == 24 and found.visibility.c_e == found.c_e and found.reached
     assert found.interval[0] <= found.error <= found.interval[1]
@@ -96,7 +97,7 @@ def test_a_small_frame_is_tuned_by_other_eye_samples_and_checked_by_itself() -> 
 
 
 def test_other_parameters_stay_and_an_easier_target_takes_fewer_rays() -> None:
-    scene, direct = vc.scenes.room(triangles=3000), vc.Direct()
+    scene, direct = built("room?triangles=3000"), vc.Direct()
     base = vc.Aqvc(c_n=4, c_z=2)
     easy, hard = (
         vc.tune(scene, direct, rel_l1=e, visibility=base, size=(96, 60)) for e in (0.05, 0.01)
@@ -106,7 +107,7 @@ def test_other_parameters_stay_and_an_easier_target_takes_fewer_rays() -> None:
 
 
 def test_a_target_out_of_reach_is_told() -> None:
-    scene = vc.scenes.room(triangles=3000)
+    scene = built("room?triangles=3000")
     found = vc.tune(scene, vc.Direct(), rel_l1=1e-7, size=(48, 30))
     assert found.c_e < 1.1 * C_E.low and not found.reached
     assert found.pilots[0].c_e == C_E.low
@@ -118,7 +119,7 @@ def test_a_target_out_of_reach_is_told() -> None:
 
 
 def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
-    scene = vc.scenes.apartment(triangles=2000)
+    scene = built("apartment?triangles=2000")
     whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
     one = vc.Aqvc(c_l=1, exact_groups=())
     found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36), visibility=one)
@@ -134,7 +135,7 @@ def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
 
 
 def test_under_a_sky_light_cells_are_made_as_small_as_the_target_needs() -> None:
-    scene = vc.scenes.apartment(triangles=2000)
+    scene = built("apartment?triangles=2000")
     whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
     every = vc.Aqvc(exact_groups=())
     found = vc.tune(scene, whitted, rel_l1=0.008, size=(96, 72), visibility=every)
@@ -167,7 +168,7 @@ def test_light_cells_are_halved_until_they_leave_half_of_the_target() -> None:
 
 
 def test_what_the_groups_are_off_by_explains_the_error() -> None:
-    scene = vc.scenes.room(triangles=3000)
+    scene = built("room?triangles=3000")
     found = vc.tune(scene, vc.Whitted(n_vpls=32), rel_l1=0.02, size=(96, 60))
     assert set(found.groups) == {"point", "vpl"} and "limits it" not in found.message
     assert found.error <= sum(found.groups.values()) * (1 + 1e-6)
@@ -235,7 +236,7 @@ def test_a_lamp_in_view_does_not_hide_the_error_unless_the_papers_metric_is_aske
 
 def test_progress_counts_renderings_and_ends_complete() -> None:
     seen: list[tuple[int, int]] = []
-    scene = vc.scenes.room(triangles=2000)
+    scene = built("room?triangles=2000")
     vc.tune(scene, vc.Direct(), rel_l1=0.03, size=(64, 40), progress=lambda *at: seen.append(at))
     done = [at[0] for at in seen]
     assert done[:-1] == list(range(1, len(done))) and seen[-1] == (done[-2], done[-2])
@@ -290,7 +291,7 @@ def test_tuning_costs_less_than_twenty_of_the_frames_it_finds(
         return made
 
     monkeypatch.setattr(samples, "render_part", counting)
-    scene, whitted = vc.scenes.room(triangles=2000), vc.Whitted(n_vpls=n_vpls)
+    scene, whitted = built("room?triangles=2000"), vc.Whitted(n_vpls=n_vpls)
     frame: dict[str, Any] = {"size": (256, 160), "spp": spp}
     found = vc.tune(scene, whitted, rel_l1=0.02, **frame)
     final = vc.render(scene, whitted, visibility=found.visibility, **frame)
@@ -301,14 +302,14 @@ def test_tuning_costs_less_than_twenty_of_the_frames_it_finds(
 #: Scene, integrator, pixels, target, and how many samples check it: tiles or whole frames.
 SCENES: dict[str, Any] = {
     "room": (
-        lambda: vc.scenes.room(triangles=20_000),
+        lambda: built("room?triangles=20000"),
         vc.Whitted(n_vpls=300),
         (320, 240),
         0.01,
         24,
     ),
     "apartment": (
-        lambda: vc.scenes.apartment(triangles=20_000),
+        lambda: built("apartment?triangles=20000"),
         vc.Whitted(n_vpls=257, n_area=2, n_environment=2, n_brdf=2),
         (256, 192),
         0.04,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
+from reference.built import built
 
 SIZE = (48, 32)
 ROOM = "room?triangles=2000"
@@ -30,8 +31,7 @@ def frame(
     """A frame's colour, counted rays and queries."""
 
     def make() -> str:
-        built = vc.scenes.build(scene)
-        made = vc.render(built, integrator, size=size, rays=vc.Bsp(), **options)
+        made = vc.render(built(scene), integrator, size=size, rays=vc.Bsp(), **options)
         counts = [made.counters["queries"], made.counters["rays"], made.counters["camera_rays"]]
         return digest(made.image, np.array(counts, dtype=np.int64))
 
@@ -40,7 +40,7 @@ def frame(
 
 def kept_frames() -> str:
     """Three frames over one table of the quantized cache."""
-    table, scene = vc.AqvcTable(table_bytes=1 << 20, check=0.25), vc.scenes.build(ROOM)
+    table, scene = vc.AqvcTable(table_bytes=1 << 20, check=0.25), built(ROOM)
     frames = [
         vc.render(
             scene,
@@ -75,7 +75,7 @@ def correlation() -> str:
 
 def map_records() -> str:
     """A blended ambient occlusion by visibility maps, and how many records it took."""
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     cache = vc.VisibilityMapCache(scene, rays=vc.Bsp())
     camera = vc.look_at((0, 0.2, 2), (0, 0, 0), (0, 1, 0), 50)
     cache.update(camera, size=SIZE)
@@ -86,7 +86,7 @@ def swept() -> str:
     """Errors and rays of a small sweep."""
     over = {"visibility.c_e": [4.0, 16.0]}
     table = vc.sweep(
-        vc.scenes.build(ROOM),
+        built(ROOM),
         vc.Whitted(n_vpls=16),
         over=over,
         visibility=vc.Aqvc(),

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from viscache import _core
 from viscache.oracles.learned import (
     GROUPS,
@@ -212,7 +213,7 @@ def test_exact_and_replaced_frames_have_no_variance(hall: vc.Scene) -> None:
 def test_later_passes_use_what_the_first_ones_found() -> None:
     """Same bytes for any threads; with "same", passes differ from the third on."""
     options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
-    scene, light = vc.scenes.build("room?triangles=3000"), vc.Whitted(n_vpls=128)
+    scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=128)
     one = vc.Progressive(scene, light, threads=1, **options)
     two = vc.Progressive(scene, light, threads=3, **options)
     same = vc.Progressive(scene, light, use=vc.Correct(classes="same"), **options)

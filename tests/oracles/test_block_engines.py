@@ -9,11 +9,12 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
+from reference.built import built
 
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
-    return vc.scenes.build("room?triangles=3000")
+    return built("room?triangles=3000")
 
 
 @pytest.mark.parametrize("engine", ["shafts", "auto"])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 
 SIZE = (72, 40)
 ROOM = "room?triangles=3000"
@@ -34,9 +35,7 @@ def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) ->
     ids=["exact", "aqvc", "paper", "shadow maps", "fast"],
 )
 def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: int) -> None:
-    made, rendered = frames(
-        vc.scenes.build(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3
-    )
+    made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3)
     assert made.sha256 == rendered.sha256
     for name, layer in rendered.layers.items():
         np.testing.assert_array_equal(made.layers[name], layer)
@@ -49,7 +48,7 @@ def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: in
     ids=["direct", "ambient"],
 )
 def test_samples_of_each_eye_points_own_too(integrator: Any, visibility: Any) -> None:
-    scene = vc.scenes.build("cornell_box" if "cornell_box" in vc.scenes.SCENES else ROOM)
+    scene = built("cornell_box" if "cornell_box" in vc.scenes.SCENES else ROOM)
     made, rendered = frames(scene, integrator, visibility, spp=4, env=(0.5, 0.6, 0.7))
     assert made.sha256 == rendered.sha256
 
@@ -57,13 +56,13 @@ def test_samples_of_each_eye_points_own_too(integrator: Any, visibility: Any) ->
 def test_corrected_answers_too() -> None:
     """Up to rounding: the renderer adds corrections one by one, answers hold one weight each."""
     made, rendered = frames(
-        vc.scenes.build(ROOM), vc.Whitted(n_vpls=40), vc.Aqvc(c_e=12), use=vc.Correct(share=0.3)
+        built(ROOM), vc.Whitted(n_vpls=40), vc.Aqvc(c_e=12), use=vc.Correct(share=0.3)
     )
     np.testing.assert_allclose(made.image, rendered.image, rtol=1e-4, atol=1e-5)
 
 
 def test_contributions_of_what_is_seen_are_the_light() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     conn = vc.connections(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
     exact = vc.render(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
     oracle = conn.oracle(vc.Exact())
@@ -81,7 +80,7 @@ def test_contributions_of_what_is_seen_are_the_light() -> None:
 
 
 def test_plain_arrays_are_answers_too() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     conn = vc.connections(scene, vc.Direct(), size=SIZE)
     rendered = vc.render(scene, vc.Direct(), size=SIZE)
     bits = {
@@ -97,7 +96,7 @@ def test_plain_arrays_are_answers_too() -> None:
 
 
 def test_wrong_answers_are_refused() -> None:
-    conn = vc.connections(vc.scenes.build(ROOM), vc.Direct(), size=SIZE)
+    conn = vc.connections(built(ROOM), vc.Direct(), size=SIZE)
     seen = np.ones((len(conn.eyes), len(conn.groups["point"])), dtype=bool)
     for answers, match in (
         ({"points": seen}, "answers must be of point"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 from viscache import _core
 from viscache.oracles.correct import Correct
 from viscache.render import frame_settings
@@ -31,7 +32,7 @@ ROOM = "room?triangles=3000"
     ids=["waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"],
 )
 def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibility: Any) -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     exact = vc.render(scene, integrator, size=SIZE, spp=2)
     right = vc.render(
         scene, integrator, size=SIZE, spp=2, visibility=visibility, use=vc.Correct(share=1)
@@ -45,7 +46,7 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibi
 
 
 def test_weights_of_roulette_are_corrected_too() -> None:
-    scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
+    scene, light = built(ROOM), vc.Whitted(n_vpls=64)
     exact = vc.render(scene, light, size=SIZE)
     right = vc.render(scene, light, size=SIZE, visibility=vc.NeePlusPlus(), use=vc.Correct(share=1))
     assert right.sha256 == exact.sha256
@@ -74,7 +75,7 @@ def frames(
 
 @pytest.mark.stat
 def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     vc.testing.assert_unbiased(*frames(scene, 0.25, 24), energy=0.01, paired=True)
     with pytest.raises(AssertionError, match="the frames are biased"):  # the cache alone
         vc.testing.assert_unbiased(*frames(scene, None, 24), paired=True)
@@ -84,13 +85,11 @@ def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
 def test_without_weights_the_bias_shows() -> None:
     """Negative control: corrections that count as if every query had been drawn."""
     with pytest.raises(AssertionError, match="the frames are biased"):
-        vc.testing.assert_unbiased(
-            *frames(vc.scenes.build(ROOM), 0.25, 24, weighted=False), paired=True
-        )
+        vc.testing.assert_unbiased(*frames(built(ROOM), 0.25, 24, weighted=False), paired=True)
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
-    scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
+    scene, light = built(ROOM), vc.Whitted(n_vpls=64)
     cache = vc.Aqvc(c_e=12, exact_groups=("area", "environment"))
     frames = [
         vc.render(
@@ -122,14 +121,14 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
 
 
 def test_correct_is_the_default_share() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     options: dict[str, Any] = {"size": SIZE, "visibility": vc.Aqvc(c_e=12)}
     word = vc.render(scene, vc.Direct(), use="correct", **options)
     assert word.sha256 == vc.render(scene, vc.Direct(), use=Correct(), **options).sha256
 
 
 def test_what_does_not_combine_is_refused() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     for share in (0, -0.1, 1.1, float("nan")):
         with pytest.raises(ValueError, match="share must be"):
             vc.Correct(share=share)

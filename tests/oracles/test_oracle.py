@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 
 ROOM = "room?triangles=3000"
 
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
-    return vc.scenes.build(ROOM)
+    return built(ROOM)
 
 
 @pytest.fixture(scope="module")

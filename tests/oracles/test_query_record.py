@@ -9,13 +9,14 @@ import pytest
 import xarray
 
 import viscache as vc
+from reference.built import built
 
 SIZE = (160, 140)
 
 
 @pytest.fixture(scope="module")
 def conn() -> vc.Connections:
-    return vc.connections(vc.scenes.build("room?triangles=3000"), vc.Whitted(n_vpls=20), size=SIZE)
+    return vc.connections(built("room?triangles=3000"), vc.Whitted(n_vpls=20), size=SIZE)
 
 
 def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from viscache.oracles.points import unpack
 
 Floats = npt.NDArray[np.float64]
@@ -75,7 +76,7 @@ def recorded(scene: vc.Scene, cache: vc.Aqvc) -> Record:
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
-    return vc.scenes.build("room?triangles=3000")
+    return built("room?triangles=3000")
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from reference.every_isa import ISAS, printed_by
 from viscache.oracles.learned import GROUPS, unlearnt
 
@@ -68,7 +69,7 @@ def over_reference(
 
 @pytest.mark.stat
 def test_each_band_is_drawn_with_its_share_and_weighted_by_it(wall: vc.Scene) -> None:
-    c, relative = lights(8192, 1)
+    c, relative = lights(2048, 1)
     h = (relative[..., None] <= BOUNDS).sum(axis=-1)
     w = weights_of(wall, c, 3)
     drawn = w != 1
@@ -122,24 +123,26 @@ def test_without_contributions_a_tenth_is_drawn(wall: vc.Scene) -> None:
 
 def test_samples_of_a_pixel_take_turns() -> None:
     """With q = 1/256 for all, 256 samples at one place draw every connection once."""
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     light = vc.Direct(centred=True)
     cache, rare = vc.Aqvc(c_e=16, exact_groups=()), vc.Correct(certain=1e9)
-    frames = [
-        vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, first_sample=n)
-        for n in range(256)
-    ]
-    queries = {f.counters["groups"]["point"]["queries"] for f in frames}
-    drawn = [f.counters["corrections"] for f in frames]
-    assert len(queries) == 1
-    assert sum(drawn) == queries.pop()
-    assert max(drawn) < sum(drawn) / 32
-    # Eight samples of one frame are eight turns
-    whole = vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, spp=8)
-    assert whole.counters["corrections"] == sum(drawn[:8])
+
+    def frame(first: int, spp: int = 1) -> vc.Frame:
+        given: dict[str, Any] = {"visibility": cache, "use": rare, "size": (16, 12)}
+        return vc.render(scene, light, first_sample=first, spp=spp, **given)
+
+    single, whole = [frame(n) for n in range(16)], [frame(n, spp=16) for n in range(0, 256, 16)]
+    queries = {
+        f.counters["groups"]["point"]["queries"] / f.parameters["spp"] for f in single + whole
+    }
+    drawn = [f.counters["corrections"] for f in single]
+    total = sum(f.counters["corrections"] for f in whole)
+    assert queries == {total}
+    assert max(drawn) < total / 32
+    # Samples of one frame are turns too
+    assert whole[0].counters["corrections"] == sum(drawn)
     # The next 256 have other places
-    later = vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, first_sample=256)
-    assert later.sha256 != frames[0].sha256
+    assert frame(256).sha256 != single[0].sha256
 
 
 class Stripes:
@@ -158,7 +161,7 @@ def stripes(n: int) -> npt.NDArray[np.bool_]:
 @pytest.mark.parametrize("truth", ["blocked", "visible"])
 def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str) -> None:
     """Answers of four classes, each with an octave of its own; behind the wall, or before it."""
-    c, _ = lights(8192, 2)
+    c, _ = lights(2048, 2)
     n, m = c.shape
     side = -1 if truth == "blocked" else 1
     rng = np.random.default_rng(3)
@@ -212,7 +215,10 @@ def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str)
 def corrected_passes() -> str:
     """Bytes and counters of passes with learnt shares. 300 lights leave rows half empty."""
     picture = vc.Progressive(
-        "room?triangles=3000", vc.Whitted(n_vpls=300), visibility=vc.Aqvc(c_e=10), size=(40, 24)
+        built("room?triangles=3000"),
+        vc.Whitted(n_vpls=300),
+        visibility=vc.Aqvc(c_e=10),
+        size=(40, 24),
     )
     frame = picture.passes(4)
     return f"{frame.sha256} {frame.counters['share_by_class']}"

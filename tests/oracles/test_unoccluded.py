@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 
 SIZE = (32, 24)
 ROOM = "room?triangles=2000"
@@ -17,7 +18,7 @@ ROOM = "room?triangles=2000"
     "integrator", [vc.Whitted(n_vpls=64), vc.Direct(n_area=4)], ids=["shared lights", "own samples"]
 )
 def test_the_frame_is_all_contributions_summed(integrator: Any) -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     frame = vc.render(scene, integrator, size=SIZE, visibility=vc.Unoccluded())
     taps = vc.connections(scene, integrator, size=SIZE)
     seen = {name: np.ones_like(answer.visible) for name, answer in taps.answers(vc.Exact()).items()}
@@ -30,7 +31,7 @@ def test_the_frame_is_all_contributions_summed(integrator: Any) -> None:
 
 
 def test_ambient_occlusion_is_white_and_bidirectional_paths_take_it() -> None:
-    scene = vc.scenes.build(ROOM)
+    scene = built(ROOM)
     ambient = vc.AmbientOcclusion(n_samples=4)
     frame = vc.render(scene, ambient, size=SIZE, visibility=vc.Unoccluded())
     assert frame.image.min() == pytest.approx(1, abs=1e-6)
@@ -44,7 +45,7 @@ def test_ambient_occlusion_is_white_and_bidirectional_paths_take_it() -> None:
 
 def test_with_corrections_it_is_unbiased() -> None:
     """The power and the negative controls of corrections are in test_correct.py."""
-    scene, light = vc.scenes.build(ROOM), vc.Direct()
+    scene, light = built(ROOM), vc.Direct()
     right = vc.render(scene, light, size=SIZE, visibility=vc.Unoccluded(), use=vc.Correct(share=1))
     assert right.sha256 == vc.render(scene, light, size=SIZE).sha256
     drawn, exact = (

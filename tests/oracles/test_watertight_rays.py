@@ -12,6 +12,7 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
+from reference.built import built
 from viscache.extremes import scenes
 from viscache.extremes.families.leaks import SHAPES
 from viscache.extremes.families.rotation import turn
@@ -77,7 +78,7 @@ SETTINGS: dict[str, Any] = {
 @pytest.mark.parametrize("use", ["replace", "correct"])
 @pytest.mark.parametrize("name", SETTINGS)
 def test_answers_for_points_are_those_of_the_bsp(name: str, use: Any) -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     eyes, ends = area_points(scene, 500), lamps(scene, 70)
     near = lamps(scene, 500, seed=5)
     index = np.random.default_rng(3).permutation(500)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 
 SIZE = (64, 40)
 ROOM = "room?triangles=3000"
@@ -69,7 +70,7 @@ class Grid:
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
-    return vc.scenes.build(ROOM)
+    return built(ROOM)
 
 
 @pytest.mark.parametrize("oracle", [Rays(), AsBits()])
@@ -86,7 +87,7 @@ def room() -> vc.Scene:
 def test_traced_rays_make_the_exact_frame(
     room: vc.Scene, integrator: Any, options: Any, oracle: Any
 ) -> None:
-    size = (16, 10) if isinstance(oracle, AsBits) else SIZE
+    size = (8, 5) if isinstance(oracle, AsBits) else SIZE
     exact = vc.render(room, integrator, size=size, **options)
     for threads in (1, 3):
         made = vc.render(room, integrator, size=size, visibility=oracle, threads=threads, **options)
@@ -109,7 +110,12 @@ def test_a_grid_of_twenty_lines_trades_rays_for_error(room: vc.Scene) -> None:
 
 def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
     table = vc.sweep(
-        room, WHITTED, visibility=Grid(), over={"visibility.cell": [0.1, 0.4]}, size=SIZE
+        room,
+        WHITTED,
+        visibility=Grid(),
+        over={"visibility.cell": [0.1, 0.4]},
+        size=SIZE,
+        metrics=["rel_l1"],
     )
     assert list(table["cell"].values) == [0.1, 0.4]
     assert table["rays"].values[0] > table["rays"].values[1]
@@ -117,7 +123,10 @@ def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
 
 
 def test_a_sweep_corrects_it(room: vc.Scene, tmp_path: Path) -> None:
-    over, given = {"visibility.cell": [0.4]}, {"visibility": Grid(), "size": SIZE}
+    over, given = (
+        {"visibility.cell": [0.4]},
+        {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"]},
+    )
     plain = vc.sweep(room, WHITTED, over=over, directory=tmp_path / "a", **given)
     exact = vc.sweep(
         room, WHITTED, over=over, use=vc.Correct(share=1), directory=tmp_path / "b", **given
@@ -141,7 +150,7 @@ def test_weights_count(room: vc.Scene) -> None:
     exact = vc.render(room, WHITTED, size=SIZE)
 
     def halves(**options: Any) -> list[vc.Frame]:
-        oracles = [Half(seed=seed, **options) for seed in range(24)]
+        oracles = [Half(seed=seed, **options) for seed in range(16)]
         return [vc.render(room, WHITTED, size=SIZE, visibility=o) for o in oracles]
 
     vc.testing.assert_unbiased(halves(), exact, energy=0.05)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 from viscache import _core, travelling
 from viscache.workers import Newest
 
@@ -58,8 +59,9 @@ def described() -> vc.Scene:
 def test_built_in_scenes_and_files_travel_by_their_spec(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert len(pickle.dumps(vc.scenes.room(triangles=5000))) < 1000
-    sent(vc.scenes.room(triangles=5000))
+    room = built("room?triangles=5000")
+    assert len(pickle.dumps(room)) < 1000
+    sent(room)
     (tmp_path / "one.obj").write_text(OBJ)
     monkeypatch.chdir(tmp_path)
     bytes_ = pickle.dumps(vc.load_scene("one.obj"))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache.bench.ray_sets import SETS, make_ray_set
 from visibility.moeller_trumbore import cross_all
@@ -88,7 +89,7 @@ SCENES = [
 @pytest.mark.parametrize("spec", SCENES)
 @pytest.mark.parametrize("kernel", ["watertight", "wald"])
 def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -> None:
-    scene = vc.scenes.build(spec)
+    scene = built(spec)
     caster = scene.caster(vc.Bsp(kernel=kernel))
     for name in SETS:
         r = make_ray_set(scene, name, 10_000)
@@ -111,7 +112,7 @@ def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -
 
 def test_the_excuse_is_no_pardon_for_wrong_hits() -> None:
     """The control of the test above: hits of shifted rays are not excused."""
-    scene = vc.scenes.build(SCENES[0])
+    scene = built(SCENES[0])
     r = make_ray_set(scene, "hemi", 2000)
     shifted = (r.origins + np.float32(0.01)).astype(np.float32)
     ours, theirs = (scene.intersect(o, r.directions) for o in (shifted, r.origins))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from render.test_determinism import INTEGRATORS, ROOM, signature
 from viscache import _core
 from viscache.settings.integrators import core_settings
@@ -23,6 +24,11 @@ DRAWN = [INTEGRATORS[1], INTEGRATORS[3], SKY]
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
     return ROOM.to_viscache()
+
+
+@pytest.fixture(scope="module")
+def scene() -> vc.Scene:
+    return built("room?triangles=3000")
 
 
 def corrected(
@@ -108,9 +114,8 @@ def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Sc
         assert signature(frame) == signature(frames[0])
 
 
-def test_weights_are_the_mean_or_the_corrected_mean() -> None:
+def test_weights_are_the_mean_or_the_corrected_mean(scene: vc.Scene) -> None:
     """μ where nothing was traced; of a traced query, q follows from its weight and the truth."""
-    scene = vc.scenes.build("room?triangles=3000")
     conn = vc.connections(scene, LIGHTS, size=SIZE)
     settings, exact = vc.NeePlusPlus(n_voxels=6), conn.answers(vc.Exact())["vpl"]
     answer = conn.answers(settings, use="correct")["vpl"]
@@ -138,17 +143,15 @@ def test_weights_are_the_mean_or_the_corrected_mean() -> None:
         assert abs(truth[there].mean() - mean[there].mean()) < 0.1
 
 
-def test_the_frame_is_the_sum_of_its_answers() -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+def test_the_frame_is_the_sum_of_its_answers(scene: vc.Scene) -> None:
     conn = vc.connections(scene, LIGHTS, size=SIZE)
     frame = vc.render(scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct")
     again = conn.frame(conn.answers(COARSE, use="correct"))
     np.testing.assert_allclose(again.image, frame.image, rtol=1e-4, atol=1e-5)
 
 
-def test_the_contribution_decides_beside_the_mean() -> None:
+def test_the_contribution_decides_beside_the_mean(scene: vc.Scene) -> None:
     """Rays go where light is: the same rays, spread evenly, leave several times the error."""
-    scene = vc.scenes.build("room?triangles=3000")
     exact = vc.render(scene, LIGHTS, size=SIZE, spp=4)
     options: dict[str, Any] = {"size": SIZE, "visibility": vc.NeePlusPlus(), "spp": 4}
     by_light = vc.render(scene, LIGHTS, use="correct", **options)
@@ -158,8 +161,7 @@ def test_the_contribution_decides_beside_the_mean() -> None:
     assert errors[1] > 3 * errors[0] > 0
 
 
-def test_a_smaller_certain_share_draws_more() -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+def test_a_smaller_certain_share_draws_more(scene: vc.Scene) -> None:
     drawn = [
         vc.render(scene, LIGHTS, size=SIZE, visibility=vc.NeePlusPlus(certain=c), use=use)
         for c, use in (
@@ -183,8 +185,8 @@ def kept_frames(
     return [vc.render(scene, LIGHTS, keep=keep, first_sample=i, **given) for i in range(n)]
 
 
-def test_later_frames_learn_less_and_add_to_the_counts() -> None:
-    scene, counts = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts()
+def test_later_frames_learn_less_and_add_to_the_counts(scene: vc.Scene) -> None:
+    counts = vc.VoxelCounts()
     tests = []
     for i in range(3):
         vc.render(scene, LIGHTS, size=SIZE, visibility=COARSE, keep=counts, first_sample=i)
@@ -197,8 +199,8 @@ def test_later_frames_learn_less_and_add_to_the_counts() -> None:
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_an_interrupted_frame_leaves_no_counts(first: int) -> None:
-    scene, counts, calls = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts(), 0
+def test_an_interrupted_frame_leaves_no_counts(first: int, scene: vc.Scene) -> None:
+    counts, calls = vc.VoxelCounts(), 0
     want = [f.sha256 for f in kept_frames(scene, first + 2, vc.VoxelCounts(), use="correct")]
     kept_frames(scene, first, counts, use="correct")
     before = counts._state()
@@ -225,14 +227,19 @@ def test_an_interrupted_frame_leaves_no_counts(first: int) -> None:
     assert got == want[first:]
 
 
+@pytest.fixture(scope="module")
+def exact_frames(scene: vc.Scene) -> list[vc.Frame]:
+    return kept_frames(scene, 16, None, visibility=vc.Exact())
+
+
 @pytest.mark.stat
 @pytest.mark.parametrize("use", ["replace", "correct"])
-def test_frames_that_pass_on_what_they_learnt_are_right_in_expectation(use: str) -> None:
+def test_frames_that_pass_on_what_they_learnt_are_right_in_expectation(
+    use: str, scene: vc.Scene, exact_frames: list[vc.Frame]
+) -> None:
     """One percent of the light would show."""
-    scene, n = vc.scenes.build("room?triangles=3000"), 48
-    exact = kept_frames(scene, n, None, visibility=vc.Exact())
-    ours = kept_frames(scene, n, vc.VoxelCounts(), use=use)
-    assert vc.testing.assert_unbiased(ours, exact, energy=0.0125).paired
+    ours = kept_frames(scene, len(exact_frames), vc.VoxelCounts(), use=use)
+    assert vc.testing.assert_unbiased(ours, exact_frames, energy=0.01).paired
 
 
 def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
@@ -268,8 +275,8 @@ def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
         vc.NeePlusPlus(**given)
 
 
-def test_damaged_counts_are_refused() -> None:
-    scene, counts = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts()
+def test_damaged_counts_are_refused(scene: vc.Scene) -> None:
+    counts = vc.VoxelCounts()
     kept_frames(scene, 1, counts)
     state = counts._state()
     other = vc.VoxelCounts()

@@ -10,6 +10,7 @@ import pytest
 
 import viscache as vc
 from core import testing
+from reference.built import built
 from reference.every_isa import ISAS, printed_by
 from viscache import _core
 from viscache.scene.queries import together
@@ -95,7 +96,7 @@ def test_every_instruction_set_orders_rays_in_the_same_way(isa: str) -> None:
 
 
 def test_the_share_in_order_tells_images_from_rays_without_order() -> None:
-    scene = vc.scenes.room(triangles=2000)
+    scene = built("room?triangles=2000")
     from viscache.bench.ray_sets import make_ray_set
 
     shares = {}

@@ -11,6 +11,7 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points
+from reference.built import built
 from viscache import _core
 from viscache.settings.rays import Rays
 from visibility.test_shafts import SCENES, isas, leaves, needles, scene_of, shared_scenes
@@ -21,7 +22,7 @@ Array = npt.NDArray[Any]
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
-    return vc.scenes.build("room?triangles=3000")
+    return built("room?triangles=3000")
 
 
 def on_surfaces(scene: vc.Scene, n: int, seed: int = 1) -> Array:
@@ -53,7 +54,7 @@ def differences(scene: vc.Scene, x: Array, y: Array, **more: Any) -> int:
 @pytest.mark.parametrize("isa", isas())
 @pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
 def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
-    scene = vc.scenes.build(spec)
+    scene = built(spec)
     for x in (on_surfaces(scene, 1500), in_space(scene, 700)):
         for y in (on_surfaces(scene, 70, 9), in_space(scene, 40, 8)):
             assert differences(scene, x, y, isa=isa) == 0
@@ -177,7 +178,7 @@ def test_packets_of_turned_instances_answer_as_single_rays() -> None:
 
 def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> None:
     x, y = on_surfaces(room, 300), in_space(room, 20)
-    own = vc.scenes.build("room?triangles=3000")
+    own = vc.scenes.build("room?triangles=3000")  # a scene without a tree
     assert "too few queries" in by_shafts(own, x, y, choose=True)[1]["no_shafts"]
     shafts = own.shafts()
     shafts.memory_bytes()  # builds the tree
@@ -190,7 +191,7 @@ def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> Non
 
 
 def test_a_trial_leaves_fine_scenes_to_packets() -> None:
-    scene = vc.scenes.build("random_triangles")
+    scene = built("random_triangles")
     scene.shafts().memory_bytes()
     x, y = in_space(scene, 500), in_space(scene, 100, 3)
     bits, work = _core.shaft_matrix(scene.shafts(), scene.caster(), x, y, choose=True)

@@ -13,6 +13,7 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
+from reference.built import built
 from viscache import _core
 from viscache.settings.source_context import SourceContext
 
@@ -106,7 +107,7 @@ def needles(n: int = 400) -> vc.Scene:
 @pytest.mark.parametrize("isa", isas())
 @pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
 def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
-    scene = vc.scenes.build(spec)
+    scene = built(spec)
     eyes = area_points(scene, 1500)
     for ends in (lamps(scene, 40), surfaces(scene, 70)):
         assert count_of_differences(scene, eyes, ends, Shafts(isa=isa)) == 0
@@ -176,7 +177,7 @@ def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
 
 @pytest.mark.parametrize(("n_eyes", "n_lights"), [(1, 1), (1, 70), (15, 3), (17, 64), (65, 65)])
 def test_few_points_and_few_lights_are_those_of_packets(n_eyes: int, n_lights: int) -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     assert count_of_differences(scene, area_points(scene, n_eyes), lamps(scene, n_lights)) == 0
 
 
@@ -223,7 +224,7 @@ def test_a_scene_with_instances_keeps_packets() -> None:
 
 
 def test_a_tree_beyond_the_limit_is_not_built() -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     assert "max_bytes" in _core.ShaftScene(scene._core, max_bytes=1000).refusal
     assert 0 < _core.ShaftScene(scene._core).memory_bytes() < 200 * scene.triangles
 
@@ -234,7 +235,7 @@ WHITTED = vc.Whitted(n_vpls=150)
 @pytest.mark.parametrize("engine", ["shafts", "auto"])
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     packets = vc.render(scene, WHITTED, size=(150, 90), spp=2, visibility=PACKETS)
     shafts = vc.render(
         scene,
@@ -262,7 +263,7 @@ def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
 
 
 def test_by_default_the_tree_is_built_where_queries_pay_for_it() -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = vc.scenes.build("room?triangles=3000")  # a scene without a tree
     assert work_of(scene, size=(40, 24)) is None  # 1920 points x 150 lights < 256 x 3000 triangles
     assert work_of(scene)["shaft_queries"] > 0
     # Now the tree is there
@@ -270,7 +271,7 @@ def test_by_default_the_tree_is_built_where_queries_pay_for_it() -> None:
 
 
 def test_by_default_packets_answer_points_that_ask_for_few_lights() -> None:
-    scene = vc.scenes.build("room?triangles=3000&lights=4")
+    scene = built("room?triangles=3000&lights=4")
     scene.shafts().memory_bytes()  # builds the tree
     work = work_of(scene, vc.Direct())
     assert work["shaft_queries"] == 0 < work["left_to_packets"]
@@ -278,7 +279,7 @@ def test_by_default_packets_answer_points_that_ask_for_few_lights() -> None:
 
 def test_by_default_packets_answer_where_a_trial_leaves_many_rays() -> None:
     """Points farther apart than triangles: a node of 64 points has more of them than a list."""
-    scene = vc.scenes.build("random_triangles")
+    scene = built("random_triangles")
     scene.shafts().memory_bytes()
     tried = work_of(scene, size=(60, 40), spp=1)
     assert 0 < tried["shaft_queries"] < tried["left_to_packets"]
@@ -286,7 +287,7 @@ def test_by_default_packets_answer_where_a_trial_leaves_many_rays() -> None:
 
 
 def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
-    scene = vc.scenes.build("room?triangles=3000")
+    scene = built("room?triangles=3000")
     fast = vc.Embree(robust=False)
     frame = vc.render(scene, WHITTED, size=(150, 90), rays=fast)
     assert "engine" not in frame.parameters
@@ -295,7 +296,7 @@ def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
 
 
 def test_exact_groups_of_the_quantized_cache_go_through_shafts() -> None:
-    scene = vc.scenes.build("room?triangles=3000&lights=24")
+    scene = built("room?triangles=3000&lights=24")
     options: dict[str, Any] = {"size": (150, 90), "spp": 4}
     cache = vc.Aqvc(exact_groups=("point",))
     cold = vc.render(scene, WHITTED, visibility=cache, **options)

@@ -9,8 +9,9 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 
-SCENE = vc.scenes.room(triangles=4000)
+SCENE = built("room?triangles=4000")
 
 
 def points(n: int, seed: int) -> npt.NDArray[np.float32]:

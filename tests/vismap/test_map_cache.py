@@ -12,6 +12,7 @@ import viscache as vc
 from core import testing
 from correlation.scenes import above, convex, unpacked
 from reference import vismap_records as reference
+from reference.built import built
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache.settings.maps import (
     EXPECTED_RECORDS,
@@ -213,7 +214,7 @@ def test_records_of_a_plane_see_half_and_in_a_closed_room_nothing() -> None:
     np.testing.assert_array_equal(unpacked(r.bits, 1024), above(r.normals, cache.directions))
     # All there is to see, and yet the root is "in part": the lower half counts as blocked
     assert testing.node_codes(r.bits[0], 5, 0).tolist() == [1]
-    room = vc.scenes.room(triangles=2000)
+    room = built("room?triangles=2000")
     inside, report = made(room, camera=room.cameras[0], n_startup=50)
     assert report.bad_normals == 0
     assert inside.records().bits.any(axis=1).mean() < 0.5

@@ -10,6 +10,7 @@ import pytest
 
 import viscache as vc
 from correlation.scenes import clutter, convex, masked
+from reference.built import built
 from reference.vlf_aligned import corners, free_along, origins
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache import _core
@@ -287,7 +288,7 @@ def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max: float
 SCENES = {
     "spheres": lambda: vc.scenes.bumpy_spheres(triangles=15_000),
     "triangles": lambda: vc.scenes.random_triangles(triangles=10_000),
-    "room": lambda: vc.scenes.room(triangles=20_000),
+    "room": lambda: built("room?triangles=20000"),
     "courtyard": lambda: vc.scenes.courtyard(triangles=20_000),
     "church": vc.scenes.church,
     "masks": lambda: masked(0.37),

@@ -11,6 +11,7 @@ import pytest
 import viscache as vc
 from core import testing
 from correlation.scenes import above, clutter, masked, unpacked
+from reference.built import built
 from reference.vlf_aligned import corners, excused, origins
 from viscache import _core
 from viscache.correlation.rows import trace_rows
@@ -69,7 +70,7 @@ SCENES = ["bumpy_spheres?triangles=3000", "random_triangles?triangles=3000", "ro
 @pytest.mark.parametrize(("kind", "t_max"), [("centres", np.inf), ("jittered", 0.7)])
 def test_no_row_differs_from_embrees_without_an_excuse(spec: str, kind: Any, t_max: float) -> None:
     """Test 4, with the judge in double of the batch's own tests."""
-    scene = vc.scenes.build(spec)
+    scene = built(spec)
     sky = vc.correlation.DirectionSet(map_size=32, kind=kind).directions
     points, normals = surface(scene, 1500)
     ours, rays = by_batch(scene, points, normals, sky, t_max=t_max)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from reference.built import built
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache import _core
 from viscache.vlf import aligned
@@ -25,7 +26,7 @@ def by_field(scene: vc.Scene, settings: vc.Vlf, points: Any, normals: Any, **mor
 )
 @pytest.mark.parametrize("t_max", [np.inf, 0.5])
 def test_no_ray_differs_from_embrees_without_an_excuse(spec: str, t_max: float) -> None:
-    scene, frames = vc.scenes.build(spec), frames_of(33)
+    scene, frames = built(spec), frames_of(33)
     points, normals = surface(scene, 3000)
     theirs = embree(scene, points, normals, frames, t_max=t_max)
     for settings in (

@@ -11,6 +11,7 @@ import pytest
 
 import viscache as vc
 from core import testing
+from reference.built import built
 from viscache import _core
 from vlf.field_rays import soup
 
@@ -23,7 +24,7 @@ SCENES: dict[str, Any] = {
     "soup": soup_scene,
     "large triangles": lambda: soup_scene(500, 0.8),
     "small triangles": lambda: soup_scene(5000, 0.02),
-    "room": lambda: vc.scenes.room(triangles=5000),
+    "room": lambda: built("room?triangles=5000"),
     "courtyard": lambda: vc.scenes.courtyard(triangles=20_000),
 }
 

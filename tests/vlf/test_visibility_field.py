@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.built import built
 from viscache import _core
 from vlf.field_rays import flat, inexcusable, rays_of_every_kind, soup, unit
 
@@ -50,7 +51,7 @@ def field(scene: vc.Scene, settings: vc.Vlf = SMALL, **changed: Any) -> vc.Visib
 def scene_of(name: str) -> vc.Scene:
     if name == "soup":
         return vc.Scene.from_arrays(*soup(3000))
-    return vc.scenes.room(triangles=5000)
+    return built("room?triangles=5000")
 
 
 @pytest.fixture(scope="module", params=["soup", "room"])
@@ -434,7 +435,7 @@ def test_core_settings_are_checked() -> None:
 def test_frames_through_the_field_are_those_through_embree(
     visibility: Any, integrator: Any
 ) -> None:
-    scene = vc.scenes.room(triangles=3000)
+    scene = built("room?triangles=3000")
     rays = vc.Vlf(n_directions=129, n_tiles=64)
     if isinstance(visibility, vc.Aqvc) and isinstance(integrator, vc.AmbientOcclusion):
         visibility = vc.Aqvc(c_e=2)

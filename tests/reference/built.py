@@ -1,0 +1,13 @@
+"""Built-in scenes that many tests use."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import viscache as vc
+
+
+@cache
+def built(spec: str) -> vc.Scene:
+    """A built-in scene, made once for all tests of a process, which leave it as it is."""
+    return vc.scenes.build(spec)
