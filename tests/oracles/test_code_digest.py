@@ -124,7 +124,7 @@ def test_it_is_the_same_in_every_process(tmp_path: Path) -> None:
     (tmp_path / "own.py").write_text(SOURCE)
     program = "import own; from viscache.oracles.code_digest import *; print(code_digest(own.Own))"
     found = set()
-    for hash_seed in ("0", "1", "77"):
+    for hash_seed in ("0", "77"):
         path = os.pathsep.join([str(tmp_path), str(Path(vc.__file__).parents[1])])
         env = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": path}
         made = subprocess.run(

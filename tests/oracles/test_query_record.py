@@ -11,12 +11,14 @@ import xarray
 import viscache as vc
 from reference.built import built
 
-SIZE = (160, 140)
+
+def connections_of(size: tuple[int, int]) -> vc.Connections:
+    return vc.connections(built("room?triangles=3000"), vc.Whitted(n_vpls=20), size=size)
 
 
 @pytest.fixture(scope="module")
 def conn() -> vc.Connections:
-    return vc.connections(built("room?triangles=3000"), vc.Whitted(n_vpls=20), size=SIZE)
+    return connections_of((64, 56))
 
 
 def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -> None:
@@ -45,9 +47,8 @@ def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(
-    conn: vc.Connections, tmp_path: Path
-) -> None:
+def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(tmp_path: Path) -> None:
+    conn = connections_of((160, 140))
     whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
     # The largest tile has up to 16384 eye points; this is room for few of its lights at a time
     bound = 96 * 4 * max(len(t["positions"]) for t in conn.eyes._tiles or ())
