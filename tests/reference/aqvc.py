@@ -266,16 +266,25 @@ class Result:
         return sum(self.rays_per_level) + self.leftover
 
 
+_PLACED: dict[tuple[object, ...], list[list[Placed]]] = {}
+
+
 def place_all(grid: Grid, eyes: dict, levels: Sequence[float]) -> list[list[Placed]]:
-    """Cells of every eye point at every level."""
-    d = np.asarray(eyes["density"], np.float64)
-    return [
-        [
-            grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.half))
-            for c in levels
+    """Cells of every eye point at every level.
+
+    The latest are kept: lights of many kinds are asked from the same eye points.
+    """
+    asked = [eyes[name].tobytes() for name in ("position", "normal", "density")]
+    key = (repr(grid), *levels, *asked)
+    if key not in _PLACED:
+        if len(_PLACED) == 4:
+            _PLACED.clear()
+        d = np.asarray(eyes["density"], np.float64)
+        _PLACED[key] = [
+            [grid.place(p, n, resolution_eye(d[i], c, grid.half)) for c in levels]
+            for i, (p, n) in enumerate(zip(eyes["position"], eyes["normal"], strict=True))
         ]
-        for i in range(len(d))
-    ]
+    return _PLACED[key]
 
 
 def alg2(
@@ -291,16 +300,20 @@ def alg2(
     table: dict[tuple[Key, int], bool] = {}
     out = Result(np.zeros_like(wanted), [0] * len(levels))
     for i in order:
-        steps = [(d, c) for d, c in enumerate(placed[i]) if d == 0 or c.key != placed[i][d - 1].key]
+        steps = [
+            (d, c.key, [c.neighbour(*o, grid.tangent) for o in NEIGHBOURS])
+            for d, c in enumerate(placed[i])
+            if d == 0 or c.key != placed[i][d - 1].key
+        ]
         for k in np.flatnonzero(wanted[i]):
-            for d, cell in steps:
-                value = table.get((cell.key, k))
+            for d, key, neighbours in steps:
+                value = table.get((key, k))
                 if value is None:
                     value = bool(exact[i, k])
-                    table[cell.key, k] = value
+                    table[key, k] = value
                     out.rays_per_level[d] += 1
                     break
-                near = [table.get((cell.neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS]
+                near = [table.get((n, k)) for n in neighbours]
                 if all(n is None or n == value for n in near):
                     break
             out.visible[i, k] = value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import pickle
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,13 @@ SIZE = (24, 16)
 def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Results that this process made earlier are not reused."""
     monkeypatch.setattr(travelling, "_NEWEST", Newest())
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[ProcessPoolExecutor]:
+    """One other process."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as made:
+        yield made
 
 
 def sent(scene: vc.Scene) -> vc.Scene:
@@ -117,18 +125,14 @@ def rendered(scene: vc.Scene) -> str:
     return vc.render(scene, vc.Direct(), size=SIZE, threads=1).sha256
 
 
-def test_pools_of_processes_take_scenes() -> None:
+def test_pools_of_processes_take_scenes(pool: ProcessPoolExecutor) -> None:
     scene = described()
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
-        parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
-        assert parts.sha256 == rendered(scene)
-        table = vc.sweep(
-            scene, "direct", over={"c_e": [4]}, size=SIZE, executor=pool, metrics=["rel_l1"]
-        )
-        here = vc.sweep(scene, "direct", over={"c_e": [4]}, size=SIZE, metrics=["rel_l1"])
-        assert table.rel_l1.values == here.rel_l1.values
+    assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
+    parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
+    assert parts.sha256 == rendered(scene)
+    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
+    table, here = (vc.sweep(scene, "direct", executor=e, **given) for e in (pool, None))
+    assert table.rel_l1.values == here.rel_l1.values
 
 
 @pytest.mark.extreme
@@ -169,7 +173,7 @@ def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
     assert "no picture: too &lt;large&gt;" in text and "triangles" in text
 
 
-def test_cameras_travel() -> None:
+def test_cameras_travel(pool: ProcessPoolExecutor) -> None:
     made = vc.look_at((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), up=(0.1, 1.0, 0.3), fov_deg=33)
     made.name, made.width, made.height, made.fov_is_horizontal = "side", 48, 32, True
     back = pickle.loads(pickle.dumps(made))
@@ -179,8 +183,7 @@ def test_cameras_travel() -> None:
     scene = vc.scenes.cube_on_plane()
     frames = [vc.render(scene, "direct", camera=c, size=SIZE) for c in (made, back)]
     assert frames[0].sha256 == frames[1].sha256
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        there = pool.submit(vc.render, scene, "direct", camera=made, size=SIZE).result()
+    there = pool.submit(vc.render, scene, "direct", camera=made, size=SIZE).result()
     assert there.sha256 == frames[0].sha256
 
 
@@ -192,11 +195,10 @@ def test_a_camera_of_nonsense_is_refused_when_it_arrives() -> None:
         broken.__setstate__((name, origin, [0.0, 0.0, 0.0], up, forward, *rest))
 
 
-def test_a_sweep_takes_a_camera_of_ones_own(tmp_path: Path) -> None:
+def test_a_sweep_takes_a_camera_of_ones_own(pool: ProcessPoolExecutor, tmp_path: Path) -> None:
     over, given = {"c_e": [4]}, {"size": SIZE, "metrics": ["rel_l1"], "directory": tmp_path}
     near, far = (vc.look_at((d, d, d), (0.0, 0.0, 0.0)) for d in (2.0, 4.0))
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        vc.sweep("cube_on_plane", "direct", over=over, camera=near, executor=pool, **given)
+    vc.sweep("cube_on_plane", "direct", over=over, camera=near, executor=pool, **given)
     frames = tmp_path / "frames"
     assert len(list(frames.iterdir())) == 2
     vc.sweep("cube_on_plane", "direct", over=over, camera=near, **given)

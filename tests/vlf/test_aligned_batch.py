@@ -54,7 +54,7 @@ def test_the_batch_says_what_single_rays_say(n_directions: int, n_points: int) -
 @pytest.mark.parametrize("n_directions", [129, 513])
 def test_so_it_does_along_many_axes(n_directions: int) -> None:
     scene = clutter(seed=3, n=160)
-    points, normals = surface(scene, 40, seed=3)
+    points, normals = surface(scene, 20, seed=3)
     frames = frames_of(n_directions)
     found = batch(scene, points, normals, frames)
     np.testing.assert_array_equal(found, expected(scene, points, normals, frames))
@@ -110,7 +110,7 @@ def test_a_blocker_counts_up_to_t_max() -> None:
 
 def test_threads_and_instruction_sets_change_no_bit() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=3000)
-    points, normals = surface(scene, 5000)
+    points, normals = surface(scene, 2000)
     for t_max in (np.inf, 0.4):
         base, work = scene.aligned_batch().rows(
             scene._core, points, normals, frames_of(129), t_max=t_max, threads=1
@@ -275,7 +275,7 @@ def hall(seed: int = 0) -> tuple[vc.Scene, Array, Array]:
 def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max: float) -> None:
     """Walls settle whole nodes, and points that are left are packed anew: no bit may change."""
     scene, points, normals = hall()
-    frames = frames_of(129, 30)
+    frames = frames_of(129, 12)
     found = batch(scene, points, normals, frames, t_max=t_max)
     np.testing.assert_array_equal(found, expected(scene, points, normals, frames, t_max=t_max))
     assert 0 < found.mean() < (0.3 if t_max == np.inf else 0.9)

@@ -140,7 +140,7 @@ def test_a_point_that_asks_both_of_two_opposites_gets_both() -> None:
 
 def test_rows_say_who_traced_them_and_why() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=3000)
-    points, normals = surface(scene, 3000)
+    points, normals = surface(scene, 1200)
     found = {
         engine: trace_rows(scene, points, normals, SKY, engine=engine)
         for engine in ("embree", "batch", "field", "auto")

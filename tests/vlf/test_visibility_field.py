@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -87,10 +88,15 @@ def compare(scene: vc.Scene, f: vc.VisibilityField, rays: Array, apart_by: float
     return int(differ.sum())
 
 
+@cache
+def fine_field(scene: vc.Scene, kernel: str) -> vc.VisibilityField:
+    return field(scene, kernel=kernel, n_directions=129, n_tiles=64)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("kernel", ["watertight", "wald"])
 def test_hits_are_those_of_embree(scene: vc.Scene, kernel: str, kind: str) -> None:
-    f = field(scene, kernel=kernel, n_directions=129, n_tiles=64)
+    f = fine_field(scene, kernel)
     rays = rays_of_every_kind(flat(scene), 20_000, 129)[kind]
     # Where rays run along surfaces, many pass an edge within rounding, and t is uncertain
     grazing = kind == "grazing"
@@ -113,10 +119,16 @@ def test_of_five_million_rays_none_differs_without_excuse() -> None:
     assert total >= 5_000_000 and excused <= 1e-5 * total
 
 
+@cache
+def plain_hits(scene: vc.Scene) -> tuple[Array, Any]:
+    """Rays of every kind, and their hits by the field of the smallest settings."""
+    rays = np.concatenate(list(rays_of_every_kind(flat(scene), 2000, 33).values()))
+    return rays, field(scene).intersect(rays[:, 0], rays[:, 1])
+
+
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_answers_do_not_depend_on_how_the_lists_are_kept(scene: vc.Scene, variant: str) -> None:
-    rays = np.concatenate(list(rays_of_every_kind(flat(scene), 2000, 33).values()))
-    base = field(scene).intersect(rays[:, 0], rays[:, 1])
+    rays, base = plain_hits(scene)
     f = field(scene, **VARIANTS[variant])
     found = f.intersect(rays[:, 0], rays[:, 1])
     for ours, theirs in zip(found, base, strict=True):
