@@ -9,8 +9,10 @@ import sys
 from viscache import _core
 
 EVERY = ("portable", "avx2", "avx512")
-#: The variants of this CPU that this process does not run itself.
-ISAS = tuple(isa for isa in EVERY[: EVERY.index(_core.best_isa()) + 1] if isa != _core.active_isa())
+#: The variants of this CPU.
+AVAILABLE = EVERY[: EVERY.index(_core.best_isa()) + 1]
+#: Those that this process does not run itself.
+ISAS = tuple(isa for isa in AVAILABLE if isa != _core.active_isa())
 
 
 def printed_by(isa: str, module: str, expression: str) -> str:

@@ -11,12 +11,10 @@ import pytest
 import viscache as vc
 from core import testing
 from reference.built import built
-from reference.every_isa import ISAS, printed_by
-from viscache import _core
+from reference.every_isa import AVAILABLE, ISAS, printed_by
 from viscache.scene.queries import together
 
 Array = npt.NDArray[Any]
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 packed_rays, ray_order = testing.packed_rays, testing.ray_order
 BAD = (np.nan, np.inf, -np.inf, 1.0001e16, -2e18)
 
