@@ -37,7 +37,8 @@ VISCACHE_INLINE void keep_body(Word* a, const Word* b, size_t words) {
     for (size_t w = 0; w < words; w += 8) store_row(a + w, load_row(a + w) & load_row(b + w));
 }
 VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* resolved, size_t words) {
-    for (size_t w = 0; w < words; w += 8) store_row(a + w, load_row(a + w) & ~(load_row(known + w) & load_row(resolved + w)));
+    for (size_t w = 0; w < words; w += 8)
+        store_row(a + w, load_row(a + w) & ~(load_row(known + w) & load_row(resolved + w)));
 }
 VISCACHE_INLINE void store_below_body(const Word* mask, const Word* value, Word* known_below,
                                       Word* value_below, size_t words) {
@@ -63,7 +64,8 @@ VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Wo
 VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_t w) {
     const Row512 v = load_row(own.value + w);
     Row512 d{};
-    for (int q = 0; q < 4; ++q) d |= load_row(neighbours[q].known + w) & (load_row(neighbours[q].value + w) ^ v);
+    for (int q = 0; q < 4; ++q)
+        d |= load_row(neighbours[q].known + w) & (load_row(neighbours[q].value + w) ^ v);
     return d;
 }
 
@@ -90,7 +92,8 @@ VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Wo
 VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t words, RowCounts& counts) {
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 queries = load_row(a + w), hit = queries & load_row(own.known + w), rest = queries & ~hit;
+        const Row512 queries = load_row(a + w), hit = queries & load_row(own.known + w),
+                     rest = queries & ~hit;
         store_row(visible + w, load_row(visible + w) | (hit & load_row(own.value + w)));
         store_row(a + w, rest);
         counts.lookups += ones(queries);

@@ -12,7 +12,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kPathTileEdge = 16;          // in pixels; a work item is one sample of every pixel of a tile
+constexpr int kPathTileEdge = 16;      // in pixels; a work item is one sample of every pixel of a tile
 constexpr size_t kFirstRound = 4;      // items in the first round; later rounds grow
 constexpr size_t kItemsPerRound = 64;  // up to this size
 

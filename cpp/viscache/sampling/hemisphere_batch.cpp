@@ -8,8 +8,8 @@ namespace viscache {
 namespace {
 
 template <class Warp>
-inline __attribute__((always_inline)) void fill_hemisphere(const HemisphereSequence& s, uint32_t first, uint32_t n,
-                                                HemisphereBatch& out, Warp warp) {
+inline __attribute__((always_inline)) void fill_hemisphere(const HemisphereSequence& s, uint32_t first,
+                                                           uint32_t n, HemisphereBatch& out, Warp warp) {
     constexpr uint32_t kLanes = HemisphereBatch::kLanes;
     for (uint32_t block = 0; block < n; block += kLanes) {
         float *const x = out.x + block, *const y = out.y + block, *const z = out.z + block;

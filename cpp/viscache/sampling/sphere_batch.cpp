@@ -7,8 +7,8 @@
 namespace viscache {
 namespace {
 
-inline __attribute__((always_inline)) void fill_sphere(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x,
-                                                float* y, float* z) {
+inline __attribute__((always_inline)) void fill_sphere(uint32_t sx, uint32_t sy, uint32_t first, size_t n,
+                                                       float* x, float* y, float* z) {
     for (size_t i = 0; i < n; ++i) {
         const Vec2 u = sobol02(first + uint32_t(i), sx, sy);
         const bool below = u.x >= 0.5f;

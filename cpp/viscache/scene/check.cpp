@@ -36,13 +36,14 @@ void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
         refuse(name, ": at most 2^31 triangles, got ", m.triangles.size());
     for (size_t i = 0; i < m.vertices.size(); ++i)
         if (!is_usable_vertex(m.vertices[i]))
-            refuse(name, ": vertex ", i, " must be finite and at most 1e12 in size, got ", text(m.vertices[i]));
+            refuse(name, ": vertex ", i, " must be finite and at most 1e12 in size, got ",
+                   text(m.vertices[i]));
     for (size_t i = 0; i < m.triangles.size(); ++i) {
         const Vec3u t = m.triangles[i];
         const uint32_t worst = std::max({t.x, t.y, t.z});
         if (worst >= m.vertices.size())
             refuse(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(),
-                 " vertices");
+                   " vertices");
     }
     if (!m.normals.empty() && m.normals.size() != m.vertices.size())
         refuse(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
@@ -62,7 +63,7 @@ void check_metal(const Material& m, const std::string& name) {
     if (!usable_color(eta) || !usable_color(k) || std::max(max_component(eta), max_component(k)) > kLargest ||
         !(std::min({sum.x, sum.y, sum.z}) > 0))
         refuse(name, ": metal_eta and metal_k must be in [0, 10000] and not both 0, got ", text(eta), " and ",
-             text(k));
+               text(k));
     const bool bare = m.kind == MaterialKind::kGlossy && m.coat == CoatKind::kNone && m.metallic == 0 &&
                       m.metallic_roughness_texture < 0 && !(max_component(m.base_color) > 0);
     if (!bare && m.kind != MaterialKind::kMirror)
@@ -91,7 +92,7 @@ void check_material(const Material& m, size_t index, size_t images) {
     const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;
     if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
         refuse(name,
-             ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
+               ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
     for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
         if (t < -1 || t >= int(images)) refuse(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }
@@ -100,16 +101,18 @@ void check_cone(const SpotCone& c, size_t light) {
     if (c.falloff == Falloff::kNone) return;
     if (!(std::fabs(length(c.axis) - 1) < 1e-3f))
         refuse("point light ", light, ": the axis of its cone must not be zero or non-finite, got ",
-             text(c.axis));
+               text(c.axis));
     if (!(c.cos_outer >= -1 && c.cos_outer < 1 && c.cos_inner >= c.cos_outer && c.cos_inner <= 1))
-        refuse("point light ", light, ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,",
-             " got ", c.cos_outer, " and ", c.cos_inner);
+        refuse("point light ", light,
+               ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,", " got ", c.cos_outer,
+               " and ", c.cos_inner);
 }
 
 void check_light_numbers(const SceneDescription& d) {
     for (size_t i = 0; i < d.point_lights.size(); ++i) {
         const PointLight& l = d.point_lights[i];
-        if (!usable(l.position)) refuse("point light ", i, ": position must be finite, got ", text(l.position));
+        if (!usable(l.position))
+            refuse("point light ", i, ": position must be finite, got ", text(l.position));
         if (!usable_color(l.intensity))
             refuse("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
         check_cone(l.cone, i);
@@ -118,7 +121,7 @@ void check_light_numbers(const SceneDescription& d) {
         const DirectionalLight& l = d.directional_lights[i];
         if (!(std::fabs(length(l.direction) - 1) < 1e-3f))
             refuse("directional light ", i, ": direction must not be zero or non-finite, got ",
-                 text(l.direction));
+                   text(l.direction));
         if (!usable_color(l.irradiance))
             refuse("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
     }
@@ -144,9 +147,10 @@ void check_description(const SceneDescription& d) {
         if (values == 0 || image.channels > 4 || image.size() != values ||
             (!image.pixels.empty() && !image.bytes.empty()))
             refuse("image ", i, " '", image.path, "' must have a value per channel and pixel, got ",
-                 image.size(), " for ", image.width, " x ", image.height, " x ", image.channels);
+                   image.size(), " for ", image.width, " x ", image.height, " x ", image.channels);
         for (float v : image.pixels)
-            if (!std::isfinite(v)) refuse("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
+            if (!std::isfinite(v))
+                refuse("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
     }
     for (size_t i = 0; i < d.materials.size(); ++i) check_material(d.materials[i], i, d.images.size());
     for (size_t i = 0; i < d.meshes.size(); ++i)
@@ -166,7 +170,7 @@ void check_description(const SceneDescription& d) {
             refuse("instance ", i, ": to_world must stretch by ", kLeastStretch, " or more, got ", least);
         if (!(ratio <= kMostUneven))
             refuse("instance ", i, ": to_world must stretch no direction more than ", kMostUneven,
-                 " times as much as another, got ", ratio);
+                   " times as much as another, got ", ratio);
     }
     check_light_numbers(d);
     if (d.environment) {
@@ -182,12 +186,13 @@ void check_camera(const Camera& c) {
     if (!usable(c.origin)) refuse("camera '", c.name, "': origin must be finite, got ", text(c.origin));
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
         refuse("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
-             c.fov_y_rad * 180 / kPi);
+               c.fov_y_rad * 180 / kPi);
     if (!(c.view_height >= 0 && c.view_height < kMaxPlace))
         refuse("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
     for (float shift : {c.shift_x, c.shift_y})
         if (!(std::fabs(shift) <= kMaxShift))
-            refuse("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ", shift);
+            refuse("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ",
+                   shift);
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
             refuse("camera '", c.name, "': origin and target must be finite and differ");

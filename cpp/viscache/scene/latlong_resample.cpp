@@ -66,8 +66,9 @@ void check_radiance(const Image& image, Rgb scale) {
         const size_t width = size_t(image.width);
         for (size_t i = 0; i < width * size_t(image.height); ++i)
             if (const Rgb c = pixel(i); !usable_radiance(c * scale))
-                fail_latlong(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z, ") times scale (",
-                     scale.x, ", ", scale.y, ", ", scale.z, ") in row ", i / width, ", column ", i % width);
+                fail_latlong(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z,
+                             ") times scale (", scale.x, ", ", scale.y, ", ", scale.z, ") in row ", i / width,
+                             ", column ", i % width);
     });
 }
 
@@ -75,15 +76,16 @@ void check_latlong(const Image& image, Rgb scale, const Affine& to_world, int re
     const size_t expected =
         size_t(std::max(0, image.width)) * std::max(0, image.height) * std::max(0, image.channels);
     if (expected == 0 || image.size() != expected)
-        fail_latlong(image, "must have pixels, got ", image.width, " x ", image.height, " x ", image.channels);
+        fail_latlong(image, "must have pixels, got ", image.width, " x ", image.height, " x ",
+                     image.channels);
     if (size_t(image.width) * image.height > kMaxPixels)
         fail_latlong(image, "has ", image.width, " x ", image.height,
-             " pixels; skies have at most 2^27 (16384 x 8192): scale it down");
+                     " pixels; skies have at most 2^27 (16384 x 8192): scale it down");
     check_radiance(image, scale);
     if (resolution != 0 &&
         (resolution < 2 || resolution > kMaxResolution || !std::has_single_bit(unsigned(resolution))))
         fail_latlong(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
-             resolution);
+                     resolution);
     // A rotation, possibly with a uniform scale: orthogonal columns of equal length
     const auto& m = to_world.m;
     double gram[3][3], size = 0;
@@ -93,8 +95,8 @@ void check_latlong(const Image& image, Rgb scale, const Affine& to_world, int re
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (!(size > 0) || !(std::abs(gram[i][j] - (i == j ? size : 0)) <= 1e-3 * size))
-                fail_latlong(image, ": to_world must be a rotation, got columns with dot product ", gram[i][j], " (",
-                     i, ", ", j, ")");
+                fail_latlong(image, ": to_world must be a rotation, got columns with dot product ",
+                             gram[i][j], " (", i, ", ", j, ")");
 }
 
 /// Look-ups along a part of a row of texels.

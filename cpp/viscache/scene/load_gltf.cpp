@@ -128,7 +128,8 @@ void GltfReader::parse() {
 
 void GltfReader::check_extensions() {
     for (const std::string& name : model_.extensionsUsed)
-        if (!is_known_extension(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
+        if (!is_known_extension(name))
+            loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
     if (!model_.animations.empty())
         loading_.warn(path_, "animations are not modelled; the scene at rest is used");
 }

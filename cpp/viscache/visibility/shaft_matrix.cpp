@@ -203,8 +203,8 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
         parallel_for(count, threads, [&](size_t i, int t) {
             control.check();
             const size_t first = (next + i) * kPointsPerMatrixTile;
-            worker(t).prepare(
-                round[i], std::span(along).subspan(first, std::min(kPointsPerMatrixTile, points.size() - first)));
+            worker(t).prepare(round[i], std::span(along).subspan(
+                                            first, std::min(kPointsPerMatrixTile, points.size() - first)));
         });
         // A work item is a tile and one word of targets; its words belong to no other item
         parallel_for(count * q.words(), threads, [&](size_t item, int t) {

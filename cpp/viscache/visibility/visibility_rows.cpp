@@ -67,7 +67,7 @@ namespace {
 class SkyWorker {
 public:
     SkyWorker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
-           const Control& control)
+              const Control& control)
         : extent_(extent), sky_(sky), oracle_(caster, extent, order) {
         oracle_.watch(control);
     }

@@ -22,11 +22,12 @@ float cells_per_unit(uint32_t n, float low, float high) {
 
 void NeePlusPlusSettings::validate() const {
     detail::require(n_voxels >= 1 && n_voxels <= 64, "n_voxels must be in [1, 64]", n_voxels);
-    detail::require(n_directions >= 1 && n_directions <= 256, "n_directions must be in [1, 256]", n_directions);
+    detail::require(n_directions >= 1 && n_directions <= 256, "n_directions must be in [1, 256]",
+                    n_directions);
     detail::require(learn_pixels >= 1, "learn_pixels must be >= 1", learn_pixels);
     detail::require(relearn_pixels >= 0, "relearn_pixels must be >= 0", relearn_pixels);
     detail::require(min_probability >= 1e-3 && min_probability <= 1, "min_probability must be in [0.001, 1]",
-            min_probability);
+                    min_probability);
     detail::require(exponent >= 0 && exponent <= 4, "exponent must be in [0, 4]", exponent);
     detail::require(certain > 0 && std::isfinite(certain), "certain must be > 0 and finite", certain);
     detail::require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
@@ -83,7 +84,7 @@ void VoxelVisibility::remove_at(size_t place, bool seen) {
 void VoxelVisibility::restore(size_t place, Counts counts) {
     detail::require(place < size_, "a pair of voxels must have a number in its range", place);
     detail::require(counts.tested > 0 && counts.seen <= counts.tested && counts_[place].tested == 0,
-            "a pair of voxels must have counts once, with seen <= tested", counts.seen);
+                    "a pair of voxels must have counts once, with seen <= tested", counts.seen);
     counts_[place] = counts;
     pairs_tested_.fetch_add(1);
 }

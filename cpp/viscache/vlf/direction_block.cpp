@@ -150,9 +150,9 @@ AlignedCounts DirectionBlock::trace(BitMatrix& visible, Isa isa) {
 
 EngineChoice DirectionBlock::choose(Isa isa) const {
     const TraceAxis kernel = trace_axis_kernel(isa);
-    const std::vector<size_t> some =
-        probed_axes(axes_.size(),
-                    std::min(axes_.size(), std::clamp<size_t>(axes_.size() / kAxesPerBlockProbe, 1, kProbedBlockAxes)));
+    const std::vector<size_t> some = probed_axes(
+        axes_.size(),
+        std::min(axes_.size(), std::clamp<size_t>(axes_.size() / kAxesPerBlockProbe, 1, kProbedBlockAxes)));
     std::vector<AlignedCounts> work(some.size());
     std::vector<uint64_t> rays(some.size()), seen(some.size());
     const auto lanes_in = [](const std::vector<uint16_t>& lanes) {
