@@ -1,7 +1,7 @@
 """What only tests call of the C++ core: `from core import testing`.
 
-The module `testing` is compiled from the sources here, beside this file. VISCACHE_TEST_CORE is "none" where
-tests run with another build of viscache: one from a wheel, or with sanitizers.
+The module `testing` is compiled from the sources here, beside this file. VISCACHE_TEST_CORE is
+"none" where tests run with another build of viscache: one from a wheel, or with sanitizers.
 """
 
 import os
