@@ -20,13 +20,17 @@ def shared_scenes() -> Path:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Workers share the cores: frames use the threads of their worker, as in any process."""
+    """Workers share the cores, so that not every frame of every worker uses all of them.
+
+    Each has two at least: Mitsuba never ends loading a scene where it has one.
+    """
     worker = getattr(config, "workerinput", None)
     if worker is None:
         return
-    count, own = worker["workercount"], int(worker["workerid"].removeprefix("gw"))
     cores = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, cores[own % len(cores) :: max(count, 1)])
+    share = max(2, len(cores) // worker["workercount"])
+    first = int(worker["workerid"].removeprefix("gw")) * share
+    os.sched_setaffinity(0, {cores[(first + i) % len(cores)] for i in range(share)})
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -3,7 +3,7 @@ one."""
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fnmatch import fnmatch
 from pathlib import PurePosixPath
 
@@ -57,13 +57,17 @@ def private_names(source: str) -> Iterator[str]:
                 yield called[1] if called else NAME_BEFORE_VALUE.findall(head)[0]
 
 
-def clashes(files: dict[str, str]) -> dict[str, list[str]]:
-    """Private names that several files of a folder define, with these files."""
+def clashes(files: dict[str, str], home_of: Callable[[str], str]) -> dict[str, list[str]]:
+    """Private names that several files of a home define, with these files."""
     homes = defaultdict(list)
     for path, source in files.items():
         for name in set(private_names(source)):
-            homes[PurePosixPath(path).parent, name].append(path)
+            homes[home_of(path), name].append(path)
     return {name: where for (_, name), where in homes.items() if len(where) > 1}
+
+
+def folder_of(path: str) -> str:
+    return str(PurePosixPath(path).parent)
 
 
 def test_every_file_is_in_one_unit() -> None:
@@ -78,11 +82,13 @@ def test_the_longest_units_come_first_and_none_is_too_large() -> None:
     assert max(megabytes for _, megabytes, _ in units().values()) <= 1100
 
 
-def test_files_of_a_folder_have_private_names_of_their_own() -> None:
+def test_files_of_a_unit_or_a_folder_have_private_names_of_their_own() -> None:
     """Two files of a unit must not define one name; any files of a folder may share a unit."""
     files = {path: text(path) for path in COMPILED}
+    unit_of = {path: unit for unit, (_, _, paths) in units().items() for path in paths}
     assert sum(len(list(private_names(source))) for source in files.values()) > 500
-    assert clashes(files) == {}
+    assert clashes(files, folder_of) == {}
+    assert clashes(files, unit_of.__getitem__) == {}
 
 
 @pytest.mark.parametrize(
@@ -104,7 +110,7 @@ def test_private_names_are_found(source: str, names: list[str]) -> None:
 
 def test_a_clash_is_found() -> None:
     one, other = "namespace { int f() { } }", "namespace { void f(int) { } }"
-    assert clashes({"cpp/a/x.cpp": one, "cpp/a/y.cpp": other}) == {
+    assert clashes({"cpp/a/x.cpp": one, "cpp/a/y.cpp": other}, folder_of) == {
         "f": ["cpp/a/x.cpp", "cpp/a/y.cpp"]
     }
-    assert clashes({"cpp/a/x.cpp": one, "cpp/b/y.cpp": other}) == {}
+    assert clashes({"cpp/a/x.cpp": one, "cpp/b/y.cpp": other}, folder_of) == {}

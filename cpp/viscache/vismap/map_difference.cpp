@@ -5,20 +5,20 @@
 namespace viscache {
 namespace {
 
-uint32_t portable(const Word* a, const Word* b, size_t words) {
+uint32_t differing_portable(const Word* a, const Word* b, size_t words) {
     uint32_t n = 0;
     for (size_t w = 0; w < words; ++w) n += uint32_t(std::popcount(a[w] ^ b[w]));
     return n;
 }
 
 #if VISCACHE_X86
-VISCACHE_TARGET_AVX2 uint32_t avx2(const Word* a, const Word* b, size_t words) {
+VISCACHE_TARGET_AVX2 uint32_t differing_avx2(const Word* a, const Word* b, size_t words) {
     uint32_t n = 0;
     for (size_t w = 0; w < words; ++w) n += uint32_t(__builtin_popcountll(a[w] ^ b[w]));
     return n;
 }
 
-VISCACHE_TARGET_AVX512 uint32_t avx512(const Word* a, const Word* b, size_t words) {
+VISCACHE_TARGET_AVX512 uint32_t differing_avx512(const Word* a, const Word* b, size_t words) {
     __m512i sum = _mm512_setzero_si512();
     for (size_t w = 0; w < words; w += 8) {
         const __mmask8 in = words - w >= 8 ? 0xff : __mmask8((1u << (words - w)) - 1);
@@ -34,10 +34,10 @@ VISCACHE_TARGET_AVX512 uint32_t avx512(const Word* a, const Word* b, size_t word
 
 CountDifferences count_differences([[maybe_unused]] Isa isa) {
 #if VISCACHE_X86
-    if (isa == Isa::kAvx512) return avx512;
-    if (isa == Isa::kAvx2) return avx2;
+    if (isa == Isa::kAvx512) return differing_avx512;
+    if (isa == Isa::kAvx2) return differing_avx2;
 #endif
-    return portable;
+    return differing_portable;
 }
 
 }  // namespace viscache
