@@ -6,6 +6,7 @@ import hashlib
 import math
 import os
 import socket
+import stat
 import threading
 import tokenize
 import zipfile
@@ -44,6 +45,7 @@ def whole_file(target: Path) -> Iterator[Path]:
     partial = target.with_name(
         f".{target.name}.{_machine()}.{os.getpid()}.{threading.get_ident()}.part"
     )
+    partial.unlink(missing_ok=True)  # a link there would lead elsewhere
     try:
         yield partial
         partial.replace(target)
@@ -53,6 +55,34 @@ def whole_file(target: Path) -> Iterator[Path]:
         raise named(error, target) from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+def inside(folder: Path, name: str) -> Path:
+    """The path of a file in a folder that may come from somebody else.
+
+    Parameters
+    ----------
+    folder : path
+        As the user gave it; it may be a link.
+    name : str
+        Parts are divided by "/". They are those of this package, never read from a file.
+
+    Raises
+    ------
+    ValueError
+        The file, or a folder on the way to it, is a link, which may lead anywhere, or a device.
+    """
+    path = folder
+    for part in name.split("/"):
+        path = path / part
+        try:
+            mode = path.lstat().st_mode
+        except (FileNotFoundError, NotADirectoryError):
+            continue
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+            given = f"a link to {path.readlink()}" if stat.S_ISLNK(mode) else "a device or pipe"
+            raise ValueError(f"{path} must be a file or folder of its own, got {given}; remove it")
+    return path
 
 
 def named(error: OSError, target: Path) -> OSError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache.files import whole_file, write_whole
+from viscache.files import inside, whole_file, write_whole
 from viscache.scene import environments
 
 
@@ -81,3 +82,29 @@ def test_a_picture_without_its_end_is_called_damaged(read: Any, tmp_path: Path) 
     path.write_bytes(path.read_bytes()[:-200])
     with pytest.raises(ValueError, match=r"picture\.exr cannot be read: it is damaged"):
         read(path)
+
+
+def test_a_link_in_the_place_of_a_partial_file_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target, victim = tmp_path / "table.csv", tmp_path / "victim"
+    victim.write_text("precious")
+    with whole_file(target) as partial:
+        partial.write_text("x")
+    partial.symlink_to(victim)
+    write_whole(target, "new")
+    assert victim.read_text() == "precious" and target.read_text() == "new"
+    assert not target.is_symlink() and not partial.is_symlink()
+
+
+def test_a_path_inside_a_folder_passes_no_link(tmp_path: Path) -> None:
+    (tmp_path / "real" / "a").mkdir(parents=True)
+    (tmp_path / "real" / "a" / "link").symlink_to(tmp_path)
+    (tmp_path / "folder").symlink_to(tmp_path / "real")
+    assert inside(tmp_path / "folder", "a/new/file") == tmp_path / "folder" / "a/new/file"
+    for name in ("a/link", "a/link/file"):
+        with pytest.raises(ValueError, match="link must be a file or folder of its own, got a "):
+            inside(tmp_path / "folder", name)
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ValueError, match="got a device or pipe; remove it"):
+        inside(tmp_path, "pipe")

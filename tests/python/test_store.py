@@ -13,11 +13,14 @@ import numpy as np
 import pytest
 
 from viscache.frame import Frame
-from viscache.sweeps.store import Store, content_key
+from viscache.sweeps.store import Store, content_key, picture_name
 
 
 def frame(value: float = 1.0) -> Frame:
     return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
+
+
+KEY = "a" * 64
 
 
 def test_the_key_is_of_the_content_not_of_the_order() -> None:
@@ -27,38 +30,38 @@ def test_the_key_is_of_the_content_not_of_the_order() -> None:
 
 def test_a_finished_frame_is_there_after_reopening(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
-        assert store.get("k" * 64) is None
-        store.put("k" * 64, {"seed": 3}, frame(2.0))
+        assert store.get(KEY) is None
+        store.put(KEY, {"seed": 3}, frame(2.0))
     with Store(tmp_path) as store:
-        record = store.get("k" * 64)
+        record = store.get(KEY)
         assert record is not None and record.spec == {"seed": 3} and record.counters == {"rays": 5}
-        assert store.frame("k" * 64).sha256 == record.sha256 == frame(2.0).sha256
+        assert store.frame(KEY).sha256 == record.sha256 == frame(2.0).sha256
 
 
 def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
-        store.put("k" * 64, {}, frame())
-        (tmp_path / store.get("k" * 64).file).unlink()
-        assert store.get("k" * 64) is None
+        store.put(KEY, {}, frame())
+        (tmp_path / picture_name(KEY)).unlink()
+        assert store.get(KEY) is None
 
 
 def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
-        store.put("a", {}, frame())
-        store.put_comparison("a", "b", {"rmse": 1.0, "flip": None})
-        assert store.compared("a", "b") == {"rmse": 1.0, "flip": None}
-        store.put("a", {}, frame(3.0))
-        assert store.compared("a", "b") == {}
+        store.put(KEY, {}, frame())
+        store.put_comparison(KEY, "b", {"rmse": 1.0, "flip": None})
+        assert store.compared(KEY, "b") == {"rmse": 1.0, "flip": None}
+        store.put(KEY, {}, frame(3.0))
+        assert store.compared(KEY, "b") == {}
 
 
 def test_only_one_of_two_stores_gets_a_claim(tmp_path: Path) -> None:
     with Store(tmp_path) as one, Store(tmp_path) as two:
-        assert one.claim("k") and one.claim("k")
-        assert not two.claim("k")
-        one.release("k")
-        assert two.claim("k") and not one.claim("k")
-        two.put("k", {}, frame())
-        assert one.get("k") is not None
+        assert one.claim(KEY) and one.claim(KEY)
+        assert not two.claim(KEY)
+        one.release(KEY)
+        assert two.claim(KEY) and not one.claim(KEY)
+        two.put(KEY, {}, frame())
+        assert one.get(KEY) is not None
 
 
 def test_the_claim_of_a_process_that_died_is_taken_over(tmp_path: Path) -> None:
@@ -87,8 +90,9 @@ def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) 
         "from viscache.frame import Frame\n"
         "with Store(sys.argv[1]) as s:\n"
         "    for i in range(12):\n"
-        "        if s.claim(f'k{i}') and s.get(f'k{i}') is None:\n"
-        "            s.put(f'k{i}', {'by': sys.argv[2]},"
+        "        key = f'{i:020x}' + 44 * '0'\n"
+        "        if s.claim(key) and s.get(key) is None:\n"
+        "            s.put(key, {'by': sys.argv[2]},"
         " Frame(layers={'color': np.full((4, 4, 3), float(i))}))\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
@@ -99,7 +103,7 @@ def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) 
     assert [w.wait(60) for w in workers] == [0, 0]
     with Store(tmp_path) as store:
         for i in range(12):
-            assert store.frame(f"k{i}").image[0, 0, 0] == i
+            assert store.frame(f"{i:020x}" + 44 * "0").image[0, 0, 0] == i
 
 
 def test_a_file_that_is_no_store_is_refused(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.array_digests import arrays_digest
-from viscache.files import DAMAGED_ARRAYS, named, whole_file
+from viscache.files import DAMAGED_ARRAYS, inside, named, whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -75,14 +75,15 @@ class FolderStore:
     Raises
     ------
     ValueError
-        The folder contains rows of another shape.
+        The folder contains rows of another shape, or links in the place of files.
     """
 
     def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
         self.folder = folder
         self.mended: list[str] = []
+        inside(folder.parent, folder.name)
         folder.mkdir(parents=True, exist_ok=True)
-        self.path = folder / "rows.npy"
+        self.path = inside(folder, "rows.npy")
         if not self.path.exists():
             _create_rows(self.path, shape)
         _reserve(self.path)  # also of files that took room only as rows were written
@@ -101,10 +102,10 @@ class FolderStore:
     def put(self, name: str, arrays: Arrays, rows: slice | None = None) -> None:
         self.bits.flush()
         digest = np.array(self._digest(name, arrays, rows))
-        write_arrays(self.folder / f"{name}.npz", {**arrays, DIGEST: digest})
+        write_arrays(inside(self.folder, f"{name}.npz"), {**arrays, DIGEST: digest})
 
     def get(self, name: str, rows: slice | None = None) -> Arrays | None:
-        path = self.folder / f"{name}.npz"
+        path = inside(self.folder, f"{name}.npz")
         if not path.is_file():
             return None
         try:

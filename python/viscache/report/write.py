@@ -20,7 +20,7 @@ from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.settings.checks import require
 from viscache.sweeps.store import Store
 from viscache.sweeps.swept import MOST_NAMED, error_of, levels_of, settings_of
-from viscache.sweeps.table import open_dataset
+from viscache.sweeps.table import folder_of, open_dataset
 
 if TYPE_CHECKING:
     import xarray
@@ -46,7 +46,8 @@ def write(
     Parameters
     ----------
     sweep : Dataset or path
-        The result of `viscache.sweep`, or its directory. Pictures require the directory.
+        The result of `viscache.sweep`, or its directory. Pictures require the directory, or a sweep
+        that this process ran or opened.
     path : path, optional
         The HTML file; `report.html` in the directory by default.
     error : str, optional
@@ -82,8 +83,7 @@ def write(
         directory: Path | None = Path(sweep)
     else:
         dataset = sweep
-        kept = dataset.attrs.get("directory")
-        directory = Path(kept) if kept and Store.exists(kept) else None
+        directory = folder_of(dataset)
     if path is not None:
         page = Path(path)
     elif directory is not None:

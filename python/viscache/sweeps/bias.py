@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from viscache.over_time import half_width
 from viscache.sweeps.store import Store
+from viscache.sweeps.table import folder_of
 
 if TYPE_CHECKING:
     import xarray
@@ -56,8 +57,8 @@ def of_sweep(ds: xarray.Dataset) -> dict[tuple[int, ...], tuple[Interval, Interv
     Empty where the sweep has no directory or one repeat; settings without all pictures are left
     out.
     """
-    folder = ds.attrs.get("directory")
-    if not folder or ds.sizes.get("repeat", 1) < 2 or not Store.exists(folder):
+    folder = folder_of(ds)
+    if folder is None or ds.sizes.get("repeat", 1) < 2:
         return {}
     found = {}
     with Store(folder) as store:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import metrics
-from viscache.files import DAMAGED_ARRAYS, whole_file
+from viscache.files import DAMAGED_ARRAYS, inside, whole_file
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
@@ -62,4 +62,4 @@ def kept(frame: Frame, reference: Frame, directory: Path | None) -> FlipMap | No
 
 
 def _file(directory: Path, frame: Frame, reference: Frame) -> Path:
-    return directory / "flip" / f"{frame.sha256[:16]}-{reference.sha256[:16]}.npz"
+    return inside(directory, f"flip/{frame.sha256[:16]}-{reference.sha256[:16]}.npz")

@@ -285,7 +285,7 @@ class Run:
         frame.provenance["alone"] = False
         self.mended.append(f"{reason.partition('; delete')[0]}: rendered again")
         if record is not None and not record.changed(frame):
-            self.store.replace_picture(record, frame)
+            self.store.replace_picture(key, frame)
         else:  # comparisons with the old picture are void
             self.store.put(key, self.plan.specs[key], frame)
             self.void.add(key)

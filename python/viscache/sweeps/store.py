@@ -4,15 +4,17 @@ A directory has `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv
 `table.parquet` if pyarrow is installed, and `report.html` if a report was written. The key of a
 frame is a hash of everything that determines its pixels. So an interrupted sweep repeats no frame,
 and a changed sweep renders only the frames that changed.
+
+A store may come from somebody else. So names of files follow from keys and are never read; links in
+the place of its files are refused, and so is a database with more than tables.
 """
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 import os
+import re
 import shutil
 import socket
 import sqlite3
@@ -20,20 +22,25 @@ import threading
 import time
 import uuid
 import weakref
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache.array_digests import changed_layers, layer_digests
-from viscache.files import whole_file
+from viscache.files import inside, whole_file
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
 #: Seconds after which a claim of another machine expires.
 CLAIM_EXPIRES_S = 3600.0
+
+#: Files of SQLite by their ends, after the name of the database.
+DATABASE_FILES = ("", "-wal", "-shm", "-journal")
+#: Last bytes of a journal of SQLite that names another file; SQLite would delete that file.
+JOURNAL_OF_SEVERAL = bytes.fromhex("d9d505f920a163d7")
 
 #: Open stores of this process by owner.
 _OPEN: weakref.WeakValueDictionary[str, Store] = weakref.WeakValueDictionary()
@@ -59,6 +66,19 @@ def content_key(spec: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def picture_name(key: str) -> str:
+    """Name of a frame's picture in the folder of a store.
+
+    Raises
+    ------
+    ValueError
+        The key is no hash.
+    """
+    if not isinstance(key, str) or re.fullmatch("[0-9a-f]{64}", key) is None:
+        raise ValueError(f"the key of a frame must be 64 hexadecimal digits, got {key!r}")
+    return f"frames/{key[:20]}.exr"
+
+
 class DamagedPictureError(ValueError):
     """A picture of a store that cannot be read, or is not the one that was stored."""
 
@@ -78,7 +98,6 @@ class Record:
     parameters: dict[str, Any]
     provenance: dict[str, Any]
     sha256: str
-    file: str
     layers: dict[str, str] | None
 
     def changed(self, frame: Frame) -> list[str]:
@@ -99,7 +118,8 @@ class Store:
     Raises
     ------
     ValueError
-        The directory's store cannot be read.
+        The directory's store cannot be read; or it has links in the place of files, or more than
+        tables.
     """
 
     def __init__(self, directory: str | os.PathLike[str] | None) -> None:
@@ -110,12 +130,15 @@ class Store:
         self._owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex}"
         _OPEN[self._owner] = self
         if self.directory is not None:
+            _check_files(self.directory)
             (self.directory / "frames").mkdir(parents=True, exist_ok=True)
         with self._door():
             self._db = sqlite3.connect(
                 self._where, timeout=60.0, isolation_level=None, check_same_thread=False
             )
             try:
+                self._db.execute("PRAGMA trusted_schema=OFF")
+                self._check_tables()
                 self._db.execute("PRAGMA journal_mode=WAL")
                 self._db.execute("PRAGMA synchronous=NORMAL")
                 self._db.executescript(_SCHEMA)
@@ -138,6 +161,23 @@ class Store:
                 f"{self._where} is not a sweep's store, or damaged: {error}."
                 " Delete it and run the sweep again; pictures are rendered anew"
             ) from error
+
+    def _check_tables(self) -> None:
+        """Refuse what runs by itself in a database: views, triggers, virtual tables."""
+        row = self._db.execute(
+            "SELECT type, name FROM sqlite_master WHERE NOT (type = 'table' AND sql LIKE"
+            " 'CREATE TABLE %' OR type = 'index' AND sql IS NULL)"
+        ).fetchone()
+        if row is not None:
+            raise ValueError(
+                f"{self._where} is not a sweep's store: it must have tables only,"
+                f" got the {row[0]} {row[1]!r}"
+            )
+
+    def _picture(self, key: str) -> Path | None:
+        """Where the picture of a frame is, or would be; None in memory."""
+        name = picture_name(key)
+        return None if self.directory is None else inside(self.directory, name)
 
     @staticmethod
     def exists(directory: str | os.PathLike[str]) -> bool:
@@ -175,10 +215,13 @@ class Store:
 
     def get(self, key: str) -> Record | None:
         """The finished frame of a key whose picture is there, else None."""
-        columns = "spec, counters, timings, parameters, provenance, sha256, file"
+        columns = "spec, counters, timings, parameters, provenance, sha256"
         with self._door():
             row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
-        if row is None or (self.directory is not None and not (self.directory / row[6]).is_file()):
+        if row is None:
+            return None
+        path = self._picture(key)
+        if path is not None and not path.is_file():
             return None
         with self._door():
             parts = [_object(text) for text in row[:5]]
@@ -192,7 +235,6 @@ class Store:
             parameters=parts[3],
             provenance=parts[4],
             sha256=row[5],
-            file=row[6],
             layers=layers,
         )
 
@@ -211,9 +253,9 @@ class Store:
         if key in self._memory:
             return self._memory[key]
         record = self.get(key)
-        if record is None or self.directory is None:
+        path = None if record is None else self._picture(key)
+        if record is None or path is None:
             raise KeyError(key)
-        path = self.directory / record.file
         advice = "delete it and run the sweep again"
         try:
             frame = Frame.load(path)
@@ -228,25 +270,25 @@ class Store:
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
         """Store a finished frame: first the complete file, then its row."""
-        file = f"frames/{key[:20]}.exr"
-        if self.directory is None:
+        path = self._picture(key)
+        if path is None:
             self._memory[key] = frame
         else:
-            frame.save(self.directory / file)
-        self._put_row(key, spec, frame, file)
+            frame.save(path)
+        self._put_row(key, spec, frame)
 
-    def replace_picture(self, record: Record, frame: Frame) -> None:
+    def replace_picture(self, key: str, frame: Frame) -> None:
         """Write the picture of a finished frame once more; its row and comparisons stay."""
-        if self.directory is not None:
-            frame.save(self.directory / record.file)
+        path = self._picture(key)
+        if path is not None:
+            frame.save(path)
 
-    def _put_row(
-        self, key: str, spec: Mapping[str, Any], of: Frame | Record, file: str | None = None
-    ) -> None:
+    def _put_row(self, key: str, spec: Mapping[str, Any], of: Frame | Record) -> None:
         records = (spec, of.counters, of.timings, of.parameters, of.provenance)
-        name = file or getattr(of, "file", "")
         hashes = of.layers if isinstance(of, Record) else layer_digests(of.layers)
-        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time())
+        # The name of the picture is for readers of the table; nothing here reads it
+        texts = (json.dumps(record) for record in records)
+        row = (key, *texts, of.sha256, picture_name(key), time.time())
         columns = "key, spec, counters, timings, parameters, provenance, sha256, file, finished"
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
@@ -261,11 +303,11 @@ class Store:
     def finished(self) -> set[str]:
         """The keys of all frames whose pictures are there."""
         with self._door():
-            rows = self._db.execute("SELECT key, file FROM frames").fetchall()
+            keys = {key for (key,) in self._db.execute("SELECT key FROM frames")}
         if self.directory is None:
-            return {key for key, _ in rows}
+            return keys
         there = {f"frames/{entry.name}" for entry in os.scandir(self.directory / "frames")}
-        return {key for key, file in rows if file in there}
+        return {key for key in keys if picture_name(key) in there}
 
     def adopt(self, key: str, other: Store) -> bool:
         """Take over a finished frame of another store; False where neither has it.
@@ -277,15 +319,15 @@ class Store:
         record = other.get(key)
         if record is None:
             return False
-        if self.directory is None or other.directory is None:
+        source, target = other._picture(key), self._picture(key)
+        if source is None or target is None:
             self.put(key, record.spec, other.frame(key))
             return True
-        target = self.directory / record.file
         with whole_file(target) as partial:
             try:
-                os.link(other.directory / record.file, partial)
+                os.link(source, partial)
             except OSError:
-                shutil.copyfile(other.directory / record.file, partial)
+                shutil.copyfile(source, partial)
         self._put_row(key, record.spec, record)
         return True
 
@@ -297,7 +339,12 @@ class Store:
         """The metrics already known of a frame against a reference."""
         query = "SELECT metric, value FROM comparisons WHERE key = ? AND reference = ?"
         with self._door():
-            return dict(self._db.execute(query, (key, reference)).fetchall())
+            found = self._db.execute(query, (key, reference)).fetchall()
+            for metric, value in found:
+                if not isinstance(metric, str) or not isinstance(value, float | None):
+                    given = f"got {metric!r} = {value!r}"
+                    raise sqlite3.DataError(f"a metric must have a name and a number, {given}")
+            return dict(found)
 
     def put_comparison(self, key: str, reference: str, values: Mapping[str, float | None]) -> None:
         """Keep metrics of a frame against a reference."""
@@ -326,26 +373,20 @@ class Store:
         with self._door():
             self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
 
-    def write_csv(self, rows: Sequence[Mapping[str, Any]], columns: Iterable[str]) -> None:
-        """Rewrite `table.csv` as a whole; nothing in memory. Undefined values are empty cells."""
-        if self.directory is None:
-            return
-        with (
-            whole_file(self.directory / "table.csv") as partial,
-            partial.open("w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.DictWriter(file, list(columns), restval="", extrasaction="ignore")
-            writer.writeheader()
-            writer.writerows(rows)
 
-    def append_csv(self, row: Mapping[str, Any], columns: Sequence[str]) -> None:
-        """Add a row to `table.csv` in one write."""
-        if self.directory is None:
-            return
-        text = io.StringIO(newline="")
-        csv.DictWriter(text, list(columns), restval="", extrasaction="ignore").writerow(row)
-        with (self.directory / "table.csv").open("a", newline="", encoding="utf-8") as file:
-            file.write(text.getvalue())
+def _check_files(directory: Path) -> None:
+    """Refuse links in the place of a store's files, and a journal that names another file."""
+    inside(directory, "frames")
+    files = [inside(directory, f"sweep.sqlite{end}") for end in DATABASE_FILES]
+    try:
+        left = files[-1].read_bytes()
+    except FileNotFoundError:
+        return
+    if left.endswith(JOURNAL_OF_SEVERAL):
+        raise ValueError(
+            f"{files[-1]} must be a journal of this store alone, got one that names another file;"
+            " remove it"
+        )
 
 
 def _object(text: str) -> dict[str, Any]:

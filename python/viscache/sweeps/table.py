@@ -11,11 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache.files import whole_file
+from viscache.sweeps.csv_file import append_csv, write_csv
 from viscache.sweeps.plan import Point
-from viscache.sweeps.store import Record, Store
+from viscache.sweeps.store import Record, Store, picture_name
 
 if TYPE_CHECKING:
     import xarray
+
+#: Folders whose tables this process made. A dataset that came as a file may name any folder.
+_FOLDERS: set[str] = set()
 
 UNITS = {
     "total_s": "s",
@@ -55,7 +59,7 @@ def row_of(store: Store, point: Mapping[str, Any], metrics: Sequence[str]) -> di
         row |= {f"exact_converged_{m}": exact.get(m) for m in metrics}
     row |= _measured(record, paired)
     row |= {name: v for name, v in known.items() if "/" in name}
-    return {**row, "frame": record.file, "key": record.key}
+    return {**row, "frame": picture_name(record.key), "key": record.key}
 
 
 class TableFile:
@@ -77,7 +81,8 @@ class TableFile:
         self._columns = columns_of(rows, self._names, self._metrics)
         if not rows:
             self._columns = []
-        self._store.write_csv(rows, columns_of(rows, self._names, self._metrics))
+        columns = columns_of(rows, self._names, self._metrics)
+        write_csv(self._store.directory / "table.csv", rows, columns)
 
     def append(self, point: Point) -> None:
         """Add the row of a finished point; one with a new column rewrites the file."""
@@ -87,7 +92,7 @@ class TableFile:
         if row is None or not set(row) <= set(self._columns):
             self.rewrite()
         else:
-            self._store.append_csv(row, self._columns)
+            append_csv(self._store.directory / "table.csv", row, self._columns)
 
 
 def _measured(record: Record, paired: Record) -> dict[str, Any]:
@@ -217,7 +222,15 @@ def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
     }
     if store.directory is not None:
         attributes["directory"] = str(store.directory)
+        _FOLDERS.add(str(store.directory))
     return attributes
+
+
+def folder_of(dataset: xarray.Dataset) -> Path | None:
+    """The folder of the sweep that a dataset shows; None unless this process ran or opened it."""
+    kept = dataset.attrs.get("directory")
+    known = isinstance(kept, str) and kept in _FOLDERS and Store.exists(kept)
+    return Path(kept) if known else None
 
 
 def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
