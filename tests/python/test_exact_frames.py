@@ -104,11 +104,53 @@ def test_frames_of_other_code_go_when_nobody_uses_them(
         exact(scene, vc.Direct(), size=SIZE)
         (new,) = {p for p in tmp_path.iterdir() if p.name != "mine"} - set(kept)
         at = time.time() - days * 24 * 3600
-        os.utime(new, (at, at))
+        os.utime(new / exact_frames.MARKER, (at, at))
         kept.append(new)
     monkeypatch.setattr(exact_frames, "code_hash", lambda: "new")
     exact(scene, vc.Direct(), size=SIZE)
     assert not kept[0].exists() and kept[1].exists() and (tmp_path / "mine").exists()
+
+
+def aged(path: Path, days: float = 40) -> None:
+    at = time.time() - days * 24 * 3600
+    os.utime(path, (at, at))
+
+
+def test_only_exact_frames_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Old sweeps beside them stay, and so do notes of users within, and what links lead to."""
+    scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
+    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
+    vc.sweep(scene, vc.Direct(), directory=tmp_path / "sweep", **given)
+    rooms = []
+    for code in ("with notes", "a link", "not ours"):
+        monkeypatch.setattr(exact_frames, "code_hash", lambda code=code: code)
+        exact(scene, vc.Direct(), size=SIZE)
+        rooms.append(next(p for p in tmp_path.glob(16 * "?") if p not in rooms))
+    notes = [rooms[0] / "notes.txt", rooms[0] / "frames" / "notes.exr"]
+    for note in notes:
+        note.write_text("precious")
+    outside = tmp_path.with_name("outside")
+    rooms[1].rename(outside)
+    rooms[1].symlink_to(outside)
+    (rooms[2] / exact_frames.MARKER).write_text("precious")
+    kept = {*tmp_path.rglob("*"), *outside.rglob("*")} - set(rooms[0].rglob("*"))
+    for path in [*tmp_path.iterdir(), *tmp_path.rglob(exact_frames.MARKER)]:
+        aged(path)
+    aged(outside / exact_frames.MARKER)
+    monkeypatch.setattr(exact_frames, "code_hash", lambda: "new")
+    exact(scene, vc.Direct(), size=SIZE)
+    assert all(path.exists() for path in kept)
+    assert {p for p in rooms[0].rglob("*") if p.is_file()} == set(notes)
+
+
+def test_a_link_in_the_place_of_frames_is_refused(tmp_path: Path) -> None:
+    scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path / "frames")
+    exact(scene, vc.Direct(), size=SIZE)
+    (room,) = (tmp_path / "frames").iterdir()
+    room.rename(tmp_path / "outside")
+    room.symlink_to(tmp_path / "outside")
+    with pytest.raises(ValueError, match="must be a file or folder of its own, got a link to"):
+        exact(scene, vc.Direct(), size=SIZE)
 
 
 @pytest.mark.parametrize("layer", ["color", "normal", "depth", "coverage"])

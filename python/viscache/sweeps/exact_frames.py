@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import shutil
+import re
 import time
 from pathlib import Path
 from typing import Any
 
 from viscache import _core, sources
+from viscache.files import inside, write_whole
 from viscache.frame import Frame
 from viscache.progress import Progress
 from viscache.provenance import code_hash, embree_version, isa
@@ -21,12 +23,18 @@ from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 from viscache.sweeps.plan import Task, checked_size, env_hash, frame_spec, positive
-from viscache.sweeps.store import Store, content_key
+from viscache.sweeps.store import DATABASE_FILES, Store, content_key
 
 __all__ = ["ExactFrames"]
 
 #: Frames of other code that were not used for so long are removed.
 KEPT_S = 30 * 24 * 3600.0
+#: Name and content of the file that tells folders of exact frames from all others; its time is that
+#: of the last use.
+MARKER = "exact-frames"
+MARK = b"Exact frames of viscache. Their files are removed if they are not used for 30 days.\n"
+#: Names of pictures, and of those that killed processes left half written.
+_PICTURES = re.compile(r"[0-9a-f]{20}\.exr|\.[0-9a-f]{20}\.exr\..+\.part")
 #: Seconds between looks at a frame that another process renders.
 POLL_S = 0.05
 
@@ -38,7 +46,8 @@ class ExactFrames:
     samples and seed, and by the code of viscache, the version of Embree and the instruction set.
     So it is never one that would be rendered otherwise today. What is read is checked by its hash;
     a damaged frame is rendered again. Processes that share the folder render each frame once: the
-    others wait for it. Frames of other code are removed after 30 days without use.
+    others wait for it. Frames of other code are removed after 30 days without use; all else in the
+    folder stays.
 
     Parameters
     ----------
@@ -154,20 +163,30 @@ def _kept(store: Store, key: str) -> Frame | None:
 
 
 def _room(directory: Path) -> Path:
-    """The folder of this code, Embree and instruction set; old ones of others are removed."""
+    """The folder of this code, Embree and instruction set; old frames of others are removed."""
     here = content_key({"code": code_hash(), "embree": embree_version(), "isa": isa()[0]})[:16]
-    room = directory / here
-    if not room.is_dir():
+    room, marker = inside(directory, here), inside(directory, f"{here}/{MARKER}")
+    if not marker.is_file():
         room.mkdir(parents=True, exist_ok=True)
+        write_whole(marker, MARK.decode())
         for other in directory.iterdir():
-            if (other / "sweep.sqlite").is_file() and _age_s(other) > KEPT_S:
-                shutil.rmtree(other, ignore_errors=True)
-    os.utime(room)
+            _remove_unused(directory, other.name)
+    os.utime(marker)
     return room
 
 
-def _age_s(folder: Path) -> float:
+def _remove_unused(directory: Path, name: str) -> None:
+    """Remove exact frames that were not used for long; what else is in their folder stays."""
     try:
-        return time.time() - folder.stat().st_mtime
-    except FileNotFoundError:  # another process was faster
-        return 0.0
+        marker, frames = (inside(directory, f"{name}/{file}") for file in (MARKER, "frames"))
+        if time.time() - marker.stat().st_mtime < KEPT_S or marker.read_bytes() != MARK:
+            return
+        old = [picture for picture in frames.iterdir() if _PICTURES.fullmatch(picture.name)]
+        old += [marker.with_name(f"sweep.sqlite{end}") for end in DATABASE_FILES]
+        for file in (*old, marker):
+            file.unlink(missing_ok=True)
+    except (OSError, ValueError):  # another folder or file, links, or another process was faster
+        return
+    for folder in (frames, marker.parent):
+        with contextlib.suppress(OSError):  # it holds something else
+            folder.rmdir()
