@@ -36,7 +36,7 @@ import numpy.typing as npt
 from viscache import tonemap
 from viscache.emitted_light import light_on_surfaces
 from viscache.progress import Progress, progress_bar
-from viscache.settings.checks import checked_floats
+from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import nearest
 
 if TYPE_CHECKING:
@@ -147,9 +147,9 @@ def rmse(a: Image, b: Image) -> float:
 
 
 def rel_l1(a: Image, b: Image) -> float | None:
-    """Σ|a - b| / Σb, the paper's L̂_INF; None if Σb is 0."""
-    total = float(b.sum())
-    return float(np.abs(a - b).sum()) / total if total != 0.0 else None
+    """Σ|a - b| / Σb, the paper's L̂_INF; None if b is black. Refuses Σb <= 0 of other images."""
+    total = _light(b)
+    return None if total is None else float(np.abs(a - b).sum()) / total
 
 
 def rel_l1_reflected(a: Image, b: Image) -> float | None:
@@ -161,9 +161,23 @@ def rel_l1_reflected(a: Image, b: Image) -> float | None:
 
 
 def energy(a: Image, b: Image) -> float | None:
-    """Σ(a - b) / Σb, signed; None if Σb is 0."""
+    """Σ(a - b) / Σb, signed; None if b is black. Refuses Σb <= 0 of other images."""
+    total = _light(b)
+    return None if total is None else float((a - b).sum()) / total
+
+
+def _light(b: Image) -> float | None:
+    """Σb, by which errors are divided; None of a black reference.
+
+    Raises
+    ------
+    ValueError
+        The sum is negative, or 0 of an image that is not black: shares of it have no meaning.
+    """
     total = float(b.sum())
-    return float((a - b).sum()) / total if total != 0.0 else None
+    fits = total > 0.0 or not b.any()
+    require(fits, "the reference must be black, or the sum of its pixels above 0", total)
+    return total or None
 
 
 def rel_mse(a: Image, b: Image) -> float | None:
@@ -298,7 +312,8 @@ def compare(
     Raises
     ------
     ValueError
-        Different sizes, non-finite pixels, different numbers of repeats, an unknown metric.
+        Different sizes, non-finite pixels, different numbers of repeats, an unknown metric; rel_l1,
+        rel_l1_reflected or energy, and a reference whose sum is negative.
 
     Examples
     --------

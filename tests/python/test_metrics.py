@@ -111,6 +111,25 @@ def test_a_black_reference_leaves_relative_metrics_undefined(metric: str) -> Non
     assert got.rmse == pytest.approx(np.sqrt(np.mean(A**2)))
 
 
+@pytest.mark.parametrize("metric", ["rel_l1", "rel_l1_reflected", "energy"])
+@pytest.mark.parametrize(("first", "given"), [(-2.0, "-1.0"), (-1.0, "0.0")])
+def test_a_reference_whose_sum_is_not_above_0_is_refused(
+    metric: str, first: float, given: str
+) -> None:
+    """Its shares would be negative, and so below any limit."""
+    b = np.zeros((1, 2, 3))
+    b[0, 0, 0], b[0, 1, 2] = first, 1.0
+    frames = [
+        Frame(layers={"color": image, "emitted": np.zeros_like(image)}) for image in (np.abs(b), b)
+    ]
+    must = f"the reference must be black, or the sum of its pixels above 0, got {given}"
+    with pytest.raises(ValueError, match=must):
+        compare(*frames, metrics=[metric])
+    with pytest.raises(ValueError, match=must):
+        METRICS[metric](np.abs(b), b)
+    assert compare(*frames, metrics=["rmse", "max_abs"]).max_abs == 2 * abs(first)
+
+
 def test_ssim_of_an_image_smaller_than_its_window_is_undefined() -> None:
     assert compare(A[:8], B[:8]).ssim is None
 

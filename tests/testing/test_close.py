@@ -139,6 +139,8 @@ def test_what_cannot_be_compared_fails_and_says_why() -> None:
     a[3, 5, 1] = np.nan
     assert "non-finite pixel(s), the first at row 3, column 5" in message(a, b)
     assert "rel_l1      undefined     must be <= 0.02" in message(b, 0 * b)
+    for metric in ("rel_l1", "energy"):
+        assert "the sum of its pixels above 0, got -" in message(b, -b, **{metric: 0.02})
     assert "rel_l1_reflected" in message(b, b, rel_l1_reflected=0.5)  # arrays have no layers
 
 
