@@ -229,8 +229,9 @@ def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
 def folder_of(dataset: xarray.Dataset) -> Path | None:
     """The folder of the sweep that a dataset shows; None unless this process ran or opened it."""
     kept = dataset.attrs.get("directory")
-    known = isinstance(kept, str) and kept in _FOLDERS and Store.exists(kept)
-    return Path(kept) if known else None
+    if not isinstance(kept, str) or kept not in _FOLDERS or not Store.exists(kept):
+        return None
+    return Path(kept)
 
 
 def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
