@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -12,12 +11,13 @@ from viscache.scene import Scene
 from viscache.settings.aqvc import KEYED, LIGHT_GROUPS, Aqvc
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
+from viscache.sharing import Turn, Uncopied
 
 __all__ = ["AqvcRows"]
 
 
 @spelled
-class AqvcRows:
+class AqvcRows(Uncopied):
     """Visibility that frames of `vc.render(..., keep=rows)` pass on to later frames.
 
     For frames with the same shared lights and other eye samples, as `vc.Progressive` renders them:
@@ -56,7 +56,7 @@ class AqvcRows:
         self._core = _core.AqvcRows(self.max_bytes)
         self._keyed_by: dict[str, Any] = {}
         self._geometry = ""
-        self._busy = threading.Lock()
+        self._busy = Turn("rows", waits=False)
 
     @property
     def frames(self) -> int:
@@ -75,12 +75,9 @@ class AqvcRows:
 
     def clear(self) -> None:
         """Forget all rows."""
-        require(self._busy.acquire(blocking=False), "rows must not be in use by a frame", self)
-        try:
+        with self._busy:
             self._core.clear()
             self._geometry = ""
-        finally:
-            self._busy.release()
 
     def parameters(self) -> dict[str, Any]:
         """What frames record: the settings, and the number of frames so far."""
@@ -92,10 +89,7 @@ class AqvcRows:
     @contextmanager
     def _frame(self, scene: Scene, cache: Aqvc) -> Iterator[_core.AqvcRows]:
         """The C++ rows for one frame, whose cells must mean the same as those of earlier frames."""
-        require(
-            self._busy.acquire(blocking=False), "keep must not be in use by another frame", self
-        )
-        try:
+        with self._busy:
             core = cache.core()
             keyed = {name: getattr(core, name) for name in KEYED}
             if not self._geometry:
@@ -113,17 +107,16 @@ class AqvcRows:
             )
             yield self._core
             self._core.commit()
-        finally:
-            self._busy.release()
 
     def _state(self) -> list[tuple[int, int, tuple[Any, ...]]]:
         """(tile, group, arrays) of all rows of finished frames."""
-        return [
-            (tile, group, state)
-            for tile in range(self._core.tiles)
-            for group in range(len(LIGHT_GROUPS))
-            if len((state := self._core.state(tile, group))[2])
-        ]
+        with self._busy:
+            return [
+                (tile, group, state)
+                for tile in range(self._core.tiles)
+                for group in range(len(LIGHT_GROUPS))
+                if len((state := self._core.state(tile, group))[2])
+            ]
 
     def _restore(
         self, tiles: int, frames: int, rows: list[tuple[int, int, tuple[Any, ...]]]
@@ -133,4 +126,5 @@ class AqvcRows:
         core.begin_restore(tiles, frames)
         for tile, group, state in rows:
             core.restore(tile, group, *state)
-        self._core, self._geometry = core, ""
+        with self._busy:
+            self._core, self._geometry = core, ""

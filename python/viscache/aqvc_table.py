@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -16,6 +15,7 @@ from viscache.scene import Scene
 from viscache.settings.aqvc import KEYED, Aqvc
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
+from viscache.sharing import Turn, Uncopied
 
 __all__ = ["AqvcTable"]
 
@@ -25,7 +25,7 @@ ENTRY = np.dtype([("slot", "u4"), ("digest", "u4"), ("visible", "?"), ("current"
 
 
 @spelled
-class AqvcTable:
+class AqvcTable(Uncopied):
     """Visibility bits that frames of `vc.render(..., keep=table)` pass on to later frames.
 
     A frame reads the bits of earlier frames, and each tile reads its own new bits. New bits are
@@ -74,7 +74,7 @@ class AqvcTable:
         self._core: _core.KeptTable | None = None
         self._keyed_by: dict[str, Any] = {}
         self._geometry = ""
-        self._busy = threading.Lock()
+        self._busy = Turn("the table", waits=False)
 
     @property
     def frames(self) -> int:
@@ -126,14 +126,21 @@ class AqvcTable:
         """
         if self._core is None:
             return np.zeros(0, ENTRY)
-        require(self._busy.acquire(blocking=False), "the table must not be in use by a frame", self)
-        try:
+        with self._busy:
             return self._core.entries()
-        finally:
-            self._busy.release()
 
     def forget(self) -> None:
-        """Start a new epoch: no earlier bit is found again. Takes no time."""
+        """Start a new epoch: no earlier bit is found again. Takes no time.
+
+        Raises
+        ------
+        ValueError
+            A frame is using the table.
+        """
+        with self._busy:
+            self._next_epoch()
+
+    def _next_epoch(self) -> None:
         if self._core:
             self._core.next_epoch()
 
@@ -147,10 +154,17 @@ class AqvcTable:
         forget : bool
             Start a new epoch. False keeps all bits. Stale ones, which are wrong now, stay until
             they are overwritten or `repair` finds them.
+
+        Raises
+        ------
+        ValueError
+            A frame is using the table.
         """
-        self._geometry = sources.opened(scene).geometry_hash
-        if forget:
-            self.forget()
+        geometry = sources.opened(scene).geometry_hash
+        with self._busy:
+            self._geometry = geometry
+            if forget:
+                self._next_epoch()
 
     def parameters(self) -> dict[str, Any]:
         """What frames record: the settings, and the number of frames so far."""
@@ -171,10 +185,7 @@ class AqvcTable:
     @contextmanager
     def _frame(self, scene: Scene, cache: Aqvc) -> Iterator[_core.KeptTable]:
         """The C++ table for one frame, whose settings must match those of earlier frames."""
-        require(
-            self._busy.acquire(blocking=False), "keep must not be in use by another frame", self
-        )
-        try:
+        with self._busy:
             core = cache.core()
             keyed = {name: getattr(core, name) for name in KEYED}
             if not core.scale_free:
@@ -196,5 +207,3 @@ class AqvcTable:
                 scene,
             )
             yield self._core
-        finally:
-            self._busy.release()

@@ -20,10 +20,7 @@ from viscache.frame_html import frame_html
 from viscache.live_view import LiveView
 from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import CERTAIN, Correct
-from viscache.oracles.learned import (
-    PassMemory,
-    shares_after,
-)
+from viscache.oracles.learned import PassMemory, shares_after
 from viscache.oracles.sources import parameters_of
 from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
@@ -35,6 +32,7 @@ from viscache.settings.integrators import Bdpt, Direct, Integrator, Whitted
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
+from viscache.sharing import Turn, Uncopied
 from viscache.vismap.pass_maps import PassMaps, records_digest
 from viscache.voxel_counts import VoxelCounts
 
@@ -46,7 +44,7 @@ LEAST_PASSES = 4  # an estimate of noise needs some
 
 
 @spelled
-class Progressive:
+class Progressive(Uncopied):
     """A picture that gets better pass by pass.
 
     Every pass has new eye samples. The virtual lights and shared directions stay the same, or are
@@ -106,6 +104,8 @@ class Progressive:
     (8, (40, 64, 3))
     """
 
+    _instead = "use save and load, or merge"
+
     def __init__(
         self,
         scene: Scene | str | os.PathLike[str],
@@ -140,7 +140,6 @@ class Progressive:
         exact = isinstance(self.visibility, Exact)
         self.use = use if use is not None or exact else "correct"
         self.renew = renew
-        self._next = first_pass
         self._seed, self._spp = seed, spp
         self._options: dict[str, Any] = {
             "rays": rays,
@@ -161,7 +160,8 @@ class Progressive:
         self.counts = VoxelCounts() if isinstance(self.visibility, NeePlusPlus) else None
         refines = isinstance(self.visibility, VisMaps) and self.visibility.updates
         self.maps = PassMaps(self.scene, self.visibility, rays) if refines else None
-        self._sums = progressive_state.Sums()
+        self._sums = progressive_state.Sums(next_pass=first_pass)
+        self._turn = Turn("the picture")
         self._lights: tuple[int, _core.KeptLights] | None = None
 
     @property
@@ -283,16 +283,19 @@ class Progressive:
         ValueError
             There is no pass.
         """
-        require(self.n_passes > 0, "there must be a pass", self.n_passes)
-        layers = {name: layer.astype(np.float32) for name, layer in self._means().items()}
-        if self.n_passes > 1:
-            layers["variance"] = self._sums.variance().astype(np.float32)
+        return self._frame_of(self._sums)
+
+    def _frame_of(self, sums: progressive_state.Sums) -> Frame:
+        require(sums.n > 0, "there must be a pass", sums.n)
+        layers = {name: layer.astype(np.float32) for name, layer in sums.means().items()}
+        if sums.n > 1:
+            layers["variance"] = sums.variance().astype(np.float32)
         return Frame(
             layers=layers,
-            counters=dict(self._sums.counters),
-            timings=dict(self._sums.timings),
-            parameters=self._sums.parameters | {"passes": self.n_passes, "renew": self.renew},
-            warnings=list(self._sums.warnings),
+            counters=dict(sums.counters),
+            timings=dict(sums.timings),
+            parameters=sums.parameters | {"passes": sums.n, "renew": self.renew},
+            warnings=list(sums.warnings),
         )
 
     def error(self) -> float:
@@ -307,21 +310,31 @@ class Progressive:
         errs towards more, by √3 at most or so. Where lights are renewed, and for `Bdpt`, single
         passes are compared: two parts would tell little of noise that pixels share.
         """
-        require(self.n_passes >= 2, "there must be two passes", self.n_passes)
-        light = light_on_surfaces(self.frame)
+        sums = self._sums
+        require(sums.n >= 2, "there must be two passes", sums.n)
+        light = light_on_surfaces(self._frame_of(sums))
         assert light is not None
         if self.renew or isinstance(self.integrator, Bdpt):
-            deviation = MEAN_DEVIATION * float(np.sqrt(self._sums.variance()).sum())
+            deviation = MEAN_DEVIATION * float(np.sqrt(sums.variance()).sum())
         else:
-            deviation = float(np.abs(self._sums.deviation()).sum())
+            deviation = float(np.abs(sums.deviation()).sum())
         total = float(np.abs(light).sum())
         return deviation / total if total > 0 else 0.0
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the state: sums of passes, and what caches keep. Complete or absent."""
-        progressive_state.save(
-            path, self._identity(), self._sums, self._next, self.rows, self._kept_arrays()
-        )
+        """Write the state: sums of passes, and what caches keep. Complete or absent.
+
+        While another thread renders passes, the state is written between two of them.
+
+        Raises
+        ------
+        ValueError
+            A pass of this thread is going on: `save` was called by a handler of a signal.
+        """
+        with self._turn:
+            progressive_state.save(
+                path, self._identity(), self._sums, self.rows, self._kept_arrays()
+            )
 
     def merge(self, other: Progressive) -> None:
         """Add the passes of another picture, for example one of another machine.
@@ -337,7 +350,8 @@ class Progressive:
         mine, given = self._identity(), other._identity()
         for name, value in mine.items():
             require(given[name] == value, f"{name} must be {value!r} in both", given[name])
-        self._sums.merge(other._sums)
+        with self._turn:
+            self._sums = self._sums.merged(other._sums)
 
     def load(self, path: str | os.PathLike[str]) -> None:
         """Go on from a saved state, which replaces all passes.
@@ -350,12 +364,16 @@ class Progressive:
         FileNotFoundError
             There is no such file.
         """
-        self._sums, self._next = progressive_state.load(
-            path, self._identity(), self.rows, self._restore_arrays
-        )
+        with self._turn:
+            self._sums = progressive_state.load(
+                path, self._identity(), self.rows, self._restore_arrays
+            )
 
     def _pass(self) -> None:
-        n = self._next
+        with self._turn:
+            self._add_pass(self._sums.next_pass)
+
+    def _add_pass(self, n: int) -> None:
         epoch = n // self.renew if self.renew else 0
         alone = isinstance(self.integrator, Bdpt)
         view = {name: self._options[name] for name in ("camera", "size", "threads")}
@@ -380,8 +398,7 @@ class Progressive:
         if self.maps is not None:
             frame.counters.update(self.maps.counters)
             frame.timings["records_s"] += self.maps.seconds
-        self._sums.add(frame, n)
-        self._next = n + 1
+        self._sums = self._sums.plus(frame, n)
 
     def _learn(self) -> None:
         """Decides how later passes draw, once the first ones tell."""
@@ -390,14 +407,17 @@ class Progressive:
             return
         use = self.use if isinstance(self.use, Correct) else Correct()
         kept = self.rows is not None and not self.renew
-        sums.shares = shares_after(
+        shares = shares_after(
             sums.n, sums.squares, sums.layers, sums.counters, use, rows_are_kept=kept
         )
-        if sums.shares is not None and math.isinf(sums.shares.scale):
-            sums.warnings.append(
+        warnings = sums.warnings
+        if shares is not None and math.isinf(shares.scale):
+            warnings = [
+                *warnings,
                 f"exact visibility from pass {sums.n + 1} on: the noise of corrections would cost "
-                'more than they save; vc.Correct(certain=...) or use="replace" keeps the cache'
-            )
+                'more than they save; vc.Correct(certain=...) or use="replace" keeps the cache',
+            ]
+        self._sums = dataclasses.replace(sums, shares=shares, warnings=warnings)
 
     def _drawn(self) -> tuple[Any, Any, PassMemory]:
         """Visibility, use and memory of the next pass.
@@ -405,7 +425,7 @@ class Progressive:
         Draws of the first passes decide the shares of all others, which therefore draw
         independently of them.
         """
-        epoch = self._next // self.renew if self.renew else 0
+        epoch = self._sums.next_pass // self.renew if self.renew else 0
         if self._lights is None or self._lights[0] != epoch:
             self._lights = (epoch, _core.KeptLights())
         lights = self._lights[1]
@@ -438,16 +458,6 @@ class Progressive:
             self.counts._restore(self.scene, self.visibility, state)
         elif self.maps is not None:
             self.maps._restore(state)
-
-    def _means(self) -> dict[str, npt.NDArray[np.float64]]:
-        n, sums = self._sums.n, self._sums.layers
-        hits = sums.get("coverage", np.zeros(0))
-        return {
-            name: np.divide(total, hits, out=np.zeros_like(total), where=hits > 0)
-            if name in progressive_state.BY_HITS
-            else total / n
-            for name, total in sums.items()
-        }
 
     def _identity(self) -> dict[str, Any]:
         """What a saved state must agree with."""

@@ -46,13 +46,18 @@ BY_HITS = ("depth", "normal", "albedo")
 PARTS = 2
 
 
-@dataclass
+@dataclass(frozen=True)
 class Sums:
     """Sums over passes, and the sum of squared deviations of the colour (Welford).
+
+    They never change: a pass makes new ones. So a picture has those before a pass or those after
+    it, whoever reads them at whatever time.
 
     Attributes
     ----------
     n : int
+    next_pass : int
+        Number of the next pass.
     numbers : list of [first, end]
         Numbers of the passes, as ranges in ascending order.
     layers : dict of str to (H, W, C) float64
@@ -70,6 +75,7 @@ class Sums:
     """
 
     n: int = 0
+    next_pass: int = 0
     numbers: list[list[int]] = field(default_factory=list)
     layers: dict[str, Array] = field(default_factory=dict)
     squares: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
@@ -80,67 +86,93 @@ class Sums:
     warnings: list[str] = field(default_factory=list)
     shares: Shares | None = None
 
-    def add(self, frame: Frame, number: int) -> None:
-        """Add one pass."""
-        self.numbers = _joined([*self.numbers, [number, number + 1]])
+    def plus(self, frame: Frame, number: int) -> Sums:
+        """The sums with one more pass."""
+        numbers = _joined([*self.numbers, [number, number + 1]])
         color = frame.layers["color"].astype(np.float64)
         if self.n == 0:
-            self.layers = {n: np.zeros(p.shape) for n, p in frame.layers.items()}
-            self.squares = np.zeros_like(color)
+            layers = {n: np.zeros(p.shape) for n, p in frame.layers.items()}
+            squares, parts = np.zeros_like(color), self.parts
         else:
-            deviation = color - self.layers["color"] / self.n
-            self.squares += deviation**2 * (self.n / (self.n + 1))
-            self._keep_part()
+            layers, parts = self.layers, self._with_part()
+            deviation = color - layers["color"] / self.n
+            squares = self.squares + deviation**2 * (self.n / (self.n + 1))
         hits = frame.layers["coverage"].astype(np.float64) if "coverage" in frame.layers else 1.0
-        for name, pixels in frame.layers.items():
-            self.layers[name] += pixels * (hits if name in BY_HITS else 1.0)
-        self.n += 1
-        self.counters = _added(self.counters, frame.counters)
-        if self.n > 1:  # the audit of one pass tells nothing about their mean
-            self.counters.pop("audit", None)
-        if self.counters.get("rays"):
-            self.counters["ray_reduction"] = self.counters["queries"] / self.counters["rays"]
-        for name, seconds in frame.timings.items():
-            self.timings[name] = self.timings.get(name, 0.0) + seconds
-        self.parameters = frame.parameters
-        self.warnings += [w for w in frame.warnings if w not in self.warnings]
+        added = {
+            name: layers[name] + pixels * (hits if name in BY_HITS else 1.0)
+            for name, pixels in frame.layers.items()
+        }
+        counters = _added(self.counters, frame.counters)
+        if self.n > 0:  # the audit of one pass tells nothing about their mean
+            counters.pop("audit", None)
+        if counters.get("rays"):
+            counters["ray_reduction"] = counters["queries"] / counters["rays"]
+        return Sums(
+            n=self.n + 1,
+            next_pass=number + 1,
+            numbers=numbers,
+            layers=layers | added,
+            squares=squares,
+            parts=parts,
+            counters=counters,
+            timings=_times(self.timings, frame.timings),
+            parameters=frame.parameters,
+            warnings=_each_once(self.warnings, frame.warnings),
+            shares=self.shares,
+        )
 
-    def merge(self, other: Sums) -> None:
-        """Add the passes of other sums (Chan, Golub, LeVeque 1979)."""
+    def merged(self, other: Sums) -> Sums:
+        """The sums with the passes of other ones (Chan, Golub, LeVeque 1979)."""
         numbers = _joined([*self.numbers, *other.numbers])
+        first = self if self.n else other
+        squares, parts, layers = first.squares, first.parts, first.layers
         if other.n and self.n:
             deviation = self.layers["color"] / self.n - other.layers["color"] / other.n
             between = deviation**2 * (self.n * other.n / (self.n + other.n))
-            self.squares = self.squares + other.squares + between
-            self._keep_part()
-            self.layers = {
+            squares = self.squares + other.squares + between
+            parts = self._with_part()
+            layers = {
                 name: p + other.layers[name]
                 for name, p in self.layers.items()
                 if name in other.layers
             }
-        elif other.n:
-            self.squares = other.squares.copy()
-            self.parts = list(other.parts)
-            self.layers = {name: p.copy() for name, p in other.layers.items()}
-            self.parameters = other.parameters
-            self.shares = other.shares
-        self.n, self.numbers = self.n + other.n, numbers
-        self.counters = _added(self.counters, other.counters)
-        if self.n > 1:
-            self.counters.pop("audit", None)
-        for name, seconds in other.timings.items():
-            self.timings[name] = self.timings.get(name, 0.0) + seconds
-        self.warnings += [w for w in other.warnings if w not in self.warnings]
+        counters = _added(self.counters, other.counters)
+        if self.n + other.n > 1:
+            counters.pop("audit", None)
+        return Sums(
+            n=self.n + other.n,
+            next_pass=self.next_pass,
+            numbers=numbers,
+            layers=layers,
+            squares=squares,
+            parts=parts,
+            counters=counters,
+            timings=_times(self.timings, other.timings),
+            parameters=first.parameters,
+            warnings=_each_once(self.warnings, other.warnings),
+            shares=first.shares,
+        )
 
-    def _keep_part(self) -> None:
-        """Keep the sum of all passes so far, if it is twice the last one that was kept."""
+    def _with_part(self) -> list[tuple[int, Array]]:
+        """The parts, with all passes so far if they are twice those of the last one."""
         if not self.parts or self.n >= 2 * self.parts[-1][0]:
-            self.parts = [*self.parts, (self.n, self._light())][-PARTS:]
+            return [*self.parts, (self.n, self._light())][-PARTS:]
+        return self.parts
 
     def _light(self) -> Array:
         emitted = seen_emitters(self)
         color = self.layers["color"]
         return color.copy() if emitted is None else color - emitted
+
+    def means(self) -> dict[str, Array]:
+        """The layers of the mean."""
+        hits = self.layers.get("coverage", np.zeros(0))
+        return {
+            name: np.divide(total, hits, out=np.zeros_like(total), where=hits > 0)
+            if name in BY_HITS
+            else total / self.n
+            for name, total in self.layers.items()
+        }
 
     def variance(self) -> Array:
         """The variance of the mean's colour from the noise between single passes.
@@ -175,6 +207,14 @@ def _joined(ranges: list[list[int]]) -> list[list[int]]:
     return out
 
 
+def _times(sums: dict[str, float], more: dict[str, float]) -> dict[str, float]:
+    return sums | {name: sums.get(name, 0.0) + seconds for name, seconds in more.items()}
+
+
+def _each_once(texts: list[str], more: list[str]) -> list[str]:
+    return [*texts, *(text for text in more if text not in texts)]
+
+
 def _added(sums: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
     """Sums of whole numbers, by name; other values are those of the last pass."""
     out = dict(sums)
@@ -193,7 +233,6 @@ def save(
     path: str | os.PathLike[str],
     identity: dict[str, Any],
     sums: Sums,
-    next_pass: int,
     rows: AqvcRows | None,
     kept: dict[str, npt.NDArray[Any]],
 ) -> None:
@@ -203,7 +242,7 @@ def save(
         "version": VERSION,
         "n": sums.n,
         "numbers": sums.numbers,
-        "next_pass": next_pass,
+        "next_pass": sums.next_pass,
         "counters": sums.counters,
         "timings": sums.timings,
         "parameters": sums.parameters,
@@ -238,8 +277,8 @@ def load(
     identity: dict[str, Any],
     rows: AqvcRows | None,
     restore: Callable[[dict[str, npt.NDArray[Any]]], None],
-) -> tuple[Sums, int]:
-    """The sums of a file whose identity is this one, and its next pass.
+) -> Sums:
+    """The sums of a file whose identity is this one.
 
     Its rows go to `rows`, and other arrays that caches keep to `restore`.
     """
@@ -279,6 +318,7 @@ def load(
         ]
         sums = Sums(
             n=records["n"],
+            next_pass=int(records["next_pass"]),
             numbers=records["numbers"],
             layers=layers,
             squares=arrays["squares"],
@@ -289,11 +329,10 @@ def load(
             warnings=records["warnings"],
             shares=Shares(**records["shares"]) if records["shares"] else None,
         )
-        next_pass = int(records["next_pass"])
         if rows is not None:
             rows._restore(records["row_tiles"], records["row_frames"], kept)
         others = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
         restore(others)
     except (KeyError, IndexError, TypeError) as error:
         raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
-    return sums, next_pass
+    return sums

@@ -22,7 +22,7 @@ from viscache.frame import Frame, Layer
 from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.checks import is_whole, require
-from viscache.workers import Newest
+from viscache.sharing import Newest
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 

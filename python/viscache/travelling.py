@@ -5,35 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from weakref import WeakKeyDictionary
 
 from viscache import _core, sources
 from viscache._core import SceneDescription, SceneError
 from viscache.scene import Scene
-from viscache.workers import Newest
+from viscache.sharing import Newest
 
 __all__ = ["reduced"]
 
 #: The newest scene, so that a process makes a scene once if it is sent many times.
 _NEWEST = Newest()
-#: Whether the spec gives a scene of the same content; tested when a scene is first pickled.
-_REOPENS: WeakKeyDictionary[Scene, bool] = WeakKeyDictionary()
 
 
 def reduced(scene: Scene) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
     """How a scene is made again: what `copyreg.pickle` takes."""
-    if scene not in _REOPENS:
-        named = scene.spec is not None and not scene.origin.any()
-        _REOPENS[scene] = named and _reopens(str(scene.spec), scene.content_hash)
-    if _REOPENS[scene]:
+    if scene._made.get("reopens", lambda: _reopens(scene)):
         spec = str(scene.spec)
         return _from_spec, (sources.absolute(spec, Path.cwd()), spec, scene.content_hash)
     return _from_arrays, (_core.description_of(scene._core), scene.spec, scene.content_hash)
 
 
-def _reopens(spec: str, content_hash: str) -> bool:
+def _reopens(scene: Scene) -> bool:
+    """Whether the spec gives a scene of the same content."""
+    if scene.spec is None or scene.origin.any():
+        return False
     try:
-        return sources.open_scene(spec).content_hash == content_hash
+        return sources.open_scene(str(scene.spec)).content_hash == scene.content_hash
     except (ValueError, OSError, MemoryError):
         return False
 
@@ -54,5 +51,4 @@ def _from_arrays(description: SceneDescription, spec: str | None, content_hash: 
 
 
 def _kept(key: tuple[str, str | None], make: Callable[[], Scene]) -> Scene:
-    made: Scene = _NEWEST.get(key, make)
-    return made
+    return _NEWEST.get(key, make)

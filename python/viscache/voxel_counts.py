@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,6 +14,7 @@ from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.spelling import spelled
+from viscache.sharing import Turn, Uncopied
 
 __all__ = ["VoxelCounts"]
 
@@ -23,7 +23,7 @@ CELLS = ("n_voxels", "n_directions", "symmetric")
 
 
 @spelled
-class VoxelCounts:
+class VoxelCounts(Uncopied):
     """What frames of `vc.render(..., keep=counts)` with `NeePlusPlus` learn for later frames.
 
     The first frame learns from a small frame of `learn_pixels`. Each later one adds another of
@@ -52,7 +52,7 @@ class VoxelCounts:
         self._core = _core.KeptVoxels()
         self._cells: dict[str, Any] = {}
         self._geometry = ""
-        self._busy = threading.Lock()
+        self._busy = Turn("counts", waits=False)
 
     @property
     def frames(self) -> int:
@@ -71,11 +71,8 @@ class VoxelCounts:
 
     def clear(self) -> None:
         """Forget all counts."""
-        require(self._busy.acquire(blocking=False), "counts must not be in use by a frame", self)
-        try:
+        with self._busy:
             self._core, self._geometry = _core.KeptVoxels(), ""
-        finally:
-            self._busy.release()
 
     def parameters(self) -> dict[str, Any]:
         """What frames record: the number of frames so far."""
@@ -87,10 +84,7 @@ class VoxelCounts:
     @contextmanager
     def _frame(self, scene: Scene, settings: NeePlusPlus) -> Iterator[_core.KeptVoxels]:
         """The C++ counts for one frame, whose voxels must be those of earlier frames."""
-        require(
-            self._busy.acquire(blocking=False), "keep must not be in use by another frame", self
-        )
-        try:
+        with self._busy:
             cells = {name: getattr(settings, name) for name in CELLS}
             if not self._geometry:
                 self._cells, self._geometry = cells, scene.geometry_hash
@@ -116,13 +110,12 @@ class VoxelCounts:
                     self._core.roll_back()
                     if not self.frames:
                         self._geometry = ""
-        finally:
-            self._busy.release()
 
     def _state(self) -> dict[str, npt.NDArray[Any]]:
         """Arrays of all pairs with counts."""
-        place, tested, seen = self._core.state()
-        return {"place": place, "tested": tested, "seen": seen, "frames": np.array(self.frames)}
+        with self._busy:
+            place, tested, seen = self._core.state()
+            return {"place": place, "tested": tested, "seen": seen, "frames": np.array(self.frames)}
 
     def _restore(
         self, scene: Scene, settings: NeePlusPlus, state: dict[str, npt.NDArray[Any]]
@@ -138,4 +131,5 @@ class VoxelCounts:
                 state["tested"],
                 state["seen"],
             )
-        self._core, self._geometry = core, ""
+        with self._busy:
+            self._core, self._geometry = core, ""

@@ -1,4 +1,4 @@
-"""Executors, and what a worker keeps from task to task."""
+"""Executors."""
 
 from __future__ import annotations
 
@@ -73,19 +73,3 @@ def end_with_parent() -> None:
 def _leave_after(wait: Callable[[], None]) -> None:
     wait()
     os._exit(1)
-
-
-class Newest:
-    """Keeps the newest object, so that a worker makes it once and not once per task."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._kept: tuple[Any, Any] | None = None
-
-    def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """The kept object if it has this key, else a new one."""
-        with self._lock:
-            if self._kept is None or self._kept[0] != key:
-                self._kept = None  # free its memory first
-                self._kept = (key, make())
-            return self._kept[1]

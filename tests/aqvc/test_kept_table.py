@@ -202,7 +202,7 @@ def test_a_table_serves_one_frame_at_a_time() -> None:
     table = vc.AqvcTable(table_bytes=1 << 20)
 
     def ask_again(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="must not be in use by another frame"):
+        with pytest.raises(ValueError, match="the table must not be in use by another call"):
             frame(scene(), table)
 
     frame(scene(), table, progress=ask_again)
@@ -300,7 +300,7 @@ def test_entries_of_an_unused_table_are_none_and_of_a_busy_one_refused() -> None
     assert table.entries().shape == (0,)
 
     def look(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="the table must not be in use by a frame"):
+        with pytest.raises(ValueError, match="the table must not be in use by another call"):
             table.entries()
 
     frame(scene(), table, progress=look)

@@ -22,6 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "files",
         "progress",
         "provenance",
+        "sharing",
         "tonemap",
         "workers",
     ),

@@ -302,7 +302,8 @@ def test_parts_of_independent_passes_tell_the_error_of_their_mean(n: int) -> Non
     sums, truth = Sums(), 5.0
     for k in range(n):
         color = (truth + rng.standard_normal((60, 80, 3))).astype(np.float32)
-        sums.add(vc.Frame(layers={"color": color}, counters={}, timings={}, parameters={}), k)
+        frame = vc.Frame(layers={"color": color}, counters={}, timings={}, parameters={})
+        sums = sums.plus(frame, k)
     estimated = np.sqrt((sums.deviation() ** 2).mean())
     assert estimated == pytest.approx(1 / np.sqrt(n), rel=0.03)  # 14,400 draws: 4.5 deviations
     m = min((m for m, _ in sums.parts), key=lambda m: abs(2 * m - n))

@@ -124,7 +124,7 @@ def test_the_quantized_cache_with_small_cells_gives_the_exact_sky() -> None:
 def test_without_shared_directions_nothing_is_chosen_or_built() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=500)
     frame = frame_of(scene, "batch", vc.Direct(n_environment=4, n_brdf=4))
-    assert "engine" not in frame.parameters and scene._batch is None
+    assert "engine" not in frame.parameters and "aligned_batch" not in scene._made
 
 
 @pytest.mark.parametrize(

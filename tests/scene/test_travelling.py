@@ -15,7 +15,7 @@ import pytest
 import viscache as vc
 from reference.built import built
 from viscache import _core, travelling
-from viscache.workers import Newest
+from viscache.sharing import Newest
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 SIZE = (24, 16)

@@ -133,7 +133,7 @@ def test_what_cannot_pay_is_not_even_probed() -> None:
     points, normals = surface(scene, 100)
     rows = vc.vlf.trace_aligned(scene, points, normals, 9)
     assert rows.engine == "embree" and rows.reason.startswith("too few points")
-    assert scene._batch is None
+    assert "aligned_batch" not in scene._made
 
 
 def test_an_order_that_misses_points_is_refused() -> None:

@@ -22,7 +22,7 @@ from viscache.correlation.pair_table import SUMS
 from viscache.correlation.pair_tiles import tile_list
 from viscache.correlation.work import PairBlock
 from viscache.correlation.work_store import Arrays, write_arrays
-from viscache.workers import Newest
+from viscache.sharing import Newest
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

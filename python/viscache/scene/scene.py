@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
 
 import numpy as np
@@ -26,6 +25,7 @@ from viscache.settings.checks import checked_floats, checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
+from viscache.sharing import MadeOnce, Newest
 
 __all__ = ["Intersection", "Scene", "SceneError"]
 
@@ -47,10 +47,7 @@ class Scene:
         self._core = core
         #: What the scene was made from: a path or `room?triangles=…`; None for arrays.
         self.spec = spec
-        self._embree: dict[Embree, Caster] = {}
-        self._other: tuple[Rays, Caster] | None = None
-        self._batch: _core.vlf.AlignedBatch | None = None
-        self._shafts: _core.ShaftScene | None = None
+        self._made, self._other_caster = MadeOnce(), Newest()
 
     #: Renders the thumbnail; set by the package.
     _picture: ClassVar[Callable[[Any], str] | None] = None
@@ -211,37 +208,39 @@ class Scene:
         """One dict per light, with its kind and its values."""
         return _core.scene_lights(self._core)
 
-    @cached_property
+    @property
     def warnings(self) -> list[str]:
         """Features of the file that are not modelled, with their place, and problems of the scene.
 
         A problem is: no triangles, no light, or a distance from the origin at which single
         precision loses much of the shape.
         """
-        return problems(self)
+        return self._made.get("warnings", lambda: problems(self))
 
-    @cached_property
+    @property
     def content_hash(self) -> str:
         """Hash of everything that determines the look of the scene."""
-        return _core.scene_hash(self._core)
+        return self._made.get("content_hash", lambda: _core.scene_hash(self._core))
 
-    @cached_property
+    @property
     def geometry_hash(self) -> str:
         """Hash of what determines visibility: shapes, their places, holes of alpha and opacity."""
-        return _core.geometry_hash(self._core)
+        return self._made.get("geometry_hash", lambda: _core.geometry_hash(self._core))
 
     def meshes(self) -> list[dict[str, Any]]:
         """Arrays of every mesh: vertices, triangles, normals, material, emission."""
         return [_core.scene_mesh(self._core, i) for i in range(_core.scene_mesh_count(self._core))]
 
-    @cached_property
+    @property
     def coplanar_share(self) -> float | None:
         """Share of the placed triangles that are coplanar with a neighbour.
 
         A high share means subdivided flat faces, which add triangles but no shape. None above 5
         million unique triangles, because counting would take long.
         """
-        return placed_coplanar_share(self._core, self.meshes)
+        return self._made.get(
+            "coplanar_share", lambda: placed_coplanar_share(self._core, self.meshes)
+        )
 
     def info(self) -> dict[str, Any]:
         """The facts that `viscache info --json` prints."""
@@ -272,7 +271,8 @@ class Scene:
     def caster(self, rays: Rays | str | None = None, *, threads: int | None = None) -> Caster:
         """A ray caster over the scene, built on first use.
 
-        The scene keeps all casters of Embree, and the last of the others.
+        The scene keeps all casters of Embree, and the last of the others. All threads get the same
+        object; one that asks for it while another builds it waits.
 
         Parameters
         ----------
@@ -286,27 +286,19 @@ class Scene:
         MemoryError
             The structure would need more than the settings allow.
         """
-        rays = check_rays(rays)
-        if isinstance(rays, Embree):
-            if rays not in self._embree:
-                self._embree[rays] = rays.build(self._core)
-            return self._embree[rays]
-        if self._other is None or self._other[0] != rays:
-            self._other = None  # free memory for the next one
-            self._other = rays, rays.build(self._core, checked_threads(threads))
-        return self._other[1]
+        chosen = check_rays(rays)
+        if isinstance(chosen, Embree):
+            return self._made.get(chosen, lambda: chosen.build(self._core))
+        cores = checked_threads(threads)
+        return self._other_caster.get(chosen, lambda: chosen.build(self._core, cores))
 
     def aligned_batch(self) -> _core.vlf.AlignedBatch:
         """The triangles in the order of the aligned batch, sorted on first use."""
-        if self._batch is None:
-            self._batch = _core.vlf.AlignedBatch(self._core)
-        return self._batch
+        return self._made.get("aligned_batch", lambda: _core.vlf.AlignedBatch(self._core))
 
     def shafts(self) -> _core.ShaftScene:
         """The triangles for `Exact(engine="shafts")`; the tree is built on first use."""
-        if self._shafts is None:
-            self._shafts = _core.ShaftScene(self._core)
-        return self._shafts
+        return self._made.get("shafts", lambda: _core.ShaftScene(self._core))
 
     def visible(
         self,

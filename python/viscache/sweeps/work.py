@@ -10,8 +10,8 @@ from typing import Any
 from viscache import sources
 from viscache.frame import Frame
 from viscache.render import render
+from viscache.sharing import Newest
 from viscache.sweeps.plan import Task
-from viscache.workers import Newest
 
 #: Tests put a stand-in here.
 render_function: Callable[..., Frame] = render

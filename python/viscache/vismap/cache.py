@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +15,7 @@ from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.rays import Rays, check_rays
 from viscache.settings.spelling import spelled
+from viscache.sharing import Turn, Uncopied
 from viscache.vismap import cache_file, map_cells
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.points import insert_tiles
@@ -26,7 +26,7 @@ __all__ = ["VisibilityMapCache"]
 
 
 @spelled
-class VisibilityMapCache(RecordInsertion):
+class VisibilityMapCache(Uncopied, RecordInsertion):
     """Visibility-map records of a scene (VisMap Sec. 5).
 
     Parameters
@@ -47,6 +47,8 @@ class VisibilityMapCache(RecordInsertion):
     (True, True)
     """
 
+    _instead = "use save and load"
+
     def __init__(
         self,
         scene: Scene | str | os.PathLike[str],
@@ -59,7 +61,7 @@ class VisibilityMapCache(RecordInsertion):
         self.settings = settings
         self.rays_by = check_rays(rays)
         self._core = _core.vismap.MapCache(settings.core())
-        self._lock = threading.RLock()
+        self._lock = Turn("the cache", again=True)
         #: Number of the current frame; `end_frame` increments it.
         self.frame = 0
         #: True once the start-up records exist.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cache, cached_property
+from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -20,6 +20,7 @@ from viscache.scenes.light_product import (
     first_hits,
     reflected,
 )
+from viscache.sharing import MadeOnce
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import Lookup
 
@@ -54,10 +55,14 @@ class Pixel:
     beta: npt.NDArray[np.float32]
     """(n,)"""
     dilated: list[Bools]
+    _made: MadeOnce = field(default_factory=MadeOnce, init=False, repr=False, compare=False)
 
-    @cached_property
+    @property
     def visible(self) -> Bools:
         """(R, R) by one ray per texel."""
+        return self._made.get("visible", self._all_texels)
+
+    def _all_texels(self) -> Bools:
         return self.sees(np.arange(len(self.directions))).reshape(self.b.shape[:2])
 
     def sees(self, texels: npt.NDArray[np.integer[Any]]) -> Bools:

@@ -20,6 +20,7 @@ from viscache.settings.checks import (
 )
 from viscache.settings.rays import Vlf, vlf_settings
 from viscache.settings.spelling import spelled
+from viscache.sharing import Turn, Uncopied
 
 __all__ = ["DynamicField", "DynamicHits"]
 
@@ -46,7 +47,7 @@ class DynamicHits(NamedTuple):
 
 
 @spelled
-class DynamicField:
+class DynamicField(Uncopied):
     """A visibility field over a scene and over objects that are inserted, moved and deleted.
 
     To move an object, every direction removes it from the tiles it touches and inserts it at its
@@ -102,6 +103,7 @@ class DynamicField:
         require(not settings.lazy, "lazy must be false for objects that move", settings.lazy)
         require(not settings.snap, "snap must be false for objects that move", settings.snap)
         self.scene, self.settings, self.mode = sources.opened(scene), settings, mode
+        self._turn = Turn("the field")
         with progress_bar(progress) as report:
             self._core = _core.vlf.DynamicField(
                 self.scene._core,
@@ -143,7 +145,8 @@ class DynamicField:
             require(fits, "triangles must be in [0, 2^32)", (indices.min(), indices.max()))
         points = checked_points(vertices, "vertices")
         rows = indices.astype(np.uint32).reshape(-1, 3) if indices.size == 0 else indices
-        return self._core.insert(points, rows.astype(np.uint32), checked_threads(threads))
+        with self._turn:
+            return self._core.insert(points, rows.astype(np.uint32), checked_threads(threads))
 
     def delete(self, number: int, *, threads: int | None = None) -> None:
         """Remove an object.
@@ -153,7 +156,8 @@ class DynamicField:
         ValueError
             There is no such object.
         """
-        self._core.remove(_number(number), checked_threads(threads))
+        with self._turn:
+            self._core.remove(_number(number), checked_threads(threads))
 
     def transform(self, number: int, matrix: npt.ArrayLike, *, threads: int | None = None) -> None:
         """Move an object.
@@ -176,13 +180,15 @@ class DynamicField:
         affine = m.shape == (3, 4) or (m.shape == (4, 4) and np.allclose(m[3], [0, 0, 0, 1]))
         require(affine, "matrix must be affine, of shape (3, 4) or (4, 4)", m.shape)
         require(bool(np.isfinite(m).all()), "matrix must be finite", matrix)
-        self._core.transform(_number(number), m[:3].tolist(), checked_threads(threads))
+        with self._turn:
+            self._core.transform(_number(number), m[:3].tolist(), checked_threads(threads))
 
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> DynamicHits:
         """Nearest hits of (..., 3) rays, which broadcast; see `DynamicHits`."""
-        return DynamicHits(*queries.hits(self._core, origins, directions, threads))
+        with self._turn:
+            return DynamicHits(*queries.hits(self._core, origins, directions, threads))
 
     def occluded(
         self,
@@ -193,12 +199,14 @@ class DynamicField:
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything in (0, t_max)? As `Scene.occluded`."""
-        return queries.occluded(self._core, origins, directions, t_max, threads)
+        with self._turn:
+            return queries.occluded(self._core, origins, directions, t_max, threads)
 
     @property
     def stats(self) -> dict[str, int]:
         """Number of objects, and bytes of lists and triangles."""
-        return {"objects": self._core.objects, "bytes": self._core.bytes}
+        with self._turn:
+            return {"objects": self._core.objects, "bytes": self._core.bytes}
 
 
 def _number(value: Any) -> int:

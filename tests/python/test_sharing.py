@@ -1,0 +1,370 @@
+"""Objects in several threads: the same object, the same bytes, or a clear refusal."""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from codebase.repository import sources
+from viscache import _core
+from viscache.sharing import MadeOnce, Newest, Turn
+
+SMALL: dict[str, Any] = {"size": (16, 10), "threads": 1}
+LAZILY = "@cached_property"
+FIELD = vc.Vlf(n_directions=9, n_tiles=4)
+
+
+@pytest.fixture
+def quick_switches() -> Iterator[None]:
+    """Threads change at almost every step."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+def at_once(calls: list[Callable[[], Any]]) -> list[Any]:
+    """What calls return that begin at the same time, each in its own thread."""
+    start = threading.Barrier(len(calls))
+
+    def one(call: Callable[[], Any]) -> Any:
+        start.wait()
+        return call()
+
+    with ThreadPoolExecutor(len(calls)) as pool:
+        return list(pool.map(one, calls))
+
+
+# What is made once
+
+
+@pytest.mark.parametrize("kept", [MadeOnce, Newest])
+def test_threads_get_one_object(kept: type[MadeOnce]) -> None:
+    cache, calls = kept(), []
+
+    def make() -> object:
+        calls.append(1)
+        time.sleep(0.02)
+        return object()
+
+    made = at_once([lambda: cache.get("a", make)] * 8)
+    assert len(calls) == 1 and len(set(map(id, made))) == 1
+
+
+def test_what_is_made_may_ask_for_another_and_a_failure_leaves_nothing() -> None:
+    cache = MadeOnce()
+    assert cache.get("a", lambda: cache.get("b", lambda: 1) + 1) == 2 and "b" in cache
+    with pytest.raises(ZeroDivisionError):
+        cache.get("c", lambda: 1 // 0)
+    assert "c" not in cache and cache.get("c", lambda: 3) == 3
+
+
+def test_the_newest_alone_is_kept() -> None:
+    cache = Newest()
+    assert (cache.get(1, lambda: 2), cache.get(2, lambda: 4)) == (2, 4)
+    assert 1 not in cache and 2 in cache
+
+
+LAZY: dict[str, Callable[[vc.Scene], Any]] = {
+    "embree": lambda scene: scene.caster(vc.Embree(watertight=True)),
+    "bsp": lambda scene: scene.caster("bsp"),
+    "aligned": lambda scene: scene.aligned_batch(),
+    "shafts": lambda scene: scene.shafts(),
+    "warnings": lambda scene: scene.warnings,
+    "hash": lambda scene: scene.content_hash,
+    "geometry": lambda scene: scene.geometry_hash,
+    "coplanar": lambda scene: scene.coplanar_share,
+}
+
+
+@pytest.mark.parametrize("name", LAZY)
+def test_a_scene_makes_each_of_its_parts_once(name: str, quick_switches: None) -> None:
+    scene = vc.scenes.cube_on_plane()
+    made = at_once([lambda: LAZY[name](scene)] * 6)
+    assert len(set(map(id, made))) == 1
+
+
+def test_casters_in_turns_are_the_ones_asked_for(quick_switches: None) -> None:
+    """The scene keeps one of them at a time."""
+    scene = vc.scenes.cube_on_plane()
+    kinds = {vc.Bsp(): _core.visibility.BspCaster, FIELD: _core.vlf.VisibilityField}
+
+    def ask(rays: Any) -> Callable[[], bool]:
+        return lambda: all(type(scene.caster(rays, threads=1)) is kinds[rays] for _ in range(40))
+
+    assert all(at_once([ask(rays) for rays in kinds] * 2))
+
+
+def test_no_property_is_made_twice_by_two_threads() -> None:
+    """`functools.cached_property` has no lock from Python 3.12 on. Benches have one thread."""
+    found = [p for p, text in sources(".py", under="python/viscache/").items() if LAZILY in text]
+    assert [p for p in found if not p.startswith("python/viscache/bench/")] == []
+
+
+# Whose turn it is
+
+
+def test_turns_are_taken_in_order() -> None:
+    """A thread that comes again at once does not keep out one that waits."""
+    turn, order = Turn("it"), []
+
+    def other() -> None:
+        with turn:
+            order.append("other")
+
+    thread = threading.Thread(target=other)
+    with turn:
+        thread.start()
+        time.sleep(0.05)
+    for _ in range(3):
+        with turn:
+            order.append("first")
+    thread.join()
+    assert order == ["other", "first", "first", "first"]
+
+
+def test_calls_within_a_call_are_let_in_or_refused() -> None:
+    with (again := Turn("it", again=True)), again:
+        pass
+    turn = Turn("it")
+    with turn, pytest.raises(ValueError, match="it must not be in use by another call"), turn:
+        pass
+    at_once([turn.__enter__])  # it is free again
+
+
+def test_a_turn_that_does_not_wait_is_refused() -> None:
+    turn = Turn("it", waits=False)
+    with turn, pytest.raises(ValueError, match="it must not be in use by another call"):
+        at_once([turn.__enter__])
+    with turn:
+        pass
+
+
+def in_child(call: Callable[[], str]) -> str:
+    """What a call says in a forked child, which must end within five seconds."""
+    reads, writes = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            signal.alarm(5)
+            os.write(writes, call().encode())
+        finally:
+            os._exit(0)
+    os.close(writes)
+    with os.fdopen(reads, "rb") as answer:
+        said = answer.read().decode()
+    assert os.waitpid(child, 0)[1] == 0
+    return said
+
+
+def refusal(call: Callable[[], Any]) -> str:
+    try:
+        call()
+    except (ValueError, TypeError) as error:
+        return str(error)
+    return "done"
+
+
+def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang() -> None:
+    cache = vc.VisibilityMapCache(vc.scenes.cube_on_plane(), vc.MapSettings(m=4, n_startup=5))
+    other = vc.VisibilityMapCache(cache.scene, cache.settings)
+    began, end = threading.Event(), threading.Event()
+
+    def wait(done: int, total: int) -> None:
+        began.set()
+        end.wait()
+
+    thread = threading.Thread(target=lambda: cache.update(size=(8, 6), progress=wait, threads=1))
+    thread.start()
+    try:
+        assert began.wait(5)
+        told = in_child(lambda: refusal(cache.records) + "; " + refusal(other.records))
+    finally:
+        end.set()
+        thread.join()
+    assert told.startswith("the cache must not be in use by another thread when the process forks")
+    assert told.endswith("; done")
+    assert len(cache) > 0 and in_child(lambda: refusal(cache.records)) == "done"
+
+
+def test_a_child_makes_what_another_thread_was_making() -> None:
+    cache, began, end = MadeOnce(), threading.Event(), threading.Event()
+
+    def make() -> str:
+        began.set()
+        end.wait()
+        return "made"
+
+    thread = threading.Thread(target=lambda: cache.get("a", make))
+    thread.start()
+    try:
+        assert began.wait(5)
+        assert in_child(lambda: str(cache.get("a", lambda: "made here"))) == "made here"
+    finally:
+        end.set()
+        thread.join()
+    assert cache.get("a", make) == "made"
+
+
+# Copies
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_objects_with_a_state_are_not_copied(copied: Callable[[Any], Any]) -> None:
+    scene = vc.scenes.cube_on_plane()
+    for one in (
+        vc.Progressive(scene, "direct", **SMALL),
+        vc.VisibilityMapCache(scene),
+        vc.AqvcRows(),
+        vc.AqvcTable(),
+        vc.VoxelCounts(),
+        vc.vlf.DynamicField(scene, FIELD),
+    ):
+        with pytest.raises(TypeError, match=f"{type(one).__name__} must not be copied or pickled"):
+            copied(one)
+
+
+# All objects at once
+
+
+PICTURES: dict[str, dict[str, Any]] = {
+    "rows": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.Aqvc()},
+    "counts": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.NeePlusPlus(n_voxels=4)},
+    "maps": {
+        "integrator": vc.Direct(environment="product", n_environment=2),
+        "visibility": vc.VisMaps(m=4, n_startup=5),
+        "env": 1.0,
+    },
+}
+
+
+@pytest.mark.parametrize("kind", PICTURES)
+def test_a_picture_is_saved_whole_while_it_is_rendered(
+    kind: str, tmp_path: Path, quick_switches: None
+) -> None:
+    scene, path, wanted = vc.scenes.cube_on_plane(), tmp_path / "state.npz", 6
+
+    def picture() -> vc.Progressive:
+        return vc.Progressive(scene, **PICTURES[kind], **SMALL)
+
+    shas, one = {}, picture()
+    for n in range(wanted):
+        shas[n + 1] = one.passes(1).sha256
+    shared, seen = picture(), []
+    shared.passes(1)
+    ended = threading.Event()
+
+    def render() -> None:
+        try:
+            for _ in range(wanted - 1):
+                shared.passes(1)
+        finally:
+            ended.set()
+
+    def save() -> None:
+        while not ended.is_set():
+            shared.save(path)
+            again = picture()
+            again.load(path)
+            n = again.n_passes
+            assert again.frame.sha256 == shas[n]
+            seen.append(n)
+
+    def look() -> None:
+        while not ended.is_set():
+            frame = shared.frame
+            assert frame.sha256 == shas[frame.parameters["passes"]]
+
+    at_once([render, save, look])
+    assert len(set(seen)) > 1 and seen == sorted(seen)
+    assert shared.frame.sha256 == shas[wanted]
+    again = picture()
+    again.load(path)
+    assert again.passes(wanted - again.n_passes).sha256 == shas[wanted]
+
+
+def test_threads_that_render_one_picture_render_each_pass_once() -> None:
+    def picture() -> vc.Progressive:
+        return vc.Progressive(vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=8), **SMALL)
+
+    shared = picture()
+    at_once([lambda: shared.passes(2)] * 3)
+    assert shared.frame.sha256 == picture().passes(6).sha256
+
+
+def test_a_save_within_a_pass_is_refused(tmp_path: Path) -> None:
+    """As from a handler of a signal, which runs in the thread of the pass."""
+    picture = vc.Progressive(vc.scenes.cube_on_plane(), vc.Direct(), **SMALL)
+    picture.passes(1)
+    with picture._turn:
+        told = refusal(lambda: picture.save(tmp_path / "state.npz"))
+        assert picture.frame.sha256  # which reads finished passes alone
+    assert told == "the picture must not be in use by another call"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_all_objects_in_threads_give_the_same_bytes(quick_switches: None) -> None:
+    scene, lights = vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=8)
+    rng = np.random.default_rng(1)
+    eyes = vc.EyePoints(rng.uniform(-2, 2, (50, 3)), np.tile([0, 1.0, 0], (50, 1)))
+    ends = vc.FarEnds.points(rng.uniform(-2, 3, (20, 3)))
+    oracle, field = scene.oracle(vc.Aqvc(c_e=8)), vc.VisibilityField(scene, 9, 4)
+    asked = vc.connections(scene, lights, **SMALL)
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=4, n_startup=5))
+    cache.update(size=(8, 6))
+    relighting = vc.Relighting(cache, size=(8, 6), threads=1)
+    moving = vc.vlf.DynamicField(scene, vc.Vlf(n_directions=9, n_tiles=4, head_room=3.0))
+    up = np.tile([0, 1.0, 0], (50, 1))
+
+    def move() -> bytes:
+        one = moving.insert([[0, 2, 0], [1, 2, 0], [0, 2, 1]], [[0, 1, 2]])
+        moving.transform(one, np.eye(4))
+        moving.delete(one)
+        return b""
+
+    calls: list[Callable[[], Any]] = [
+        lambda: vc.render(scene, lights, visibility="aqvc", **SMALL).sha256,
+        lambda: vc.render(scene, lights, visibility=vc.ShadowMap(resolution=16), **SMALL).sha256,
+        lambda: oracle.block(eyes, ends).bits.tobytes(),
+        lambda: asked.frame(asked.answers(vc.Aqvc())).sha256,
+        lambda: field.occluded(eyes.positions, up).tobytes(),
+        lambda: scene.visible(eyes.positions, eyes.positions[::-1], rays=FIELD).tobytes(),
+        lambda: scene.visible(eyes.positions, eyes.positions[::-1], rays="bsp").tobytes(),
+        lambda: cache.lookup(eyes.positions, up, 1.0).ids.tobytes(),
+        lambda: relighting.under(1.0).sha256,
+        lambda: moving.occluded(eyes.positions - [0, 9, 0], -up).tobytes(),
+        move,
+    ]
+    expected = [call() for call in calls]
+
+    def repeat(call: Callable[[], Any]) -> Callable[[], list[Any]]:
+        return lambda: [call() for _ in range(4)]
+
+    for one, found in zip(expected, at_once([repeat(call) for call in calls]), strict=True):
+        assert found == [one] * 4
+
+
+def test_a_kept_table_in_use_is_refused_to_all_others() -> None:
+    scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 16)
+    told: list[str] = []
+
+    def report(done: int, total: int) -> None:
+        told.extend(
+            refusal(call) for call in (table.forget, lambda: table.moved(scene), table.entries)
+        )
+
+    vc.render(scene, "direct", visibility=vc.Aqvc(c_e=8), keep=table, progress=report, **SMALL)
+    assert set(told) == {"the table must not be in use by another call"} and table.epoch == 0
