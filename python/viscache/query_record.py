@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.connections import Connections
+from viscache.netcdf import netcdf_file
 from viscache.oracles.points import GROUPS, EyePoints
 from viscache.settings.checks import is_whole, require
 
@@ -53,7 +56,7 @@ def record_queries(
     visibility : Exact or Aqvc
         The setting that answers; `Aqvc` in its default form.
     path : path
-        A file ".nc". It is complete or absent.
+        A file ".nc". It is complete or absent. It grows on the disk, tile by tile.
     max_bytes : int >= 2^16
         Memory for queries. A tile that needs more is asked several times, for some lights each.
     use : {"replace", "correct"} or Correct, optional
@@ -68,6 +71,9 @@ def record_queries(
     ------
     ValueError
         The oracle has no clusters, or max_bytes is too small for the lights of one eye point.
+    OSError
+        The disk is full, or does not take the file for another reason. A file of before stays as it
+        is.
 
     Examples
     --------
@@ -85,26 +91,36 @@ def record_queries(
         "max_bytes must be a whole number >= 65536",
         max_bytes,
     )
-    import h5netcdf  # type: ignore[import-untyped,unused-ignore]
-
-    target = Path(path)
-    partial = target.with_name(target.name + ".partial")
-    try:
-        with h5netcdf.File(partial, "w") as file:
-            written = _write_all(file, conn, visibility, use, int(max_bytes))
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
-    return written
+    with netcdf_file(Path(path)) as run:
+        run(_define)
+        return _write_all(run, conn, visibility, use, int(max_bytes))
 
 
-def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_bytes: int) -> int:
+def _define(file: Any) -> None:
+    """The empty variables."""
     file.dimensions = {"query": None, "axis": 3}
     for name, (kind, meaning) in VARIABLES.items():
         dims = ("query", "axis") if name in ("x", "y") else ("query",)
         chunks = (1 << 14, 3)[: len(dims)]
         variable = file.create_variable(name, dims, kind, chunks=chunks, compression="gzip")
         variable.attrs["long_name"] = meaning
+
+
+def _append(file: Any, written: int, columns: dict[str, npt.NDArray[Any]]) -> None:
+    """Queries after those that are written."""
+    end = written + len(columns["eye"])
+    file.resize_dimension("query", end)
+    for name, values in columns.items():
+        file.variables[name][written:end] = values
+
+
+def _write_all(
+    run: Callable[[Callable[[Any], object]], None],
+    conn: Connections,
+    visibility: Any,
+    use: Any,
+    max_bytes: int,
+) -> int:
     asked, truth = conn.oracle(visibility, use=use), conn.oracle("exact")
     written, clusters, first = 0, 0, 0
     for tile in conn.eyes._tiles or ():
@@ -141,9 +157,7 @@ def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_byte
                     "cluster": log["cluster"].astype(np.int64) + offset,
                     "level": log["level"],
                 }
-                file.resize_dimension("query", written + len(log))
-                for name, values in columns.items():
-                    file.variables[name][written : written + len(log)] = values
+                run(partial(_append, written=written, columns=columns))
                 written += len(log)
                 if len(log):
                     offset += int(log["cluster"].max()) + 1

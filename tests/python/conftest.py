@@ -34,4 +34,4 @@ def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
 def without_netcdf(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sweeps write no `table.nc`, which takes longer than all else of a small one."""
     module = importlib.import_module("viscache.sweeps.sweep")
-    monkeypatch.setattr(module, "write_netcdf", lambda *_: None)
+    monkeypatch.setattr(module, "write_table", lambda *_: None)

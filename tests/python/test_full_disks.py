@@ -196,3 +196,51 @@ def test_a_correlation_goes_on_when_there_is_room(disk: SmallDisk, leave: int) -
     disk.make_room()
     again = vc.correlation.measure(directory=store, **CORRELATION)["mean"]
     np.testing.assert_array_equal(again, with_room_from_the_start())
+
+
+WRITE_NETCDF = """
+import os, subprocess, sys
+from pathlib import Path
+import numpy as np, xarray, viscache as vc
+from viscache.sweeps.table import write_table
+folder = Path(sys.argv[1])
+lights = vc.Direct(environment="shared", n_environment=64)
+conn = vc.connections(vc.scenes.cube_on_plane(), lights, size=(96, 60), env=1.0, threads=1)
+noise = np.random.default_rng(0).random((4, 20_000))
+names = ("mean", "se", "n", "sigma")
+made = xarray.Dataset({name: ("x", noise[i]) for i, name in enumerate(names)})
+writers = {
+    "queries.nc": lambda path: vc.record_queries(conn, vc.Aqvc(), path, max_bytes=1 << 21),
+    "dataset.nc": lambda path: vc.correlation.save_dataset(made, path),
+    "table.nc": lambda path: write_table(made, path),
+}
+for name in writers:
+    (folder / name).write_bytes(b"old")
+for leave in (0, 4_096, 100_000):
+    filler = folder / "filler"
+    filler.unlink(missing_ok=True)
+    at = os.statvfs(folder)
+    filler.write_bytes(bytes(at.f_bavail * at.f_frsize - leave))
+    for name, write in writers.items():
+        try:
+            write(folder / name)
+        except OSError as error:
+            print(error)
+        assert (folder / name).read_bytes() == b"old"
+        assert {p.name for p in folder.iterdir()} == {"filler", *writers}
+subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True)
+for name, write in writers.items():
+    write(folder / name)
+    with xarray.open_dataset(folder / name, engine="h5netcdf") as file:
+        assert all(np.isfinite(file[n].values).all() for n in file.data_vars)
+"""
+
+
+def test_a_netcdf_file_is_the_old_one_or_the_new_one(disk: SmallDisk) -> None:
+    """HDF5 would end the process some time after a write that its disk refused."""
+    ended = run(sys.executable, "-c", WRITE_NETCDF, disk.folder)
+    assert ended.returncode == 0, (ended.returncode, ended.stderr)
+    names = ["queries.nc", "dataset.nc", "table.nc"] * 3
+    for told, name in zip(ended.stdout.splitlines(), names, strict=True):
+        assert told == f"[Errno 28] No space left on device: '{disk.folder / name}'"
+    assert disk.files() == set(names)

@@ -255,21 +255,17 @@ PICTURES: dict[str, dict[str, Any]] = {
 def test_a_picture_is_saved_whole_while_it_is_rendered(
     kind: str, tmp_path: Path, quick_switches: None
 ) -> None:
-    scene, path, wanted = vc.scenes.cube_on_plane(), tmp_path / "state.npz", 6
+    scene, path = vc.scenes.cube_on_plane(), tmp_path / "state.npz"
 
     def picture() -> vc.Progressive:
         return vc.Progressive(scene, **PICTURES[kind], **SMALL)
 
-    shas, one = {}, picture()
-    for n in range(wanted):
-        shas[n + 1] = one.passes(1).sha256
-    shared, seen = picture(), []
+    shared, saved, seen, ended = picture(), [], [], threading.Event()
     shared.passes(1)
-    ended = threading.Event()
 
     def render() -> None:
         try:
-            for _ in range(wanted - 1):
+            while len(saved) < 3 and shared.n_passes < 100:
                 shared.passes(1)
         finally:
             ended.set()
@@ -279,21 +275,21 @@ def test_a_picture_is_saved_whole_while_it_is_rendered(
             shared.save(path)
             again = picture()
             again.load(path)
-            n = again.n_passes
-            assert again.frame.sha256 == shas[n]
-            seen.append(n)
+            saved.append((again.n_passes, again.frame.sha256))
 
     def look() -> None:
         while not ended.is_set():
             frame = shared.frame
-            assert frame.sha256 == shas[frame.parameters["passes"]]
+            seen.append((frame.parameters["passes"], frame.sha256))
+            time.sleep(0.005)
 
     at_once([render, save, look])
-    assert len(set(seen)) > 1 and seen == sorted(seen)
-    assert shared.frame.sha256 == shas[wanted]
+    alone = picture()
+    shas = [(n + 1, alone.passes(1).sha256) for n in range(shared.n_passes)]
+    assert set(saved) | set(seen) <= set(shas) and saved == sorted(saved)
     again = picture()
     again.load(path)
-    assert again.passes(wanted - again.n_passes).sha256 == shas[wanted]
+    assert again.passes(shared.n_passes - again.n_passes).sha256 == shared.frame.sha256
 
 
 def test_threads_that_render_one_picture_render_each_pass_once() -> None:

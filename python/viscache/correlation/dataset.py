@@ -18,7 +18,7 @@ from viscache.correlation.derived import (
 )
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
-from viscache.files import whole_file
+from viscache.netcdf import write_netcdf
 from viscache.provenance import provenance
 
 if TYPE_CHECKING:
@@ -189,9 +189,14 @@ def _add_derived(dataset: xarray.Dataset) -> None:
 
 
 def save_dataset(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a NetCDF file atomically: completely or not at all."""
-    with whole_file(Path(path)) as partial:
-        dataset.to_netcdf(partial, engine="h5netcdf")
+    """Write a NetCDF file atomically: completely or not at all.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written, as on a full disk. A file of before stays as it is.
+    """
+    write_netcdf(dataset, Path(path))
 
 
 def load_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:

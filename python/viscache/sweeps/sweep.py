@@ -31,7 +31,7 @@ from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
 from viscache.sweeps.run import Run
 from viscache.sweeps.store import Store
-from viscache.sweeps.table import to_dataset, write_netcdf, write_parquet
+from viscache.sweeps.table import to_dataset, write_parquet, write_table
 
 if TYPE_CHECKING:
     import xarray
@@ -173,7 +173,7 @@ def sweep(
             run.go(executor)
         dataset = to_dataset(plan.names, store)
         if store.directory is not None:
-            write_netcdf(dataset, store.directory / "table.nc")
+            write_table(dataset, store.directory / "table.nc")
             write_parquet(store)
     if run.mended:
         dataset.attrs["mended"] = "\n".join(run.mended)

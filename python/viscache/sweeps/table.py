@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache.files import whole_file
+from viscache.netcdf import write_netcdf
 from viscache.sweeps.csv_file import append_csv, write_csv
 from viscache.sweeps.plan import Point
 from viscache.sweeps.store import Record, Store, picture_name
@@ -234,13 +235,12 @@ def folder_of(dataset: xarray.Dataset) -> Path | None:
     return Path(kept)
 
 
-def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
+def write_table(dataset: xarray.Dataset, path: Path) -> None:
     """Write `table.nc` atomically, without the directory of the sweep."""
     kept = dataset.drop_attrs(deep=False).assign_attrs(
         {k: v for k, v in dataset.attrs.items() if k != "directory"}
     )
-    with whole_file(path) as partial:
-        kept.to_netcdf(partial, engine="h5netcdf")
+    write_netcdf(kept, path)
 
 
 def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
