@@ -1,15 +1,41 @@
-"""SHA-256 of arrays, by which files and stores notice content that is not what was written."""
+"""SHA-256 of content, by which files, stores and pictures tell what is the same."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["arrays_digest", "changed_layers", "layer_digests", "pixels_digest"]
+__all__ = [
+    "array_in_words",
+    "arrays_digest",
+    "bytes_digest",
+    "changed_layers",
+    "content_key",
+    "layer_digests",
+    "pixels_digest",
+]
+
+
+def bytes_digest(data: bytes | bytearray) -> str:
+    """Hex digest of bytes."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def content_key(parts: Mapping[str, Any]) -> str:
+    """Hex digest of a JSON-able description, whatever the order of its names."""
+    text = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=True)
+    return bytes_digest(text.encode())
+
+
+def array_in_words(array: npt.NDArray[Any]) -> str:
+    """Type, shape and digest of an array of numbers."""
+    content = bytes_digest(np.ascontiguousarray(array).tobytes())
+    return f"array {array.dtype} {array.shape} sha256 {content}"
 
 
 def pixels_digest(pixels: npt.NDArray[np.float32]) -> str:

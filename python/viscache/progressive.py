@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 import os
@@ -18,14 +19,13 @@ from viscache.emitted_light import light_on_surfaces
 from viscache.frame import Frame
 from viscache.frame_html import frame_html
 from viscache.live_view import LiveView
-from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import CERTAIN, Correct
 from viscache.oracles.learned import PassMemory, shares_after
-from viscache.oracles.sources import parameters_of
-from viscache.oracles.written import Written, is_written
+from viscache.oracles.written import Written
 from viscache.progress import Progress, progress_bar
-from viscache.render import render_part
-from viscache.scene import Env, Scene
+from viscache.render import render_part, seed_of
+from viscache.scene import Env, Scene, Sky
+from viscache.scene.environments import environment_pixels
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Bdpt, Direct, Integrator, Whitted
@@ -33,7 +33,8 @@ from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
 from viscache.sharing import Turn, Uncopied
-from viscache.vismap.pass_maps import PassMaps, records_digest
+from viscache.shot import Shot, require_same
+from viscache.vismap.pass_maps import PassMaps
 from viscache.voxel_counts import VoxelCounts
 
 __all__ = ["Progressive"]
@@ -74,7 +75,8 @@ class Progressive(Uncopied):
         "correct" unless visibility is exact. "replace": faster passes whose mean keeps the cache's
         error; that of `NeePlusPlus` is Russian roulette, which has none.
     size, spp, seed, threads, camera, env, rays
-        As for `vc.render`; `spp` is that of one pass.
+        As for `vc.render`; `spp` is that of one pass. Pictures of different seeds have nothing in
+        common. A sky is read, or copied, here.
     renew : int >= 1, optional
         Passes with the same lights. Always the same by default: then the picture converges to that
         of these lights.
@@ -146,8 +148,9 @@ class Progressive(Uncopied):
             "size": size,
             "spp": spp,
             "threads": threads,
-            "camera": camera,
-            "env": env,
+            # All passes have the camera and the sky of now
+            "camera": copy.copy(camera),
+            "env": env if env is None or isinstance(env, Sky) else environment_pixels(env).copy(),
         }
         keeps = (
             isinstance(self.visibility, Aqvc)
@@ -160,6 +163,14 @@ class Progressive(Uncopied):
         self.counts = VoxelCounts() if isinstance(self.visibility, NeePlusPlus) else None
         refines = isinstance(self.visibility, VisMaps) and self.visibility.updates
         self.maps = PassMaps(self.scene, self.visibility, rays) if refines else None
+        self._shot = Shot(
+            scene=self.scene,
+            integrator=self.integrator,
+            visibility=self.visibility,
+            use=self.use,
+            seed=seed,
+            **self._options,
+        )
         self._sums = progressive_state.Sums(next_pass=first_pass)
         self._turn = Turn("the picture")
         self._lights: tuple[int, _core.KeptLights] | None = None
@@ -294,7 +305,8 @@ class Progressive(Uncopied):
             layers=layers,
             counters=dict(sums.counters),
             timings=dict(sums.timings),
-            parameters=sums.parameters | {"passes": sums.n, "renew": self.renew},
+            parameters=sums.parameters
+            | {"seed": self._seed, "passes": sums.n, "renew": self.renew},
             warnings=list(sums.warnings),
         )
 
@@ -332,9 +344,7 @@ class Progressive(Uncopied):
             A pass of this thread is going on: `save` was called by a handler of a signal.
         """
         with self._turn:
-            progressive_state.save(
-                path, self._identity(), self._sums, self.rows, self._kept_arrays()
-            )
+            progressive_state.save(path, self._shows(), self._sums, self.rows, self._kept_arrays())
 
     def merge(self, other: Progressive) -> None:
         """Add the passes of another picture, for example one of another machine.
@@ -347,9 +357,7 @@ class Progressive(Uncopied):
             The other picture has another scene or other settings, or passes that this one has too.
         """
         require(isinstance(other, Progressive), "other must be vc.Progressive(...)", other)
-        mine, given = self._identity(), other._identity()
-        for name, value in mine.items():
-            require(given[name] == value, f"{name} must be {value!r} in both", given[name])
+        require_same(self._shows(), other._shows(), "in both")
         with self._turn:
             self._sums = self._sums.merged(other._sums)
 
@@ -366,7 +374,7 @@ class Progressive(Uncopied):
         """
         with self._turn:
             self._sums = progressive_state.load(
-                path, self._identity(), self.rows, self._restore_arrays
+                path, self._shows(), self.rows, self._restore_arrays
             )
 
     def _pass(self) -> None:
@@ -387,7 +395,7 @@ class Progressive(Uncopied):
                 (0, 1),
                 visibility=visibility,
                 use=use,
-                seed=self._seed + (n if alone else epoch),
+                seed=seed_of(self._seed, "pass" if alone else "lights", n if alone else epoch),
                 first_sample=0 if alone else n * self._spp,
                 keep=kept if drawn is self.visibility else None,
                 memory=None if alone else memory,
@@ -459,22 +467,9 @@ class Progressive(Uncopied):
         elif self.maps is not None:
             self.maps._restore(state)
 
-    def _identity(self) -> dict[str, Any]:
-        """What a saved state must agree with."""
-        view = self._options
-        return {
-            "scene": self.scene.content_hash,
-            "integrator": repr(self.integrator),
-            "visibility": described(self.visibility),
-            "use": repr(self.use),
-            "rays": repr(view["rays"]),
-            "size": repr(view["size"]),
-            "camera": repr(view["camera"]),
-            "env": repr(view["env"]) if not isinstance(view["env"], np.ndarray) else "array",
-            "spp": self._spp,
-            "seed": self._seed,
-            "renew": self.renew,
-        }
+    def _shows(self) -> dict[str, Any]:
+        """What a saved state, or a picture to merge, must agree with."""
+        return {**self._shot.parts, "renew": self.renew}
 
     def _repr_html_(self) -> str:
         if not self.n_passes:
@@ -484,15 +479,3 @@ class Progressive(Uncopied):
 
     def __repr__(self) -> str:
         return f"Progressive({self.scene.name!r}, {self.n_passes} passes)"
-
-
-def described(visibility: Any) -> str:
-    """A visibility setting as text that is the same in every process."""
-    if is_written(visibility):
-        fields = by_name.plain(getattr(visibility, "__dict__", None) or parameters_of(visibility))
-        cls = type(visibility)
-        return f"{cls.__qualname__} {code_digest(cls)} {fields}"
-    if isinstance(visibility, VisMaps) and visibility.cache is not None:
-        cache = f"cache {records_digest(visibility.cache)}"
-        return f"{dataclasses.replace(visibility, cache=None)!r} {cache}"
-    return repr(visibility)

@@ -20,6 +20,7 @@ from viscache.files import DAMAGED_ARRAYS, whole_file
 from viscache.frame import Frame
 from viscache.oracles.learned import Shares
 from viscache.provenance import VERSION
+from viscache.shot import require_same
 
 __all__ = ["Sums", "load", "save"]
 
@@ -38,7 +39,7 @@ OF_ONE_PASS = (
     "records",
     "voxel_pairs",
 )
-#: Name of the hash among the records; files of earlier days have none and are not checked.
+#: Name of the hash among the records.
 DIGEST = "sha256"
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
@@ -231,14 +232,14 @@ def _added(sums: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
 
 def save(
     path: str | os.PathLike[str],
-    identity: dict[str, Any],
+    shows: dict[str, Any],
     sums: Sums,
     rows: AqvcRows | None,
     kept: dict[str, npt.NDArray[Any]],
 ) -> None:
     """Write an uncompressed `.npz` of the sums, rows and other arrays that caches keep."""
     records: dict[str, Any] = {
-        "identity": identity,
+        "shows": shows,
         "version": VERSION,
         "n": sums.n,
         "numbers": sums.numbers,
@@ -274,13 +275,13 @@ def _digest(records: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str
 
 def load(
     path: str | os.PathLike[str],
-    identity: dict[str, Any],
+    shows: dict[str, Any],
     rows: AqvcRows | None,
     restore: Callable[[dict[str, npt.NDArray[Any]]], None],
 ) -> Sums:
-    """The sums of a file whose identity is this one.
+    """The sums of a file whose picture shows this.
 
-    Its rows go to `rows`, and other arrays that caches keep to `restore`.
+    Once all is checked, its rows go to `rows`, and other arrays that caches keep to `restore`.
     """
     source = Path(path)
     if not source.is_file():
@@ -289,21 +290,22 @@ def load(
         with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         records = json.loads(arrays["records"].tobytes())
-        whole = records.pop(DIGEST, None)
-        found, version = records["identity"], records["version"]
+        whole, version = records.pop(DIGEST, None), records["version"]
         rest = {n: a for n, a in arrays.items() if n != "records"}
-        if whole is not None and whole != _digest(records, rest):
+        if whole != _digest(records, rest):
             raise ValueError("its content does not fit its hash")
     except DAMAGED_ARRAYS as error:
         raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
     if version != VERSION:
         raise ValueError(f"{source} must be of viscache {VERSION}, got {version}")
-    for name, value in json.loads(json.dumps(identity)).items():
-        if found.get(name) != value:
-            raise ValueError(f"{name} must be {found.get(name)!r} as in {source}, got {value!r}")
+    if "shows" not in records:
+        raise ValueError(
+            f"{source} must name its sky and camera by value, got a state of an earlier viscache,"
+            " whose passes have other seeds, too: render its passes again"
+        )
+    require_same(records["shows"], shows, f"as in {source}")
     try:
-        layers = {name: arrays[f"layer {name}"] for name in records["layers"]}
-        kept = [
+        kept_rows = [
             (
                 tile,
                 group,
@@ -320,7 +322,7 @@ def load(
             n=records["n"],
             next_pass=int(records["next_pass"]),
             numbers=records["numbers"],
-            layers=layers,
+            layers={name: arrays[f"layer {name}"] for name in records["layers"]},
             squares=arrays["squares"],
             parts=[(n, arrays[f"part {n}"]) for n in records["parts"]],
             counters=records["counters"],
@@ -329,10 +331,23 @@ def load(
             warnings=records["warnings"],
             shares=Shares(**records["shares"]) if records["shares"] else None,
         )
+        kept = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
+        _check_shapes(sums, shows["size"], source)
         if rows is not None:
-            rows._restore(records["row_tiles"], records["row_frames"], kept)
-        others = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
-        restore(others)
+            rows._restore(records["row_tiles"], records["row_frames"], kept_rows)
+        restore(kept)
     except (KeyError, IndexError, TypeError) as error:
         raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
     return sums
+
+
+def _check_shapes(sums: Sums, size: list[int], source: Path) -> None:
+    """Pictures must have the pixels of the frame, and the numbers of a sum."""
+    named = {"squares": sums.squares, **sums.layers} | {f"part {n}": p for n, p in sums.parts}
+    for name, pixels in named.items() if sums.n else ():
+        fits = pixels.ndim == 3 and pixels.shape[:2] == (size[1], size[0])
+        if not fits or pixels.dtype != np.float64:
+            raise ValueError(
+                f"{source}: {name} must be float64 of shape ({size[1]}, {size[0]}, channels),"
+                f" got {pixels.dtype} of shape {pixels.shape}"
+            )

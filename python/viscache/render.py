@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import time
@@ -49,10 +50,6 @@ __all__ = ["render"]
 
 #: Eye samples of the largest tiles (render/tiles.h); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16
-#: Oracles that draw at random do so anew for each first sample: an odd number far from other seeds.
-SEED_STEP = 0x9E3779B97F4A7C15
-#: Corrections draw independently in epochs of passes: another odd number.
-EPOCH_STEP = 0xD1B54A32D192ED03
 
 
 @spelled
@@ -267,8 +264,10 @@ def render_part(
             scene=scene._core,
             caster=caster,
             spp=spp,
-            seed=(seed + SEED_STEP * frame.first_sample) % (1 << 64),
-            lasting_seed=(seed + EPOCH_STEP * (memory.epoch if memory else 0)) % (1 << 64),
+            # Oracles that draw at random do so anew for each first sample
+            seed=seed_of(seed, "oracle", frame.first_sample),
+            # Corrections draw independently in epochs of passes
+            lasting_seed=seed_of(seed, "corrections", memory.epoch if memory else 0),
             batch=batch,
             shafts=shafts_for(geometry, visibility, rays),
             kept=kept,
@@ -326,7 +325,7 @@ def render_part(
             "integrator": described(integrator),
             "rays": {"name": type(rays).__name__, **asdict(rays)},
             "visibility": {"name": type(visibility).__name__, **parameters_of(visibility)},
-            "use": _use_in_words(use, visibility),
+            "use": use_in_words(use, visibility),
             "size": [frame.width, frame.height],
             "spp": spp,
             "seed": seed,
@@ -391,8 +390,19 @@ def check_settings(
     )
 
 
-def _use_in_words(use: Any, visibility: Any) -> Any:
-    """How the approximation was used, as frames record it."""
+def seed_of(seed: int, purpose: str, number: int) -> int:
+    """The seed of one of several draws from a seed: number 0 has the seed itself.
+
+    A hash, so that no two seeds share a later one, however close they are.
+    """
+    if number == 0:
+        return seed
+    text = f"{seed} {purpose} {number}".encode()
+    return int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "little")
+
+
+def use_in_words(use: Any, visibility: Any) -> Any:
+    """How the approximation is used, as frames record it."""
     return in_words(use) or ("correct" if isinstance(visibility, VisMaps) else "replace")
 
 

@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.checks import is_whole, require
 from viscache.sharing import Newest
+from viscache.shot import Shot, require_same
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 
@@ -40,6 +41,8 @@ class Part:
         The layers of each tile.
     frame : Frame
         Without pixels.
+    shows : dict
+        `Shot.parts`; empty for parts that are not merged.
     """
 
     number: int
@@ -47,6 +50,7 @@ class Part:
     size: tuple[int, int]
     cuts: list[dict[str, Layer]]
     frame: Frame
+    shows: dict[str, Any] = field(default_factory=dict)
 
     @property
     def boxes(self) -> list[tuple[int, int, int, int]]:
@@ -118,7 +122,7 @@ def merge(parts: list[Part], *, partial: bool = False) -> Frame:
     Raises
     ------
     ValueError
-        A part is missing (unless `partial`) or was given twice.
+        A part is missing (unless `partial`), was given twice, or is of another picture.
     """
     require(bool(parts), "parts must hold at least one", parts)
     ordered = sorted(parts, key=lambda part: part.number)
@@ -127,6 +131,8 @@ def merge(parts: list[Part], *, partial: bool = False) -> Frame:
     whole = numbers == wanted or (partial and len(set(numbers)) == len(numbers))
     require(whole, f"parts must be all of {len(wanted)}, each once", numbers)
     first = ordered[0]
+    for part in ordered:
+        require_same(first.shows, part.shows, "in all parts")
     width, height = first.size
     layers = {
         name: np.zeros((height, width, pixels.shape[2]), np.float32)
@@ -160,10 +166,11 @@ def _parts_here(
     options: dict[str, Any],
 ) -> Iterator[Part]:
     opened = sources.opened(scene)
+    shows = _shows(opened, integrator, options)
     env = options.pop("env", None)
     lit = opened if env is None else opened.with_environment(env)
     for number, parts in tasks:
-        yield cut(render_part(lit, integrator, (number, parts), **options), number, parts)
+        yield cut(render_part(lit, integrator, (number, parts), **options), number, parts, shows)
 
 
 def _parts_there(
@@ -195,11 +202,18 @@ def render_in_worker(
 ) -> Part:
     """Render one part. The worker keeps the newest scene."""
     opened = _SCENE.get(scene, lambda: sources.opened(scene))
-    return cut(render_part(opened, integrator, task, **options), *task)
+    shows = _shows(opened, integrator, options)
+    return cut(render_part(opened, integrator, task, **options), *task, shows)
 
 
-def cut(frame: Frame, number: int, parts: int) -> Part:
-    """The tiles of a part, cut out of a frame."""
+def _shows(scene: Scene, integrator: Any, options: dict[str, Any]) -> dict[str, Any]:
+    known = {f.name for f in fields(Shot)}
+    given = {name: value for name, value in options.items() if name in known}
+    return Shot(scene=scene, integrator=integrator, **given).parts
+
+
+def cut(frame: Frame, number: int, parts: int, shows: dict[str, Any] | None = None) -> Part:
+    """The tiles of a part, cut out of a frame that shows this."""
     size = frame.size
     boxes = tile_boxes(size, int(frame.parameters["tile_edge_px"]), number, parts)
     cuts = [
@@ -207,7 +221,7 @@ def cut(frame: Frame, number: int, parts: int) -> Part:
         for x0, y0, x1, y1 in boxes
     ]
     frame.layers = {n: np.zeros((1, 1, p.shape[2]), np.float32) for n, p in frame.layers.items()}
-    return Part(number=number, parts=parts, size=size, cuts=cuts, frame=frame)
+    return Part(number=number, parts=parts, size=size, cuts=cuts, frame=frame, shows=shows or {})
 
 
 def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:

@@ -34,6 +34,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),
     ("audited",),
     ("render",),
+    ("shot",),
     ("progressive_state",),
     ("progressive",),
     ("connections", "over_time", "thumbnails", "tiles", "travelling"),

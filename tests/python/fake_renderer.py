@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from viscache.frame import Frame
+from viscache.scene.cameras import look_at
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,6 +60,7 @@ class FakeScene:
     name: str = "fake"
     content_hash: str = "ab" * 32
     triangles: int = 12
+    cameras: tuple[Any, ...] = (look_at((0, 0, 3), (0, 0, 0)),)
 
 
 CALLS: list[dict[str, Any]] = []

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from viscache.array_digests import content_key
 from viscache.frame import Frame
-from viscache.sweeps.store import Store, content_key, picture_name
+from viscache.sweeps.store import Store, picture_name
 
 
 def frame(value: float = 1.0) -> Frame:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from fake_renderer import FakeScene
 
 from viscache import metrics
 from viscache.frame import Frame
@@ -327,11 +328,8 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
         "spp": loaded.spp,
     }
 
-    class Anything:
-        content_hash = "00"
-
     asked = {name: getattr(loaded, name) for name in ("over", "repeats", "converged")}
-    plan = make_plan(Anything(), roles, common, seed=0, metrics=list(loaded.metrics), **asked)
+    plan = make_plan(FakeScene(), roles, common, seed=0, metrics=list(loaded.metrics), **asked)
     assert len(plan.points) >= 9
 
 

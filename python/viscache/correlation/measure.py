@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
+from viscache.array_digests import content_key
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -47,7 +48,6 @@ from viscache.provenance import VERSION
 from viscache.scene.cameras import find_camera
 from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import renamed, spelled
-from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
     import xarray

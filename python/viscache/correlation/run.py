@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.array_digests import content_key
 from viscache.correlation.bins import Bins
 from viscache.correlation.near import near_limit
 from viscache.correlation.pair_table import SUMS
@@ -26,7 +27,6 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import PairBlock, group_pairs, pair_blocks, row_blocks, work_through
 from viscache.correlation.work_store import Arrays, FolderStore, MemoryStore, WorkStore
-from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
     import xarray

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import dis
 import functools
-import hashlib
 import types
 import warnings
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+
+from viscache.array_digests import array_in_words, bytes_digest
 
 __all__ = ["code_digest"]
 
@@ -39,26 +40,32 @@ GENERATED = {
 KNOWN_MODULES = ("builtins", "typing", "abc", "viscache")
 
 
-def code_digest(cls: type[Any]) -> str:
-    """Hex digest of a class: its methods, constants and bases.
+def code_digest(code: type[Any] | types.FunctionType, *, warns: bool = True) -> str:
+    """Hex digest of a function, or of a class: its methods, constants and bases.
 
     Functions and classes of the same module that methods use belong to it, and so do numbers, texts
     and arrays that they read from that module. Functions of other modules do not.
+
+    Parameters
+    ----------
+    code : class or function
+    warns : bool
+        False: compiled methods are known by the name of the class.
 
     Warns
     -----
     UserWarning
         A method has no bytecode, because it is compiled. Its changes remain unseen.
     """
-    reader = _Reader(cls.__module__)
-    text = "\n".join(reader.lines(cls))
-    if reader.unreadable:
+    reader = _Reader(code.__module__)
+    text = "\n".join(reader.lines(code))
+    if reader.unreadable and warns:
         warnings.warn(
             f"the code of {', '.join(reader.unreadable)} cannot be read: a sweep does not notice"
             " when it changes, so use another directory then",
             stacklevel=2,
         )
-    return hashlib.sha256(text.encode()).hexdigest()
+    return bytes_digest(text.encode())
 
 
 class _Reader:
@@ -174,7 +181,7 @@ def _plain(value: Any) -> str:
     if isinstance(value, dict):
         return "{" + ",".join(f"{_plain(k)}:{_plain(v)}" for k, v in value.items()) + "}"
     if isinstance(value, np.ndarray):
-        data = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return f"array {value.dtype} {value.shape} {data}"
+        # Bytes of objects are their places in memory
+        return _plain(value.tolist()) if value.dtype.hasobject else array_in_words(value)
     simple = value is None or value is ... or isinstance(value, int | float | complex | str | bytes)
     return f"{type(value).__name__} {value!r}" if simple else ""

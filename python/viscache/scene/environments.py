@@ -16,6 +16,14 @@ from viscache.scene.sky import Sky
 from viscache.settings.checks import checked_floats
 
 
+def existing_file(path: str | os.PathLike[str]) -> Path:
+    """A file that is there; SceneError if it is not."""
+    source = Path(path)
+    if not source.is_file():
+        raise SceneError(f"{source}: no such file")
+    return source
+
+
 def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     """The colour of an EXR file, (H, W, 3) float32; a single channel is repeated.
 
@@ -26,9 +34,7 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     """
     import OpenEXR
 
-    source = Path(path)
-    if not source.is_file():
-        raise SceneError(f"{source}: no such file")
+    source = existing_file(path)
     with source.open("rb") as start:
         if start.read(4) != b"v/1\x01":
             raise SceneError(f"{source}: not an OpenEXR file")
@@ -47,8 +53,7 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
 
 def read_image(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     """A linear image, (H, W, C) float32, from .exr, .hdr, .png or .jpg."""
-    if not Path(path).is_file():
-        raise SceneError(f"{path}: no such file")
+    existing_file(path)
     if str(path).lower().endswith(".exr"):
         return read_exr(path)
     return _core.read_image(os.fspath(path))
@@ -73,20 +78,33 @@ def apply_environment(description: SceneDescription, env: Any) -> None:
     if isinstance(env, Sky):
         env.add_to(description)
         return
-    if isinstance(env, str | os.PathLike):
-        pixels = read_image(env)
-    else:
-        try:
-            pixels = checked_floats(env, "env")
-        except ValueError:
-            what = "env must be a Sky, a path, a number or pixels"
-            raise ValueError(f"{what}, got {env!r}") from None
+    pixels = environment_pixels(env)
     if pixels.ndim == 3:
         description.set_environment((1.0, 1.0, 1.0), image=description.add_image(pixels))
         return
-    if pixels.shape not in ((), (1,), (3,)):
+    r, g, b = (float(v) for v in np.broadcast_to(pixels, (3,)))
+    description.set_environment((r, g, b))
+
+
+def environment_pixels(env: Any) -> npt.NDArray[np.float32]:
+    """The image of an environment, read or as it was given; or its radiance, one or three numbers.
+
+    Raises
+    ------
+    SceneError
+        The file is missing or malformed.
+    ValueError
+        It is no environment.
+    """
+    if isinstance(env, str | os.PathLike):
+        return read_image(env)
+    try:
+        pixels = checked_floats(env, "env")
+    except ValueError:
+        what = "env must be a Sky, a path, a number or pixels"
+        raise ValueError(f"{what}, got {env!r}") from None
+    if pixels.ndim != 3 and pixels.shape not in ((), (1,), (3,)):
         raise ValueError(
             f"env must be a path, a number, 3 numbers or (H, W, 3) pixels, got shape {pixels.shape}"
         )
-    r, g, b = (float(v) for v in np.broadcast_to(pixels, (3,)))
-    description.set_environment((r, g, b))
+    return pixels

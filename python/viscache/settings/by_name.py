@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
@@ -12,6 +11,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from viscache.array_digests import array_in_words
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.not_given import NotGiven
 from viscache.settings.rays import Bsp, Embree, Vlf
@@ -135,8 +135,7 @@ def _text(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray):
-        content = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return f"array {value.dtype} {value.shape} sha256 {content}"
+        return array_in_words(value)
     return str(value)
 
 

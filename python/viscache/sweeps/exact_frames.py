@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache import _core, sources
+from viscache.array_digests import content_key
 from viscache.files import inside, write_whole
 from viscache.frame import Frame
 from viscache.progress import Progress
@@ -17,13 +18,13 @@ from viscache.provenance import code_hash, embree_version, isa
 from viscache.render import render
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.scene import Env
-from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.sweeps.plan import Task, checked_size, env_hash, frame_spec, positive
-from viscache.sweeps.store import DATABASE_FILES, Store, content_key
+from viscache.shot import Shot
+from viscache.sweeps.plan import checked_size, positive
+from viscache.sweeps.store import DATABASE_FILES, Store
 
 __all__ = ["ExactFrames"]
 
@@ -96,49 +97,43 @@ class ExactFrames:
         ValueError
             As `viscache.render`.
         """
-        opened = sources.opened(scene)
-        view = find_camera(opened, camera)
         require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
-        task = Task(
+        opened = sources.opened(scene)
+        shot = Shot(
             scene=opened,
-            scene_hash=str(opened.content_hash),
-            integrator=by_name.setting("integrator", integrator),
-            rays=by_name.setting("rays", rays, "embree"),
-            visibility=by_name.make("visibility", "exact"),
-            use=None,
-            camera=view,
+            integrator=integrator,
+            rays=rays,
+            camera=camera,
             env=env,
-            env_hash=env_hash(env),
-            size=checked_size(frame_size(size, view)),
+            size=checked_size(frame_size(size, find_camera(opened, camera))),
             spp=positive("spp", spp),
             seed=int(seed),
             threads=threads,
         )
         if self.directory is None:
-            return _rendered(task, progress)
+            return _rendered(shot, progress)
         with Store(_room(self.directory)) as store:
-            return _once(store, task, progress)
+            return _once(store, shot, progress)
 
 
-def _rendered(task: Task, progress: Progress) -> Frame:
+def _rendered(shot: Shot, progress: Progress) -> Frame:
     return render(
-        task.scene,
-        task.integrator,
-        rays=task.rays,
-        size=task.size,
-        spp=task.spp,
-        seed=task.seed,
-        threads=task.threads,
-        camera=task.camera,
-        env=task.env,
+        shot.scene,
+        shot.integrator,
+        rays=shot.rays,
+        size=shot.size,
+        spp=shot.spp,
+        seed=shot.seed,
+        threads=shot.threads,
+        camera=shot.camera,
+        env=shot.env,
         progress=progress,
     )
 
 
-def _once(store: Store, task: Task, progress: Progress) -> Frame:
+def _once(store: Store, shot: Shot, progress: Progress) -> Frame:
     """The frame of a store; one process renders it, the others wait."""
-    spec = frame_spec(task)
-    key = content_key(spec)
+    key = shot.key
     while (found := _kept(store, key)) is None:
         if not store.claim(key):
             time.sleep(POLL_S)
@@ -146,8 +141,8 @@ def _once(store: Store, task: Task, progress: Progress) -> Frame:
         try:
             found = _kept(store, key)  # finished by another process before the claim
             if found is None:
-                found = _rendered(task, progress)
-                store.put(key, spec, found)
+                found = _rendered(shot, progress)
+                store.put(key, shot.parts, found)
             return found
         finally:
             store.release(key)

@@ -2,48 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
-
-from viscache.oracles.code_digest import code_digest
-from viscache.oracles.correct import Correct, in_words
-from viscache.oracles.written import is_written
-from viscache.provenance import VERSION, cpu_model, provenance
+from viscache.oracles.correct import in_words
+from viscache.provenance import cpu_model, provenance
 from viscache.scene.cameras import camera_in_words
-from viscache.scene.sky import Sky
 from viscache.settings import by_name
-from viscache.settings.checks import checked_floats
 from viscache.settings.spelling import nearest
+from viscache.shot import Shot
 from viscache.sweeps import designs
-from viscache.sweeps.store import content_key
 
 Over: TypeAlias = "Mapping[str, Any] | Sequence[Mapping[str, Any]]"
 RESERVED = ("repeat", "seed", "group", "point", "reference")
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Task:
-    """One frame to render; it is sent to workers."""
-
-    scene: Any  # a spec, or a Scene
-    scene_hash: str
-    integrator: Any
-    rays: Any
-    visibility: Any
-    use: str | Correct | None
-    camera: Any  # a name, an index, or a camera of one's own
-    env: Any
-    env_hash: str | None
-    size: tuple[int, int]
-    spp: int
-    seed: int
-    threads: int | None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,12 +39,11 @@ class Plan:
     dims: list[str]
     coords: dict[str, tuple[str, list[Any]]]
     points: list[Point] = field(default_factory=list)
-    tasks: dict[str, Task] = field(default_factory=dict)
+    tasks: dict[str, Shot] = field(default_factory=dict)
     specs: dict[str, dict[str, Any]] = field(default_factory=dict)
     metrics: list[str] = field(default_factory=list)
     repeats: int = 1
     seed: int = 0
-    code: str | None = None  # digest of an oracle written in Python
 
     def order(self) -> list[str]:
         """Keys, each point's references first."""
@@ -93,7 +64,6 @@ def make_plan(
 ) -> Plan:
     """The frames of a sweep with checked settings; renders nothing."""
     owners, dims, coords, combinations = _grid(over, resolved)
-    visibility = resolved["visibility"]
     plan = Plan(
         names=[o[1] for o in owners],
         dims=dims,
@@ -101,10 +71,9 @@ def make_plan(
         metrics=metrics,
         repeats=repeats,
         seed=seed,
-        code=code_digest(type(visibility)) if is_written(visibility) else None,
     )
     second = _converged(converged)
-    common = {**common, "env_hash": env_hash(common["env"])}
+    base = Shot(**{**common, **resolved, "scene": scene})
     exact = by_name.make("visibility", "exact")
     for index, values in combinations:
         changed: dict[str, Any] = dict(resolved)
@@ -113,12 +82,11 @@ def make_plan(
         reference = {**changed, "visibility": exact}
         last = None
         if second:
-            last = _add(
-                plan, scene, _of_all_lights(reference), common, seed=second[0], spp=second[1]
-            )
+            whole = _of_all_lights(reference)
+            last = _add(plan, base, whole, common, seed=second[0], spp=second[1])
         for repeat in range(repeats):
-            paired = _add(plan, scene, reference, common, seed=seed + repeat)
-            key = _add(plan, scene, changed, common, seed=seed + repeat)
+            paired = _add(plan, base, reference, common, seed=seed + repeat)
+            key = _add(plan, base, changed, common, seed=seed + repeat)
             row = dict(zip(plan.names, values, strict=True))
             plan.points.append(
                 Point(
@@ -197,7 +165,7 @@ def _values(name: str, values: Any) -> list[Any]:
 
 def _add(
     plan: Plan,
-    scene: Any,
+    base: Shot,
     chosen: Mapping[str, Any],
     common: Mapping[str, Any],
     *,
@@ -206,41 +174,12 @@ def _add(
 ) -> str:
     """Put a frame on the plan; returns its key."""
     exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
-    roles: dict[str, Any] = {role: chosen[role] for role in by_name.ROLES}
-    rest: dict[str, Any] = {**common, "use": None if exact else common["use"], "seed": seed}
-    merged: dict[str, Any] = {
-        **rest,
-        **roles,
-        "spp": spp or common["spp"],
-        "scene_hash": str(scene.content_hash),
-    }
-    task = Task(**merged)
-    key = content_key(spec := frame_spec(task, plan.code))
-    plan.tasks[key] = task
-    plan.specs[key] = spec
-    return key
-
-
-def frame_spec(task: Task, code: str | None = None) -> dict[str, Any]:
-    """All that determines the pixels of a frame, JSON-able; `code` of an oracle in Python."""
-    spec: dict[str, Any] = {
-        "scene": task.scene_hash,
-        "version": VERSION,
-        "size": list(task.size),
-        "spp": task.spp,
-        "seed": task.seed,
-        "use": in_words(task.use),
-        "camera": camera_in_words(task.camera),
-        "env": task.env_hash,
-    }
-    for role in by_name.ROLES:
-        chosen = getattr(task, role)
-        spec[role] = by_name.described(role, chosen)
-        if hasattr(chosen, "resolved"):  # what the preset's defaults are in this version
-            spec[role] |= {"resolved": by_name.plain(chosen.resolved())}
-    if is_written(task.visibility):
-        spec["visibility"] |= {"code": code}
-    return spec
+    use = None if exact else common["use"]
+    shot = base.with_(**chosen, use=use, seed=seed, spp=spp or common["spp"])
+    plan.specs[shot.key] = shot.parts
+    source = common["scene"]
+    plan.tasks[shot.key] = shot.opened_by(source) if isinstance(source, str) else shot
+    return shot.key
 
 
 def definition_of(
@@ -314,14 +253,3 @@ def _scene_text(scene: Any, source: Any) -> str:
     if isinstance(source, str):
         return source
     return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))
-
-
-def env_hash(env: Any) -> str | None:
-    """Content hash of an environment: of the file's bytes, or of the numbers."""
-    if env is None:
-        return None
-    if isinstance(env, (str, os.PathLike)):
-        return hashlib.sha256(Path(env).read_bytes()).hexdigest()
-    if isinstance(env, Sky):
-        return hashlib.sha256(repr(env).encode()).hexdigest()
-    return hashlib.sha256(checked_floats(env, "env", np.float64).tobytes()).hexdigest()

@@ -11,7 +11,6 @@ the place of its files are refused, and so is a database with more than tables.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import re
@@ -58,12 +57,6 @@ CREATE TABLE IF NOT EXISTS comparisons (
     PRIMARY KEY (key, reference, metric));
 CREATE TABLE IF NOT EXISTS claims (key TEXT PRIMARY KEY, owner TEXT NOT NULL, at REAL NOT NULL);
 """
-
-
-def content_key(spec: Mapping[str, Any]) -> str:
-    """Hex digest of a JSON-able description, whatever the order of its names."""
-    text = json.dumps(spec, sort_keys=True, separators=(",", ":"), allow_nan=True)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def picture_name(key: str) -> str:

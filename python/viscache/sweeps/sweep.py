@@ -80,7 +80,8 @@ def sweep(
         grid, `{"log": [2, 32], "n": 9}` or `{"linear": [4, 32], "n": 8, "whole": True}` stands for
         a list; `viscache.designs` draws random points and Latin hypercubes.
     repeats, seed : int
-        Repeat i uses seed + i. 1 <= repeats.
+        Repeat i uses seed + i, as the table says, so sweeps whose seeds overlap share frames.
+        1 <= repeats.
     size : (width, height), optional
         Pixels; the camera's own by default, as everywhere.
     spp : int

@@ -8,16 +8,17 @@ from collections.abc import Callable
 from typing import Any
 
 from viscache import sources
+from viscache.array_digests import content_key
 from viscache.frame import Frame
 from viscache.render import render
 from viscache.sharing import Newest
-from viscache.sweeps.plan import Task
+from viscache.shot import Shot, environment_in_words, require_same
 
 #: Tests put a stand-in here.
 render_function: Callable[..., Frame] = render
 
 
-def render_task(task: Task, scene: Any = None) -> Frame:
+def render_task(task: Shot, scene: Any = None) -> Frame:
     """Render one frame; runs in this process or in a worker."""
     opened = _lit(task, scene if scene is not None else _opened(task))
     cpu = time.process_time()
@@ -42,20 +43,25 @@ def render_task(task: Task, scene: Any = None) -> Frame:
 _SCENE, _LIT = Newest(), Newest()
 
 
-def _opened(task: Task) -> Any:
+def _opened(task: Shot) -> Any:
     """The scene of a task, in a worker."""
     scene = task.scene
     if not isinstance(scene, str):  # a scene that travelled, or a stand-in
         return scene
     opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
-    if str(opened.content_hash) != task.scene_hash:
+    if str(opened.content_hash) != task.parts["scene"]:
         raise ValueError(f"scene {scene} is not the one the sweep began with (its content differs)")
     return opened
 
 
-def _lit(task: Task, scene: Any) -> Any:
-    """The scene under the task's environment."""
+def _lit(task: Shot, scene: Any) -> Any:
+    """The scene under the task's environment, which must be the one that the sweep began with."""
     if task.env is None:
         return scene
-    key = (task.scene_hash, task.env_hash)
-    return _LIT.get(key, lambda: scene.with_environment(task.env, threads=task.threads))
+    env = task.parts["env"]
+
+    def make() -> Any:
+        require_same(env, environment_in_words(task.env), "as when the sweep began", "env")
+        return scene.with_environment(task.env, threads=task.threads)
+
+    return _LIT.get(content_key({"scene": task.parts["scene"], "env": env}), make)

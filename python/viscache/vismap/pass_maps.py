@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.array_digests import arrays_digest
 from viscache.scene import Scene
 from viscache.settings.rays import Rays
 from viscache.settings.vismaps import VisMaps
@@ -113,9 +113,7 @@ def _state_of(cache: VisibilityMapCache) -> dict[str, npt.NDArray[Any]]:
 
 
 def records_digest(cache: Any) -> str:
-    """A digest of settings and records."""
+    """A digest of settings, and of what estimates read of the records."""
     state = _state_of(cache)
-    h = hashlib.sha256(repr(cache.settings).encode())
-    for name in ("positions", "normals", "bits"):
-        h.update(np.ascontiguousarray(state[name]).tobytes())
-    return h.hexdigest()
+    read = ("positions", "normals", "bits", "ambient", "nearest_hit", "thresholds")
+    return arrays_digest(repr(cache.settings).encode(), {name: state[name] for name in read})

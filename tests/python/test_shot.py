@@ -1,0 +1,303 @@
+"""A picture is known by values: the same in every process and folder, another for every change."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import tiles
+from viscache.scene import SceneError
+from viscache.shot import Shot, by_value, require_same
+from viscache.sweeps import work
+
+SIZE = (16, 10)
+SKY = vc.Direct(n_area=1, n_environment=2)
+EYE = ((3, 2, 3), (0, 0, 0))
+
+
+def pixels(factor: float = 1.0) -> Any:
+    return factor * np.abs(np.random.default_rng(0).normal(size=(8, 16, 3))).astype(np.float32)
+
+
+def write_sky(path: Path, factor: float = 1.0) -> Path:
+    vc.Frame(layers={"color": pixels(factor)}).save(path)
+    return path
+
+
+def shot(**changes: Any) -> Shot:
+    given: dict[str, Any] = {"scene": "cube_on_plane", "integrator": SKY, "size": SIZE}
+    return Shot(**(given | changes))
+
+
+def picture(**options: Any) -> vc.Progressive:
+    given = {"visibility": "exact", "size": SIZE, "threads": 1} | options
+    return vc.Progressive("cube_on_plane", SKY, **given)
+
+
+#: Run in two folders: prints keys of shots that hold objects of all kinds; goes on from a state.
+ELSEWHERE = """
+import json, sys
+from dataclasses import dataclass
+from pathlib import Path
+import numpy as np
+import viscache as vc
+from viscache.shot import Shot
+import own
+
+sky, state, resume = sys.argv[1:4]
+pixels = np.abs(np.random.default_rng(0).normal(size=(8, 16, 3)))
+scene = vc.scenes.build("cube_on_plane")
+cache = vc.VisibilityMapCache(scene)
+cache.update(size=(8, 6))
+view = vc.look_at((3, 2, 3), (0, 0, 0))
+light = vc.Direct(n_area=1, n_environment=2)
+given = {"scene": scene, "integrator": light, "size": (16, 10)}
+lights = vc.Whitted(vpls=vc.Vpls([(0, 3, 0)], [(0, -1, 0)], [(5, 5, 5)]))
+shots = {
+    "array": {"env": pixels, "camera": view},
+    "file": {"env": sky},
+    "sky": {"env": vc.Sky(sun_direction=(0.2, 0.9, 0.3))},
+    "maps": {"visibility": vc.VisMaps(cache=cache)},
+    "own": {"visibility": own.Own(table=pixels, sees={"b", "a"}, view=view, keep={"scene": scene})},
+    "lights": {"integrator": lights, "visibility": "aqvc", "use": vc.Correct(share=0.5)},
+}
+found = {name: Shot(**(given | more)).key for name, more in shots.items()}
+options = {"visibility": "exact", "size": (16, 10), "threads": 1}
+image = vc.Progressive(scene, light, env=sky, camera=view, **options)
+if resume == "resume":
+    image.load(state)
+else:
+    image.passes(2)
+    image.save(state)
+    image.passes(1)
+found["bytes"] = image.passes(3 - image.n_passes).sha256
+found["passes"] = image.n_passes
+print(json.dumps(found))
+"""
+OWN = """
+from dataclasses import dataclass
+from typing import Any
+
+@dataclass
+class Own:
+    table: Any
+    sees: Any
+    view: Any
+    keep: Any
+
+    def block(self, eyes, lamps, wanted):
+        return wanted
+"""
+
+
+def test_keys_and_states_are_the_same_in_another_process_and_folder(tmp_path: Path) -> None:
+    found, bytes_of_sky = [], write_sky(tmp_path / "sky.exr").read_bytes()
+    for name, how in (("first", "begin"), ("second", "resume")):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "own.py").write_text(OWN)
+        sky = folder / f"sky of {name}.exr"
+        sky.write_bytes(bytes_of_sky)
+        path = os.pathsep.join([str(folder), str(Path(vc.__file__).parents[1])])
+        env = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(len(name))}
+        command = [sys.executable, "-c", ELSEWHERE, str(sky), str(tmp_path / "state.npz"), how]
+        made = subprocess.run(
+            command, env=env, cwd=folder, capture_output=True, text=True, check=False
+        )
+        assert made.returncode == 0, made.stderr
+        found.append(json.loads(made.stdout))
+    assert found[0] == found[1]
+    assert len(set(found[0].values())) == len(found[0])
+    given = shot(env=pixels().astype(np.float64), camera=vc.look_at(*EYE))
+    assert given.with_(scene=vc.scenes.cube_on_plane()).key == given.key
+    assert given.key == found[0]["array"]
+
+
+@dataclasses.dataclass
+class Own:
+    """An oracle that holds something."""
+
+    held: Any = 1
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return wanted
+
+
+class Other(Own):
+    """The same fields and other code."""
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return ~wanted & wanted
+
+
+def maps(size: tuple[int, int]) -> vc.VisMaps:
+    cache = vc.VisibilityMapCache("cube_on_plane")
+    cache.update(size=size)
+    return vc.VisMaps(cache=cache)
+
+
+#: What changes a picture: two values each, and the part that must differ.
+CHANGES: list[tuple[str, Any, Any, str]] = [
+    ("scene", "cube_on_plane", "slits", "scene"),
+    ("integrator", "direct", "ao", "integrator.name"),
+    ("integrator", vc.Direct(n_area=2), vc.Direct(n_area=3), "integrator.n_area"),
+    ("visibility", "exact", "aqvc", "visibility.name"),
+    ("visibility", vc.Aqvc(c_e=8), vc.Aqvc(c_e=9), "visibility.c_e"),
+    ("visibility", Own(1), Own(2), "visibility.held"),
+    ("visibility", Own(np.arange(3)), Own(np.arange(3) + 1), "visibility.held"),
+    ("visibility", Own(partial(max, 1)), Own(partial(max, 2)), "visibility.held"),
+    ("visibility", Own([len]), Own([max]), "visibility.held"),
+    ("visibility", Own(maps((8, 6))), Own(maps((48, 32))), "visibility.held.cache"),
+    ("visibility", Own(), Other(), "visibility.name"),
+    ("visibility", maps((8, 6)), maps((48, 32)), "visibility.cache"),
+    ("rays", "embree", "bsp", "rays.name"),
+    ("use", None, "correct", "use"),
+    ("use", vc.Correct(share=0.5), vc.Correct(share=0.25), "use.share"),
+    ("size", (16, 10), (10, 16), "size"),
+    ("spp", 1, 2, "spp"),
+    ("seed", 0, 1, "seed"),
+    ("camera", vc.look_at(*EYE), vc.look_at((3, 2, 4), (0, 0, 0)), "camera.origin"),
+    ("camera", None, vc.look_at(*EYE, fov_deg=20), "camera"),
+    ("env", None, 1.0, "env"),
+    ("env", 1.0, (1.0, 1.0, 0.5), "env"),
+    ("env", pixels(), pixels(2), "env"),
+    ("env", pixels().reshape(16, 8, 3), pixels(), "env"),
+    ("env", vc.Sky(turbidity=2), vc.Sky(turbidity=3), "env.turbidity"),
+]
+
+
+@pytest.mark.parametrize(("field", "one", "other", "part"), CHANGES)
+def test_every_change_has_another_key_and_is_named(
+    field: str, one: Any, other: Any, part: str
+) -> None:
+    visibility = "aqvc" if field == "use" else "exact"
+    first = shot(visibility=visibility).with_(**{field: one})
+    second = first.with_(**{field: other})
+    assert first.key != second.key == shot(**{"visibility": visibility, field: other}).key
+    assert first.key == second.with_(**{field: one}).key
+    with pytest.raises(ValueError, match=rf"^{part}[.\w]* must be .* in both, got "):
+        require_same(first.parts, second.parts, "in both")
+
+
+def test_what_is_the_same_picture_has_the_same_key(tmp_path: Path) -> None:
+    scene = vc.scenes.build("stairs")
+    view = scene.cameras[0]
+    same = [
+        shot(scene=scene, visibility="aqvc"),
+        shot(scene="stairs", visibility=vc.Aqvc(), rays="embree", use="replace", threads=2),
+        *(shot(scene=scene, visibility="aqvc", camera=c) for c in (0, view.name, view)),
+    ]
+    assert len({s.key for s in same}) == 1
+    sky, copied = write_sky(tmp_path / "a.exr"), tmp_path / "b.exr"
+    copied.write_bytes(sky.read_bytes())
+    assert len({shot(env=env).key for env in (sky, str(sky), copied)}) == 1
+    assert shot(env=0.5).key == shot(env=[0.5, 0.5, 0.5]).key
+    renamed = vc.look_at(*EYE)
+    renamed.name = "mine"
+    assert shot(camera=renamed).key == shot(camera=vc.look_at(*EYE)).key
+
+
+def test_what_says_nothing_of_its_value_is_refused_until_it_does() -> None:
+    loop: list[Any] = []
+    loop.append(loop)
+    for held in (threading.Lock(), loop, {"a": [threading.Lock()]}):
+        with pytest.raises(ValueError, match=r"visibility\.held.* must be known by its value"):
+            _ = shot(visibility=Own(held)).key
+        own = Own(held)
+        own.content_hash = "1"  # type: ignore[attr-defined]
+        other = dataclasses.replace(own)
+        other.content_hash = "2"  # type: ignore[attr-defined]
+        assert shot(visibility=own).key != shot(visibility=other).key
+    # Addresses of objects are no value
+    values = [by_value(np.array([1, "a", None], object), "held") for _ in range(2)]
+    assert values[0] == values[1] and "0x" not in str(values)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "part"),
+    [
+        ({"env": pixels()}, {"env": pixels(2)}, "env"),
+        ({"camera": vc.look_at(*EYE)}, {"camera": vc.look_at((3, 2, 4), (0, 0, 0))}, "camera"),
+        ({"visibility": Own(1)}, {"visibility": Own(2)}, "visibility"),
+    ],
+)
+def test_passes_of_another_picture_are_refused(
+    tmp_path: Path, one: Any, other: Any, part: str
+) -> None:
+    first, second = picture(**one), picture(**other, first_pass=4)
+    first.passes(1)
+    first.save(tmp_path / "state.npz")
+    want = second.passes(1).sha256
+    with pytest.raises(ValueError, match=rf"{part}[.\w]* must be .* as in .*state.npz, got"):
+        second.load(tmp_path / "state.npz")
+    with pytest.raises(ValueError, match=rf"{part}[.\w]* must be .* in both, got"):
+        second.merge(first)
+    assert second.frame.sha256 == want
+
+
+def test_all_passes_have_the_sky_and_the_camera_of_the_first(tmp_path: Path) -> None:
+    sky, array, view = write_sky(tmp_path / "sky.exr"), pixels(), vc.look_at(*EYE)
+    given: list[Any] = [sky, array]
+    pictures = [picture(env=env, camera=view) for env in given]
+    want = [p.passes(1).sha256 for p in pictures]
+    wanted = picture(env=pixels(), camera=vc.look_at(*EYE)).passes(3).sha256
+    write_sky(sky, 2)
+    array *= 2
+    view.fov_rad = 0.2
+    assert [p.passes(2).sha256 for p in pictures] == 2 * [wanted]
+    pictures[0].save(tmp_path / "state.npz")
+    for changed in given:
+        other = picture(env=changed, camera=vc.look_at(*EYE))
+        assert other.passes(1).sha256 not in want
+        with pytest.raises(ValueError, match="env must be"):
+            other.load(tmp_path / "state.npz")
+    with pytest.raises(SceneError, match="no such file"):
+        picture(env=tmp_path / "absent.exr")
+
+
+def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path: Path) -> None:
+    planned = shot(env=str(write_sky(tmp_path / "sky.exr")))
+    assert planned.parts["env"].startswith("file sha256 ")
+    write_sky(tmp_path / "sky.exr", 2)
+    with pytest.raises(ValueError, match=r"env must be .* as when the sweep began, got"):
+        work.render_task(planned)
+
+
+def test_parts_of_another_picture_are_not_merged(tmp_path: Path) -> None:
+    def part(number: int, **options: Any) -> tiles.Part:
+        given = {"size": (150, 40)} | options
+        return tiles.render_in_worker("cube_on_plane", SKY, (number, 2), given)
+
+    sky = write_sky(tmp_path / "sky.exr")
+    first = part(0, env=sky)
+    assert tiles.merge([first, part(1, env=sky, threads=1)]).image.any()
+    with pytest.raises(ValueError, match=r"camera\.origin must be .* in all parts, got"):
+        tiles.merge([first, part(1, env=sky, camera=vc.look_at(*EYE))])
+    with pytest.raises(ValueError, match="seed must be 0 in all parts, got 1"):
+        tiles.merge([first, part(1, env=sky, seed=1)])
+    write_sky(sky, 2)
+    with pytest.raises(ValueError, match=r"env must be .* in all parts, got"):
+        tiles.merge([first, part(1, env=sky)])
+
+
+def test_a_shot_travels_with_its_parts() -> None:
+    """Workers compare what they open with what the sweep began with."""
+    given = shot(visibility="aqvc", env=pixels(), camera=vc.look_at(*EYE), threads=2)
+    for sent in (given, given.opened_by("slits"), given.with_(seed=3)):
+        back = pickle.loads(pickle.dumps(sent))
+        assert back.parts == sent.parts and back.threads == 2
+        assert back.seed == sent.seed and back.scene == sent.scene
+    with pytest.raises(ValueError, match="scene slits is not the one the sweep began with"):
+        work.render_task(given.opened_by("slits"))

@@ -1,0 +1,93 @@
+"""Pictures of different seeds have nothing in common, however close the seeds are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache.render import seed_of
+
+SEEDS, PASSES = 32, 4
+SIZE = (24, 16)
+LIGHTS = vc.Whitted(n_vpls=64)
+
+
+@dataclass(frozen=True)
+class HalfBlind:
+    """Sees nothing of every third lamp."""
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        seen = wanted.copy()
+        seen[:, ::3] = False
+        return seen
+
+
+CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
+    "direct": ("room?triangles=3000", vc.Direct(n_area=1), {}),
+    "whitted": ("room?triangles=3000", LIGHTS, {}),
+    "renewed lights": ("room?triangles=3000", LIGHTS, {"renew": 1}),
+    "ambient occlusion": ("room?triangles=3000", vc.AmbientOcclusion(n_samples=1), {}),
+    "bdpt": ("cornell_box", vc.Bdpt(max_depth=3), {}),
+    "corrections": (
+        "room?triangles=3000",
+        LIGHTS,
+        {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1},
+    ),
+    "roulette": (
+        "room?triangles=3000",
+        LIGHTS,
+        {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1},
+    ),
+}
+
+
+def correlation_of_neighbours(pictures: list[Any]) -> float:
+    """The mean correlation of the noise of one picture with that of the next.
+
+    Each pixel counts by its standard deviation, so that a few bright ones do not decide. Residuals
+    to the mean of n independent pictures have the correlation −1/(n−1), which is taken off.
+    """
+    stack = np.asarray(pictures, np.float64)
+    deviation = stack.std(0)
+    noise = (stack - stack.mean(0))[:, deviation > 0] / deviation[deviation > 0]
+    return float((noise[1:] * noise[:-1]).mean() + 1 / (len(stack) - 1))
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("name", CASES)
+def test_pictures_of_neighbouring_seeds_are_uncorrelated(name: str) -> None:
+    spec, integrator, more = CASES[name]
+    options: dict[str, Any] = {"visibility": "exact", "size": SIZE, "threads": 1} | more
+    scene = vc.scenes.build(spec)
+    frames = [
+        vc.Progressive(scene, integrator, seed=seed, **options).passes(PASSES).image
+        for seed in range(SEEDS)
+    ]
+    assert abs(correlation_of_neighbours(frames)) <= 0.05
+    shared = [np.mean(frames[i : i + PASSES], axis=0) for i in range(SEEDS - PASSES + 1)]
+    assert correlation_of_neighbours(shared) > 0.5  # as where neighbours share passes
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_first_pass_is_a_frame_of_the_seed(name: str) -> None:
+    spec, integrator, more = CASES[name]
+    options = {n: v for n, v in more.items() if n != "renew"}
+    first = vc.Progressive(
+        spec, integrator, size=SIZE, seed=5, **({"visibility": "exact"} | more)
+    ).passes(1)
+    assert first.sha256 == vc.render(spec, integrator, size=SIZE, seed=5, **options).sha256
+    assert first.parameters["seed"] == 5
+
+
+def test_seeds_of_later_passes_are_seeds() -> None:
+    made = [seed_of(s, p, n) for s in range(64) for p in ("pass", "lights") for n in range(1, 64)]
+    assert len(set(made)) == len(made) and all(0 <= seed < 1 << 64 for seed in made)
+    assert {seed_of(7, purpose, 0) for purpose in ("pass", "lights")} == {7}
+    last = vc.Progressive(
+        "cornell_box", vc.Bdpt(max_depth=2), visibility="exact", size=(8, 8), seed=(1 << 64) - 1
+    )
+    assert last.passes(2).parameters["seed"] == (1 << 64) - 1
