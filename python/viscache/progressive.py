@@ -149,7 +149,7 @@ class Progressive(Uncopied):
             "spp": spp,
             "threads": threads,
             # All passes have the camera and the sky of now
-            "camera": copy.copy(camera),
+            "camera": copy.copy(camera) if isinstance(camera, _core.Camera) else camera,
             "env": env if env is None or isinstance(env, Sky) else environment_pixels(env).copy(),
         }
         keeps = (

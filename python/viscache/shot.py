@@ -86,6 +86,7 @@ class Shot:
 
     def with_(self, **changes: Any) -> Shot:
         """Another shot; parts that stay the same are not made again."""
+        changes = {n: value for n, value in changes.items() if value is not getattr(self, n)}
         other = dataclasses.replace(self, **changes)
         changed = [name for name, (_, of) in _PARTS.items() if not of.isdisjoint(changes)]
         return other._known_by(self.parts | other._parts_of(changed))
@@ -117,7 +118,7 @@ def require_same(wanted: Any, given: Any, where: str, name: str = "") -> None:
             below = f"{name}.{inner}" if name else str(inner)
             require_same(wanted.get(inner), given.get(inner), where, below)
     elif content_key({"": wanted}) != content_key({"": given}):
-        raise ValueError(f"{name} must be {wanted!r} {where}, got {given!r}")
+        raise ValueError(f"{name or 'the picture'} must be {wanted!r} {where}, got {given!r}")
 
 
 def _camera(shot: Shot) -> Any:
@@ -202,14 +203,18 @@ def by_value(value: Any, what: str, within: tuple[int, ...] = ()) -> Any:
         value = value.tolist()
     if value is None or isinstance(value, bool | int | float | str):
         return value
-    words = _known(value)
+    try:
+        words = _known(value)
+    except Exception as error:
+        raise ValueError(_unknown(value, what)) from error
     if words is not None:
         return words
     if id(value) in within:
         raise ValueError(_unknown(value, what))
     within = (*within, id(value))
     if isinstance(value, Mapping):
-        return {str(n): by_value(v, f"{what}.{n}", within) for n, v in value.items()}
+        named = {n if isinstance(n, str) else repr(by_value(n, what, within)): n for n in value}
+        return {n: by_value(value[key], f"{what}.{n}", within) for n, key in named.items()}
     if isinstance(value, list | tuple):
         return [by_value(v, what, within) for v in value]
     if isinstance(value, set | frozenset):
@@ -217,13 +222,18 @@ def by_value(value: Any, what: str, within: tuple[int, ...] = ()) -> Any:
     if dataclasses.is_dataclass(value) and type(value).__module__.startswith("viscache."):
         fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
         return {"name": type(value).__name__, **by_value(fields, what, within)}
+    return by_value(_copied(value, what), what, within)
+
+
+def _copied(value: Any, what: str) -> Any:
+    """How an object would be copied: its class and its state."""
     try:
-        made = value.__reduce_ex__(4)  # how it would be copied: its class and its state
+        made = value.__reduce_ex__(4)
     except Exception as error:
         raise ValueError(_unknown(value, what)) from error
-    if isinstance(made, tuple):
-        made = [list(part) if hasattr(part, "__next__") else part for part in made]
-    return by_value(made, what, within)
+    if isinstance(made, str):
+        return made
+    return [list(part) if hasattr(part, "__next__") else part for part in made]
 
 
 def _known(value: Any) -> Any:
@@ -242,7 +252,8 @@ def _known(value: Any) -> Any:
     if isinstance(own, str):
         return f"{type(value).__name__} {own}"
     if hasattr(value, "__array__"):
-        return array_in_words(np.asarray(value))
+        array = np.asarray(value)
+        return None if array.dtype.hasobject else array_in_words(array)
     return None
 
 
@@ -254,6 +265,8 @@ def _own(chosen: Any, role: str) -> dict[str, Any]:
         return named | {"content_hash": chosen.content_hash}
     fields = dataclasses.fields(chosen) if dataclasses.is_dataclass(chosen) else ()
     values = {f.name: getattr(chosen, f.name) for f in fields} | getattr(chosen, "__dict__", {})
+    if not values:  # its slots
+        values = {"state": _copied(chosen, role)[2:]}
     return {**named, **by_value(values, role)}
 
 

@@ -142,6 +142,18 @@ class Other(Own):
         return ~wanted & wanted
 
 
+class Slots:
+    """Not a dataclass, and its attribute has no place among `vars`."""
+
+    __slots__ = ("held",)
+
+    def __init__(self, held: Any) -> None:
+        self.held = held
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return wanted
+
+
 def maps(size: tuple[int, int]) -> vc.VisMaps:
     cache = vc.VisibilityMapCache("cube_on_plane")
     cache.update(size=size)
@@ -160,6 +172,11 @@ CHANGES: list[tuple[str, Any, Any, str]] = [
     ("visibility", Own(partial(max, 1)), Own(partial(max, 2)), "visibility.held"),
     ("visibility", Own([len]), Own([max]), "visibility.held"),
     ("visibility", Own(maps((8, 6))), Own(maps((48, 32))), "visibility.held.cache"),
+    ("visibility", Own({1: 2}), Own({1: 3}), "visibility.held.1"),
+    ("visibility", Own({1: 2}), Own({"1.0": 2}), "visibility.held.1"),
+    ("visibility", Own(np.array(["a"], object)), Own(np.array(["b"], object)), "visibility.held"),
+    ("visibility", Own(Slots(1)), Own(Slots(2)), "visibility.held"),
+    ("visibility", Slots(1), Slots(2), "visibility.state"),
     ("visibility", Own(), Other(), "visibility.name"),
     ("visibility", maps((8, 6)), maps((48, 32)), "visibility.cache"),
     ("rays", "embree", "bsp", "rays.name"),
