@@ -26,6 +26,12 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
     return EnvironmentMap::from_latlong(image, vec3(scale), rotation, resolution, threads);
 }
 
+std::vector<EnvironmentMap::Sample> looked_up(const EnvironmentMap& e, std::span<const Vec3> wi) {
+    std::vector<EnvironmentMap::Sample> found(wi.size());
+    e.look_up(wi, found);
+    return found;
+}
+
 void bind_environment(py::module_& s) {
     py::class_<EnvironmentMap>(s, "EnvironmentMap", "Environment light on the equal-area octahedral map.")
         .def_static(
@@ -38,13 +44,19 @@ void bind_environment(py::module_& s) {
         .def(
             "eval",
             [](const EnvironmentMap& e, const FloatArray& wi) {
-                return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.eval(w); });
+                return map_all_rows<Vec3, Rgb>(wi, "wi", [&](auto directions, auto radiance) {
+                    const auto found = looked_up(e, directions);
+                    for (size_t i = 0; i < found.size(); ++i) radiance[i] = found[i].radiance;
+                });
             },
             py::arg("wi"), "Radiance (N, 3) that arrives from unit vectors (N, 3).")
         .def(
             "pdf",
             [](const EnvironmentMap& e, const FloatArray& wi) {
-                return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.pdf(w); });
+                return map_all_rows<Vec3, float>(wi, "wi", [&](auto directions, auto pdf) {
+                    const auto found = looked_up(e, directions);
+                    for (size_t i = 0; i < found.size(); ++i) pdf[i] = found[i].pdf;
+                });
             },
             py::arg("wi"), "Density of `sample` per solid angle, (N,).")
         .def(

@@ -3,7 +3,7 @@
 
 #include "real_numbers.h"
 #include "rows.h"
-#include "viscache/math/octahedral.h"
+#include "viscache/math/equal_area_batch.h"
 #include "viscache/sampling/direction_pattern.h"
 
 namespace viscache::bindings {
@@ -13,12 +13,18 @@ namespace {
 void bind_equal_area(py::module_& s) {
     s.def(
         "direction_to_equal_area",
-        [](const FloatArray& d) { return map_rows<Vec3>(d, "d", direction_to_equal_area); }, py::arg("d"),
-        "Equal-area octahedral map of unit vectors (N, 3) into [0, 1]², (N, 2).");
+        [](const FloatArray& d) {
+            return map_all_rows<Vec3, Vec2>(
+                d, "d", [](auto directions, auto points) { directions_to_equal_area(directions, points); });
+        },
+        py::arg("d"), "Equal-area octahedral map of unit vectors (N, 3) into [0, 1]², (N, 2).");
     s.def(
         "equal_area_to_direction",
-        [](const FloatArray& p) { return map_rows<Vec2>(p, "p", equal_area_to_direction); }, py::arg("p"),
-        "Its inverse: (N, 2) to unit vectors (N, 3).");
+        [](const FloatArray& p) {
+            return map_all_rows<Vec2, Vec3>(
+                p, "p", [](auto points, auto directions) { equal_area_to_directions(points, directions); });
+        },
+        py::arg("p"), "Its inverse: (N, 2) to unit vectors (N, 3).");
 }
 
 void bind_directions(py::module_& s) {

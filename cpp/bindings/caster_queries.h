@@ -102,8 +102,8 @@ inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, 
     return result;
 }
 
-inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray& xs, const FloatArray& ys,
-                                       int threads) {
+inline py::array_t<bool> visible_rows(const RayCaster& caster, const FloatArray& xs, const FloatArray& ys,
+                                      int threads) {
     require_usable(xs, "x");
     require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
@@ -112,11 +112,8 @@ inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray
     py::array_t<bool> result{py::ssize_t(n)};
     bool* out = result.mutable_data();
     in_chunks(n, threads, [&](size_t first, size_t last, int) {
-        std::vector<Ray> rays(last - first);
-        std::vector<uint8_t> blocked(last - first);
-        for (size_t i = first; i < last; ++i) rays[i - first] = segment_between(x[i], y[i]);
-        caster.occluded(rays, blocked);
-        for (size_t i = first; i < last; ++i) out[i] = !blocked[i - first];
+        const size_t count = last - first;
+        visible_pairs(caster, {x + first, count}, {y + first, count}, {out + first, count});
     });
     return result;
 }
@@ -185,7 +182,7 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
 /// Binds `visible` and `visible_matrix` on a class.
 template <class Class>
 void bind_segments(Class& bound) {
-    bound.def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
+    bound.def("visible", &visible_rows, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("visible_matrix", &visible_bits, py::arg("points"), py::arg("targets"), py::arg("threads") = 0,
              py::arg("progress") = py::none());
 }

@@ -41,4 +41,12 @@ void directions_to_equal_area(const float* x, const float* y, const float* z, si
     variant_of<to_points>(isa)(x, y, z, n, u, v);
 }
 
+void equal_area_to_directions(std::span<const Vec2> points, std::span<Vec3> directions) {
+    for (size_t i = 0; i < points.size(); ++i) directions[i] = equal_area_to_direction(points[i]);
+}
+
+void directions_to_equal_area(std::span<const Vec3> directions, std::span<Vec2> points) {
+    for (size_t i = 0; i < directions.size(); ++i) points[i] = direction_to_equal_area(directions[i]);
+}
+
 }  // namespace viscache

@@ -80,4 +80,13 @@ void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::
     });
 }
 
+void visible_pairs(const RayCaster& caster, std::span<const Vec3> x, std::span<const Vec3> y,
+                   std::span<bool> visible) {
+    std::vector<Ray> rays(x.size());
+    std::vector<uint8_t> blocked(x.size());
+    for (size_t i = 0; i < x.size(); ++i) rays[i] = segment_between(x[i], y[i]);
+    caster.occluded(rays, blocked);
+    for (size_t i = 0; i < x.size(); ++i) visible[i] = !blocked[i];
+}
+
 }  // namespace viscache

@@ -15,6 +15,10 @@ namespace viscache {
 void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::span<const Vec3> targets,
                     std::span<Word> rows, int threads, Control& control);
 
+/// Whether each x sees its y along `segment_between`.
+void visible_pairs(const RayCaster& caster, std::span<const Vec3> x, std::span<const Vec3> y,
+                   std::span<bool> visible);
+
 /// Traces some points × the targets `wanted` of word `word`, and sets the bits of the visible ones.
 /// Neighbouring points should be close together.
 void trace_matrix_tile(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> some,
