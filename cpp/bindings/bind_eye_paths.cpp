@@ -51,7 +51,7 @@ void bind_eye_paths(py::module_& m) {
         },
         py::arg("light"), py::arg("n"), py::arg("seed"), py::arg("first_sample") = 0,
         "Pixels of an audit (n, 3): x, y, weight; two of each stratum, one after the other. `light` (H, W): "
-        "color minus emitted light, summed over channels.");
+        "light without shadows.");
 }
 
 }  // namespace viscache::bindings

@@ -31,7 +31,8 @@ py::dict audit_dict(const FrameResult& f) {
         for (const AuditRecords& tile : f.audited_queries) {
             const AuditedQueries& q = tile.queries[g];
             sums.append(py::make_tuple(q.exact, q.queries, q.certain, q.certain_wrong, q.sampled,
-                                       q.sampled_wrong, q.certain_error, q.sampled_error, q.sampled_square));
+                                       q.sampled_wrong, q.certain_error, q.sampled_error, q.sampled_square,
+                                       q.sampled_fourth));
         }
         errors[kLightGroupNames[g]] = from_vec3s(error);
         queries[kLightGroupNames[g]] = sums;

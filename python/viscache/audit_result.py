@@ -20,12 +20,15 @@ class Estimate:
         Standard error.
     low, high : float or None
         None where no interval was shown to hold: from too few pixels or too few errors.
+    why : str or None
+        Why there is no interval.
     """
 
     value: float
     se: float
     low: float | None = None
     high: float | None = None
+    why: str | None = None
 
     def __str__(self) -> str:
         if self.low is None or self.high is None:

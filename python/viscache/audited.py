@@ -53,6 +53,7 @@ SUMS = (
     "certain_error",
     "sampled_error",
     "sampled_square",
+    "sampled_fourth",
 )
 
 
@@ -134,32 +135,41 @@ def pixel_estimates(
     square = np.square(errors).sum(axis=1)
     exact = light - float((weight * signed).sum())
     whole = len(weight) in (0, size)
-    fits = LEAST_PIXELS <= len(weight) <= MOST_SHARE * size
-    fits = fits and int((absolute > ROUNDING * light / size).sum()) >= LEAST_WRONG
+    wrong = int((absolute > ROUNDING * light / size).sum())
+    why = None
+    if len(weight) < LEAST_PIXELS:
+        why = f"an interval takes at least {LEAST_PIXELS} drawn pixels, got {len(weight)}"
+    elif len(weight) > MOST_SHARE * size:
+        why = f"more than an eighth of {size} pixels were drawn: an audit of all has no error"
+    elif wrong < LEAST_WRONG:
+        why = f"an interval takes at least {LEAST_WRONG} wrong pixels, got {wrong}"
 
-    def estimate(value: float, terms: Array, fits: bool) -> dict[str, Any]:
+    def estimate(value: float, terms: Array, why: str | None) -> dict[str, Any]:
         """`terms`: what each pixel adds to the logarithm of the value."""
         spread, freedom = (0.0, 1.0) if whole or value == 0 else _spread(weight * terms)
         made: dict[str, Any] = {"value": value, "se": value * spread, "low": None, "high": None}
         if whole:
-            made |= {"low": value, "high": value}
-        elif fits:
-            factor = math.exp(_student(freedom) * spread)
-            made |= {"low": value / factor, "high": value * factor}
-        return made
+            return made | {"low": value, "high": value}
+        if why is not None:
+            return made | {"why": why}
+        factor = math.exp(_student(freedom) * spread)
+        return made | {"low": value / factor, "high": value * factor}
 
     def rel_l1(exact: float) -> dict[str, Any] | None:
         total = float((weight * absolute).sum())
         if not exact > 0 or not math.isfinite(total):
             return None
-        return estimate(total / exact, absolute / (total or 1.0) + signed / exact, fits)
+        return estimate(total / exact, absolute / (total or 1.0) + signed / exact, why)
 
     def nrmse() -> dict[str, Any] | None:
         total, channels = float((weight * square).sum()), errors.shape[1]
         if not exact > 0 or not math.isfinite(total):
             return None
         value = math.sqrt(total * size * channels) / exact
-        return estimate(value, square / (2 * total or 1.0) + signed / exact, False)
+        rare = (
+            "no interval of nrmse was shown to hold: the few pixels that decide it are rarely drawn"
+        )
+        return estimate(value, square / (2 * total or 1.0) + signed / exact, rare)
 
     shift = None if reflected is None else reflected - light
     return {
@@ -192,8 +202,16 @@ def query_estimates(sums: Mapping[str, float], light: float, share: float) -> di
     if exact > 0 and not unknown:
         value, se = error / exact, se * light / exact**2
         bias = {"value": value, "se": se, "low": None, "high": None}
-        if share == 1 or sums["sampled_wrong"] >= LEAST_WRONG:
-            bias |= {"low": value - WIDTH_95 * se, "high": value + WIDTH_95 * se}
+        fourth, hits = sums["sampled_fourth"], sums["sampled_wrong"]
+        if share == 1:
+            bias |= {"low": value, "high": value}
+        elif hits < LEAST_WRONG:
+            why = f"an interval takes at least {LEAST_WRONG} wrong answers drawn, got {hits:.0f}"
+            bias |= {"why": why}
+        else:
+            freedom = max(1.0, sums["sampled_square"] ** 2 / fourth) if fourth > 0 else 1.0
+            half = _student(freedom) * se
+            bias |= {"low": value - half, "high": value + half}
     wrong: dict[str, Any] | None = None
     if queries > 0 and not unknown:
         rate = sums["sampled_wrong"] / sums["sampled"] if sums["sampled"] else 0.0

@@ -127,7 +127,7 @@ def tune(dice: Dice) -> None:
     found = vc.tune(
         vc.scenes.build(dice.pick(*scenes.QUICK)),
         vc.Direct(n_area=2, n_environment=2, n_brdf=2),
-        rel_l1=dice.real(1e-3, 0.5),
+        rel_l1_reflected=dice.real(1e-3, 0.5),
         size=dice.pick((8, 8), (16, 10), (1, 1)),
         threads=THREADS,
     )

@@ -72,9 +72,9 @@ def test_queries_take_names_of_ray_casters(scene: vc.Scene) -> None:
 
 
 def test_tune_and_sweep_take_names() -> None:
-    named = vc.tune("slits", "direct", visibility="aqvc", rel_l1=0.05, size=(48, 30))
+    named = vc.tune("slits", "direct", visibility="aqvc", rel_l1_reflected=0.05, size=(48, 30))
     scene = vc.scenes.slits()
-    made = vc.tune(scene, vc.Direct(), visibility=vc.Aqvc(), rel_l1=0.05, size=(48, 30))
+    made = vc.tune(scene, vc.Direct(), visibility=vc.Aqvc(), rel_l1_reflected=0.05, size=(48, 30))
     assert (named.c_e, named.rel_l1) == (made.c_e, made.rel_l1)
     given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
     table = vc.sweep("slits", "direct", visibility="aqvc", rays="bsp", **given)
@@ -166,7 +166,9 @@ def test_the_cameras_own_size_is_what_is_rendered_tuned_and_swept() -> None:
     table = vc.sweep(scene, "direct", over={"c_e": [4]}, metrics=["rel_l1"])
     given = vc.sweep(scene, "direct", over={"c_e": [4]}, metrics=["rel_l1"], size=(20, 12))
     assert table.queries.values == given.queries.values
-    own, same = (vc.tune(scene, "direct", rel_l1=0.1, **s) for s in ({}, {"size": (20, 12)}))
+    own, same = (
+        vc.tune(scene, "direct", rel_l1_reflected=0.1, **s) for s in ({}, {"size": (20, 12)})
+    )
     assert own.pilots == same.pilots
 
 

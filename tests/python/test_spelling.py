@@ -78,6 +78,10 @@ def test_the_constructors_looked_at_are_those_that_users_call() -> None:
         (lambda: vc.Aqvc(c_ee=3), r"Aqvc has no parameter 'c_ee'; did you mean 'c_e'\?"),
         (lambda: vc.render("slits", "direct", visibilities="aqvc"), "did you mean 'visibility'"),
         (lambda: vc.tune("slits", "direct", rel_l2=0.1), "did you mean 'rel_l1'"),
+        (
+            lambda: vc.tune("slits", "direct", metric="rel_l1"),  # type: ignore[call-arg]
+            "no parameter 'metric': the target names its metric, rel_l1_reflected= or rel_l1=",
+        ),
         (lambda: vc.sweep("slits", "direct", ovr={}), "did you mean 'over'"),
         (lambda: vc.load_scene("a.obj", stric=True), "did you mean 'strict'"),
         (lambda: vc.look_at((0, 0, 0), (1, 1, 1), fov=3), "did you mean 'fov_deg'"),

@@ -127,12 +127,12 @@ def test_audits_of_many_seeds_have_the_mean_of_the_errors() -> None:
     """Also where strata differ in their pixels."""
     scene, direct, size = vc.scenes.room(triangles=2000), vc.Direct(), (50, 35)
     cache, audited, true = vc.Aqvc(c_e=8, refinement="off"), [], []
-    for seed in range(48):
+    for seed in range(96):
         exact = vc.render(scene, direct, size=size, seed=seed)
         frame = vc.render(scene, direct, visibility=cache, size=size, seed=seed)
         audited.append(frame.counters["audit"]["rel_l1"]["value"])
         true.append(float(abs(frame.image.astype(float) - exact.image).sum() / exact.image.sum()))
-    z = (sum(audited) - sum(true)) / (np.std(np.subtract(audited, true), ddof=1) * 48**0.5)
+    z = (sum(audited) - sum(true)) / (np.std(np.subtract(audited, true), ddof=1) * 96**0.5)
     assert abs(z) < 3.3
     # An audit that loses a fifth of the error would be told
     assert abs((0.8 * sum(audited) - sum(true)) / (sum(true) * 0.2)) > 0.5

@@ -7,6 +7,7 @@
 
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/local_samples.h"
+#include "viscache/render/tile_contributions.h"
 #include "viscache/visibility/exact.h"
 
 namespace viscache {
@@ -26,6 +27,7 @@ struct AuditedQueries {
     uint64_t sampled = 0, sampled_wrong = 0;       ///< audited at random, of the others
     double certain_error = 0;                      ///< Σ c of wrong answers
     double sampled_error = 0, sampled_square = 0;  ///< Σ c, Σ c² of wrong answers
+    double sampled_fourth = 0;                     ///< Σ c⁴
 };
 
 /// What an audit of queries found in a tile.
@@ -40,7 +42,7 @@ struct AuditedBlock {
     const BitMatrix& wanted;
     const BitMatrix& visible;
     const VisibilityOracle& oracle;
-    const Contributions& contributions;
+    const TileContributions& contributions;
     /// Light of the columns of a row, with weights of the columns or none, at the pixel of an eye point.
     std::function<Rgb(size_t eye, const Word* row, std::span<const float> weights)> light;
 };

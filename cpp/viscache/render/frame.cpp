@@ -53,6 +53,7 @@ public:
         for (int g = 0; g < kLightGroups; ++g)
             sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
         variance_.clear();
+        unoccluded_.assign(out.unoccluded.empty() ? 0 : size_t(eyes_.width) * eyes_.height, 0);
         eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
         clock.lap(stages.visibility);
@@ -111,6 +112,7 @@ private:
                                const SharedLights& counted = weighted.with(picks_.of(i), weights);
                                return eyes_.throughput[i] * reflected(counted, i, row);
                            }});
+        if (!unoccluded_.empty() && !oracle_->is_exact(lights.ends)) contributions.add_to(unoccluded_);
         clock.lap(stages.audit);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         for (size_t i = 0; i < eyes_.size(); ++i) {
@@ -213,6 +215,8 @@ private:
             oracle_->samples(eyes_.block, local_.at, answer_, counters);
             clock.lap(stages.visibility);
             if (audit_) audit_->samples(local_, answer_, *oracle_);
+            if (!unoccluded_.empty() && !oracle_->is_exact_own(int(group)))
+                local_.add_to(eyes_.pixel, unoccluded_);
             clock.lap(stages.audit);
             add_seen(sum);
             clock.lap(stages.shading);
@@ -263,6 +267,7 @@ private:
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
                 if (!out.last_pass.empty()) out.last_pass[to] = last_pass_[from];
+                if (!unoccluded_.empty()) out.unoccluded[to] = unoccluded_[from];
                 if (!out.variance.empty() && !variance_.empty()) out.variance[to] = variance_[from];
                 out.color[to] = color;
                 out.emitted[to] = eyes_.emitted[from];
@@ -291,7 +296,8 @@ private:
     std::array<std::vector<Rgb>, kLightGroups> sums_;
     std::optional<EnvironmentProduct> product_;
     std::vector<Rgb> last_pass_;
-    std::vector<Rgb> variance_;  ///< of corrections, per pixel; empty if there are none
+    std::vector<Rgb> variance_;      ///< of corrections, per pixel; empty if there are none
+    std::vector<float> unoccluded_;  ///< per pixel; empty if no audit draws pixels by it
 };
 
 FrameResult empty_result(const FrameContext& c, bool corrects) {
@@ -322,16 +328,9 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
     const double start = thread_cpu_seconds();
     const auto pixels = along_curve(tiles);
     const double share = double(pixels.size()) / (double(out.width) * out.height);
-    std::vector<float> light(size_t(out.width) * size_t(out.height));
-    const auto at = [&](uint32_t x, uint32_t y) { return size_t(y) * size_t(out.width) + x; };
-    for (const auto& [x, y] : pixels) {
-        const size_t p = at(x, y);
-        const Rgb seen = out.color[p] - out.emitted[p];
-        light[p] = seen.x + seen.y + seen.z;
-    }
     const size_t n = size_t(std::ceil(double(c.frame.audit_pixels) * share));
     const auto drawn =
-        draw_audit_pixels(pixels, light, size_t(out.width), n, c.frame.seed, c.frame.first_sample);
+        draw_audit_pixels(pixels, out.unoccluded, size_t(out.width), n, c.frame.seed, c.frame.first_sample);
     out.stages.audit += thread_cpu_seconds() - start;
 
     FrameResult exact = empty_result(c, false);
@@ -367,7 +366,7 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
         found.weight = pixel.weight;
         for (size_t g = 0; g < kLightGroups; ++g)
             if (!out.groups[g].empty()) {
-                const size_t p = at(pixel.x, pixel.y);
+                const size_t p = size_t(pixel.y) * size_t(out.width) + pixel.x;
                 found.error[g] = out.groups[g][p] - exact.groups[g][p];
             }
     }
@@ -412,6 +411,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         context.product = &*product;
     }
     FrameResult out = empty_result(context, source.corrects());
+    if (frame.audit_pixels > 0) out.unoccluded.resize(out.color.size());
     out.lights_s = wall_seconds() - start;
     std::vector<const FarEnds*> groups;
     for (const SharedLights& s : context.shared) groups.push_back(&s.ends);

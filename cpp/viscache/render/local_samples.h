@@ -22,6 +22,13 @@ struct WeightedSamples {
     }
     /// Adds the sample if it contributes. Non-finite contributions are dropped and counted.
     bool add(Vec3 to, Rgb value, float density, float light_density, Counters& counters);
+    /// Adds the contributions, as means of channels, to the pixels of their eye points.
+    void add_to(std::span<const uint32_t> pixel_of, std::span<float> pixels) const {
+        for_each_sample(at, [&](uint32_t eye, size_t i) {
+            const Rgb c = contribution[i];
+            pixels[pixel_of[eye]] += (c.x + c.y + c.z) / 3;
+        });
+    }
 };
 
 /// A query of one eye point along a direction.

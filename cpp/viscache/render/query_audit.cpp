@@ -25,6 +25,7 @@ void add_wrong(AuditedQueries& found, bool certain, double error) {
         ++found.sampled_wrong;
         found.sampled_error += error;
         found.sampled_square += error * error;
+        found.sampled_fourth += error * error * error * error;
     }
 }
 
@@ -64,13 +65,21 @@ void QueryAudit::block(const AuditedBlock& block) {
     bright_.reset(n, columns);
     seen_.reset(n, columns);
     row_.assign(block.wanted.row_words(), 0);
-    const float limit[1] = {frame_.audit_above};
     Word* const rows[1] = {row_.data()};
+    double light = 0;
+    const auto wanted_of = [&](size_t i) { return count_bits(block.wanted.row_span(i)); };
+    for (size_t i = 0; i < n; ++i)
+        if (wanted_of(i)) light += block.contributions.unoccluded(uint32_t(i));
+    const double mean = light / double(std::max<uint64_t>(1, count_bits(block.wanted)));
     for (size_t i = 0; i < n; ++i) {
         const std::span<const Word> wanted = block.wanted.row_span(i);
-        if (std::all_of(wanted.begin(), wanted.end(), [](Word w) { return w == 0; })) continue;
+        const uint64_t asks = wanted_of(i);
+        if (asks == 0) continue;
         refuse_weights(block.oracle.block_weights(uint32_t(i)));
         std::fill(row_.begin(), row_.end(), Word{0});
+        // Few bright connections of a tile decide its error
+        const double here = double(block.contributions.unoccluded(uint32_t(i))) / double(asks);
+        const float limit[1] = {frame_.audit_above * float(mean < here ? mean / here : 1)};
         block.contributions.at_most(uint32_t(i), limit, rows);
         const std::span<Word> bright(bright_.row(i), wanted.size()), asked(asked_.row(i), wanted.size());
         draw(eyes_->stream[i], block.lights.group, columns, asked);
@@ -114,11 +123,15 @@ void QueryAudit::samples(const WeightedSamples& samples, std::span<const Word> v
     some.t_max = all.t_max;
     std::vector<size_t> number;
     std::vector<bool> certain;
+    double light = 0;
+    for (const Rgb c : samples.contribution) light += sum_of(c);
+    const double mean = light / double(std::max<size_t>(1, all.size()));
     for (size_t row = 0; row < all.eye.size(); ++row) {
         const size_t begin = all.begin_of(row), end = all.end[row];
         double sum = 0;
         for (size_t i = begin; i < end; ++i) sum += sum_of(samples.contribution[i]);
-        const double limit = frame_.audit_above * sum / double(std::max<size_t>(1, end - begin));
+        const double limit =
+            frame_.audit_above * std::min(mean, sum / double(std::max<size_t>(1, end - begin)));
         row_.assign(words_for(end - begin), 0);
         draw(eyes_->stream[all.eye[row]], all.group, end - begin, row_);
         for (size_t i = begin; i < end; ++i) {

@@ -88,7 +88,8 @@ struct FrameSettings {
     /// tiles are independent of each other: not for visibility maps, aligned rays or bidirectional paths.
     int part = 0, parts = 1;
     /// Audits, for frames of tiles of eye points: of about so many whole pixels, or of the queries whose
-    /// contribution exceeds `audit_above` means of their eye point and of a share of the others. 0 = none.
+    /// contribution exceeds `audit_above` means of their eye point or tile and of a share of the others. 0 =
+    /// none.
     size_t audit_pixels = 0;
     double audit_share = 0;
     float audit_above = 4;

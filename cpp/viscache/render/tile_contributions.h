@@ -17,7 +17,17 @@ public:
     /// `wanted`: the columns that each eye point asks for.
     TileContributions(const SharedLights& lights, const EyeTile& eyes, const TilePicks& picks,
                       const BitMatrix& wanted)
-        : lights_(lights), eyes_(eyes), picks_(picks), wanted_(wanted) {}
+        : lights_(lights), eyes_(eyes), picks_(picks), wanted_(wanted), light_(eyes.size(), -1.f) {}
+    /// What the wanted columns would bring to the pixel of an eye point without shadows, as a mean of
+    /// channels.
+    float unoccluded(uint32_t eye) const {
+        if (light_[eye] < 0) tell(eye);
+        return light_[eye];
+    }
+    /// Adds this of all eye points to their pixels.
+    void add_to(std::span<float> pixels) const {
+        for (size_t i = 0; i < eyes_.size(); ++i) pixels[eyes_.pixel[i]] += unoccluded(uint32_t(i));
+    }
     void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
         tell(eye);
         bounds_.clear();
@@ -70,6 +80,11 @@ private:
         const ColumnRange all{0, words_for(lights_.ends.count) * kWordBits};
         mean_ = reflected_row(lights_, eyes_, eye, all, wanted_.row(eye), told_);
         eye_ = eye;
+        const std::span<const PickedLight> picked = picks_.of(eye);
+        float sum = 0;
+        for (const PickedLight& p : picked) sum += p.weight * told_[p.column];
+        if (picked.empty()) sum = masked_sum(told_, wanted_.row(eye));
+        light_[eye] = to_pixel(eyes_, eye) * sum;
     }
 
     const SharedLights& lights_;
@@ -80,6 +95,7 @@ private:
     mutable uint32_t eye_ = kNone;
     mutable std::vector<float> told_, bounds_;
     mutable float mean_ = 0;
+    mutable std::vector<float> light_;  ///< unoccluded, of each eye point; -1: not asked for yet
 };
 
 }  // namespace viscache

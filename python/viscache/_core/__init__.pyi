@@ -988,7 +988,7 @@ def description_of(scene: Scene) -> SceneDescription:
     """
 def draw_audit_pixels(light: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, first_sample: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Pixels of an audit (n, 3): x, y, weight; two of each stratum, one after the other. `light` (H, W): color minus emitted light, summed over channels.
+    Pixels of an audit (n, 3): x, y, weight; two of each stratum, one after the other. `light` (H, W): light without shadows.
     """
 def embree_version() -> str:
     ...

@@ -1,9 +1,9 @@
 """`viscache bench meter`: how often the intervals of audits hold the error, and what audits cost.
 
-Coverage of whole pixels: the exact and the cached frame are rendered once. Then 500 seeds draw
-pixels by the code that frames use, and estimate from them. Coverage of queries: frames of 200
-seeds, each audited by a share of the queries and by all. Cost: CPU seconds of the audit over those
-of its frame.
+Coverage of whole pixels: the exact and the cached frame and that without shadows are rendered once.
+Then 500 seeds draw pixels by the code that frames use, and estimate from them. Coverage of queries:
+frames of 200 seeds, each audited by a share of the queries and by all. Cost: CPU seconds of the
+audit over those of its frame.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.audit import AuditPixels, AuditQueries
 from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc
+from viscache.settings.visibility import Aqvc, Unoccluded
 
 __all__ = ["meter"]
 
@@ -104,13 +104,16 @@ def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
     """Coverage of the intervals from whole pixels, of the frame and of its light groups."""
     exact = render(scene, case.integrator, size=case.size)
     cached = render(scene, case.integrator, visibility=case.cache, size=case.size)
+    bare = render(scene, case.integrator, visibility=Unoccluded(), size=case.size)
+    # As in frames: the light of groups that may be wrong, without shadows
+    wrong = [n for n in cached.counters["groups"] if (cached.layers[n] != exact.layers[n]).any()]
+    unoccluded = sum(bare.layers[name].sum(axis=2) for name in wrong)
     for layer in ("color", *cached.counters["groups"]):
         error, light, truth = _error(cached, exact, layer)
-        shown_light = (cached.image - cached.layers["emitted"]).sum(axis=2)
         if not truth["rel_l1"]:
             continue
         for n in case.pixels:
-            found = _coverage(case, shown_light, error, light, truth, n)
+            found = _coverage(case, unoccluded, error, light, truth, n)
             name = f"{case.name}, {layer}, {n} pixels: coverage of rel_l1"
             shown = {**found, "true": truth["rel_l1"]}
             coverage = found["coverage"]
@@ -134,14 +137,14 @@ def _error(cached: Frame, exact: Frame, layer: str) -> tuple[Array, float, dict[
 
 
 def _coverage(
-    case: Case, seen: Any, error: Array, light: float, truth: dict[str, float], n: int
+    case: Case, unoccluded: Any, error: Array, light: float, truth: dict[str, float], n: int
 ) -> dict[str, Any]:
     """Shares of the seeds whose interval holds the truth."""
     held, shown, of_nrmse, widths = 0, 0, 0, []
     for seed in range(case.seeds):
-        drawn = _core.draw_audit_pixels(seen, n, seed)
+        drawn = _core.draw_audit_pixels(unoccluded, n, seed)
         x, y = drawn[:, :2].astype(int).T
-        found = pixel_estimates(drawn[:, 2], error[y, x], seen.size, light)
+        found = pixel_estimates(drawn[:, 2], error[y, x], unoccluded.size, light)
         rel_l1, nrmse = found["rel_l1"], found["nrmse"]
         spread = 1.96 * nrmse["se"] / max(nrmse["value"], 1e-30)
         of_nrmse += abs(np.log(max(nrmse["value"], 1e-30) / truth["nrmse"])) <= spread

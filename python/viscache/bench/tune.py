@@ -71,8 +71,8 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
     """Tune three parameters and one, then render whole frames."""
     light = Whitted(n_vpls=case.n_vpls)
     given: dict[str, Any] = {"size": case.size, "threads": 1}
-    found = tune(scene, light, rel_l1=case.rel_l1, **given)
-    alone = tune(scene, light, rel_l1=case.rel_l1, parameter="c_e", **given)
+    found = tune(scene, light, rel_l1_reflected=case.rel_l1, **given)
+    alone = tune(scene, light, rel_l1_reflected=case.rel_l1, parameter="c_e", **given)
     exact = render(scene, light, **given)
     frames = {
         name: render(scene, light, visibility=one.visibility, **given)
@@ -101,7 +101,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
             error=error,
             foretold=found.error,
             interval=list(found.interval),
-            reached=found.reached,
+            outcome=found.outcome,
             message=found.message,
             queries_per_ray=exact.counters["queries"] / max(1, rays["found"]),
             speedup=exact.timings["cpu_s"] / frames["found"].timings["cpu_s"],

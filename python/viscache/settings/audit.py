@@ -22,11 +22,12 @@ class AuditPixels:
     """An audit of whole pixels: estimates of the error of a frame, with intervals.
 
     Exact rays answer all queries of all samples of `n` pixels. These are a random sample of the
-    frame, stratified along the Morton curve and drawn by the most light of a pixel within two, with
-    the seed and first sample as key. A frame of `n` pixels or fewer is audited whole. There is an
-    interval of rel_l1 if `n` is at most an eighth of the pixels, or all, and if 50 of them are
-    wrong; of nrmse only if all are audited, because samples tend to lack the few pixels that decide
-    it.
+    frame, stratified along the Morton curve and drawn by the most light without shadows of a pixel
+    within two, with the seed and first sample as key. A frame of `n` pixels or fewer is audited
+    whole. There is an interval of rel_l1 if `n` is at most an eighth of the pixels, or all, and if
+    50 of them are wrong; of nrmse only if all are audited, because samples tend to lack the few
+    pixels that decide it. `Estimate.why` says why there is none. Errors in pixels with less than
+    about 3/n of the light without shadows may not be drawn at all.
 
     Parameters
     ----------
@@ -61,10 +62,10 @@ class AuditPixels:
 class AuditQueries:
     """An audit of single queries: the bias of a frame and its share of wrong answers.
 
-    Exact rays answer all connections whose contribution exceeds `above` means of their eye point,
-    and a random share of the others. The sum of wrong answers estimates the bias: light too much or
-    too little. It says nothing about rel_l1, because the absolute error of a pixel is not a sum
-    over its queries.
+    Exact rays answer all connections whose contribution exceeds `above` means of their eye point or
+    of its tile, and a random share of the others. The sum of wrong answers estimates the bias:
+    light too much or too little. It says nothing about rel_l1, because the absolute error of a
+    pixel is not a sum over its queries.
 
     Parameters
     ----------

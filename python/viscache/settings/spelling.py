@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-__all__ = ["nearest", "renamed", "setting", "spelled"]
+__all__ = ["gone", "nearest", "renamed", "setting", "spelled"]
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type[Any])
@@ -71,6 +71,22 @@ def renamed(**names: str) -> Callable[[Called], Called]:
                     text = f"{function.__name__}: {old} is now called {new}"
                     warnings.warn(text, DeprecationWarning, stacklevel=2)
                     kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return called  # type: ignore[return-value]
+
+    return decorate
+
+
+def gone(**names: str) -> Callable[[Called], Called]:
+    """Decorate a function whose keywords went: `gone(old="what to write instead")`: TypeError."""
+
+    def decorate(function: Called) -> Called:
+        @functools.wraps(function)
+        def called(*args: Any, **kwargs: Any) -> Any:
+            __tracebackhide__ = True  # pytest shows the caller
+            for old in names.keys() & kwargs.keys():
+                raise TypeError(f"{function.__name__} has no parameter {old!r}: {names[old]}")
             return function(*args, **kwargs)
 
         return called  # type: ignore[return-value]

@@ -18,13 +18,14 @@ from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
 
-__all__ = ["ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
+__all__ = ["METRICS", "ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
 
 #: Visibility and use, as `render` takes them.
 Setting: TypeAlias = tuple[Any, Any]
 Piece: TypeAlias = dict[str, npt.NDArray[np.float64]]
 #: Errors that are quotients of sums over pixels, or means of them.
 ErrorMetric: TypeAlias = Literal["rel_l1_reflected", "rel_l1", "flip"]
+METRICS: tuple[ErrorMetric, ...] = typing.get_args(ErrorMetric)
 
 EXACT: Setting = (Exact(), None)
 #: Pilots see this many tiles, or a 16th of the frame, and as many others check the result. A frame

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any, Protocol, TypeVar, get_args
+from typing import Any, Protocol, TypeVar
 
 from viscache import combinations, sources
 from viscache.oracles.correct import Correct
@@ -20,11 +20,11 @@ from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.settings.rays import Embree
-from viscache.settings.spelling import spelled
+from viscache.settings.spelling import gone, spelled
 from viscache.settings.visibility import Exact, Visibility, VisMaps
 from viscache.sweeps.jointly import MOST_MORE, families, jointly
 from viscache.sweeps.light_cells import MOST_TRIALS, with_light_cells
-from viscache.sweeps.samples import ErrorMetric, Sample, samples
+from viscache.sweeps.samples import METRICS, ErrorMetric, Sample, samples
 from viscache.sweeps.search import MOST_PILOTS, best, search
 from viscache.sweeps.searched import Searched, searched
 from viscache.sweeps.tuned import OWN_SAMPLES, Pilot, Tuned
@@ -38,15 +38,16 @@ BELOW = 0.95
 T = TypeVar("T")
 
 
+@gone(metric="the target names its metric, rel_l1_reflected= or rel_l1=")
 @spelled
 def tune(
     scene: Scene | str | os.PathLike[str],
     integrator: Any,
     *,
+    rel_l1_reflected: float | None = None,
     rel_l1: float | None = None,
     flip: float | None = None,
     seconds: float | None = None,
-    metric: ErrorMetric | None = None,
     visibility: Visibility | Written | str | None = None,
     parameter: str | None = None,
     between: tuple[float, float] | None = None,
@@ -72,18 +73,18 @@ def tune(
     scene : Scene, path or str
     integrator : Direct, Whitted or AmbientOcclusion
         Or its name. Its directions not shared.
+    rel_l1_reflected : float, optional
+        The wanted error, a relative L1 of the light on surfaces; in (0, 1). 0.01 by default, if no
+        other target is given.
     rel_l1 : float, optional
-        The wanted error, a relative L1; in (0, 1). 0.01 by default, if no other target is given.
+        Or of all light of the picture, as in the paper. Lamps and a sky in the picture make this
+        error smaller, but not the errors that one sees.
     flip : float, optional
         Or the wanted mean HDR-FLIP, in (0, 1). It looks at whole frames, so large ones take longer.
     seconds : float, optional
         Or the seconds of the clock that a frame may take, whose error should be small. If an exact
         frame fits, it is chosen. Times vary, so two calls may choose differently; with another
         target the choice is always the same.
-    metric : {"rel_l1_reflected", "rel_l1"}, optional
-        Over which light: that on surfaces (the default), or all light of the picture, as in the
-        paper. Lamps and a sky in the picture make the second one smaller, but not the errors that
-        one sees.
     visibility : Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
         The cache with its other parameters; `Aqvc()` by default. A C_E per light group stays, and
         `c_l`, `c_finest` and `bright` that are given.
@@ -107,7 +108,7 @@ def tune(
     Returns
     -------
     Tuned
-        `reached` says whether pixels that no pilot saw confirm the error. If no value reaches the
+        `outcome` says whether pixels that no pilot saw confirm the error. If no value reaches the
         target, the value with the smallest error is returned, and `message` says which light group
         limits it. If every value has a smaller error, the value with the largest is returned.
         `exact_is_cheaper` says whether an exact frame takes less time, and `message` has both
@@ -130,23 +131,19 @@ def tune(
     --------
     >>> import viscache as vc
     >>> room = vc.scenes.room(triangles=2000)
-    >>> vc.tune(room, vc.Direct(), rel_l1=0.02, size=(64, 40)).reached
-    True
+    >>> vc.tune(room, vc.Direct(), rel_l1_reflected=0.02, size=(64, 40)).outcome
+    'within noise'
     >>> maps = vc.ShadowMap()
     >>> found = vc.tune(
-    ...     room, vc.Direct(), rel_l1=0.02, visibility=maps, parameter="resolution",
+    ...     room, vc.Direct(), rel_l1_reflected=0.02, visibility=maps, parameter="resolution",
     ...     between=(16, 1024), size=(64, 40),
     ... )
-    >>> found.reached, found.visibility.resolution == found.value
+    >>> found.outcome != "missed", found.visibility.resolution == found.value
     (True, True)
     """
-    target = _target(rel_l1=rel_l1, flip=flip, seconds=seconds)
-    known_metrics = get_args(ErrorMetric)
-    require(metric in (None, *known_metrics), f"metric must be one of {known_metrics}", metric)
-    judged: ErrorMetric = metric or "rel_l1_reflected"
-    if flip is not None:
-        require(metric in (None, "flip"), "metric must be left out with flip", metric)
-        judged = "flip"
+    judged, target = _target(
+        rel_l1_reflected=rel_l1_reflected, rel_l1=rel_l1, flip=flip, seconds=seconds
+    )
     integrator = by_name.setting("integrator", integrator)
     known = "vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)"
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
@@ -199,17 +196,18 @@ def tune(
         return step(lambda: _checked(check, wanted, pilots, one, aim, judged))
 
 
-def _target(**targets: float | None) -> float:
-    """The one target that is given."""
+def _target(**targets: float | None) -> tuple[ErrorMetric, float]:
+    """The metric that is judged, and the one target that is given."""
     given = {name: value for name, value in targets.items() if value is not None}
-    require(len(given) <= 1, "one target must be given: rel_l1, flip or seconds", list(given))
-    name, value = next(iter(given.items()), ("rel_l1", 0.01))
+    require(len(given) <= 1, f"one target must be given: {' or '.join(targets)}", list(given))
+    name, value = next(iter(given.items()), ("rel_l1_reflected", 0.01))
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if name == "seconds":
         require(number and 0 < value < float("inf"), "seconds must be > 0 and finite", value)
     else:
         require(number and 0 < value < 1, f"{name} must lie in (0, 1)", value)
-    return float(value)
+    judged = next((metric for metric in METRICS if metric == name), METRICS[0])
+    return judged, float(value)
 
 
 class _Aim:

@@ -52,6 +52,8 @@ class Tuned:
 
     Attributes
     ----------
+    outcome : {"reached", "within noise", "missed"}
+        Whether pixels that no pilot saw confirm the target; `reached` is true for the first.
     parameter : str
         The parameter that was searched.
     value : float or int
@@ -136,19 +138,28 @@ class Tuned:
         return _c_e(self)
 
     @property
-    def reached(self) -> bool:
+    def outcome(self) -> Literal["reached", "within noise", "missed"]:
         """Whether pixels that no pilot saw confirm the target.
 
-        Their error is at most 30 % above it, and its interval contains the target or lies below.
-        Of a time: it is at most 10 % above.
+        "reached": the upper end of the interval is at most the target. "within noise": the interval
+        contains the target, and the error is at most 30 % above it. Of a time: it is at most 10 %
+        above, or missed.
         """
         if self.wanted == "seconds":
-            return self.wall_s <= self.target * LATE
-        return self.error <= self.target * TOLERANCE and self.interval[0] <= self.target
+            return "reached" if self.wall_s <= self.target * LATE else "missed"
+        if self.interval[1] <= self.target:
+            return "reached"
+        near = self.error <= self.target * TOLERANCE and self.interval[0] <= self.target
+        return "within noise" if near else "missed"
+
+    @property
+    def reached(self) -> bool:
+        """Whether the outcome is "reached"."""
+        return self.outcome == "reached"
 
     @property
     def message(self) -> str:
-        """Why the error is not near the target, and what limits it; empty if it is near.
+        """Why the target is not confirmed, and what limits the error; empty if it is near.
 
         Then, if it is so, that an exact frame is cheaper, with both times.
         """
@@ -160,12 +171,19 @@ class Tuned:
             return self._of_time()
         low, high = self.target / TOLERANCE, self.target * TOLERANCE
         near = min(self._mine, key=lambda p: abs(p.value - self.value))
-        if self.error > high or self.interval[0] > self.target:
+        if self.outcome == "missed":
             text = self._above() if near.error > high else self._not_confirmed(near)
             return text + self._limits()
         if self.error < low:
             return self._below(near) if near.error < low else self._not_confirmed(near)
-        return ""
+        return self._within_noise() if self.outcome == "within noise" else ""
+
+    def _within_noise(self) -> str:
+        low, high = self.interval
+        return (
+            f"{self.metric} {self.target:.3g} is reached within noise: the error is"
+            f" {self.error:.3g}, its 95 % interval {low:.3g} to {high:.3g}."
+        )
 
     @property
     def _mine(self) -> list[Pilot]:
@@ -174,8 +192,8 @@ class Tuned:
 
     def _of_time(self) -> str:
         if self.passes is not None:
-            if self.reached:
-                return ""
+            if self.outcome != "missed":
+                return "" if self.reached else self._within_noise()
             return (
                 f"{self.passes} passes are as many as there may be: {self.metric} {self.error:.3g}"
                 f" and {self.wall_s:.3g} s."
@@ -266,6 +284,7 @@ class Tuned:
             "rel_l1": self.rel_l1,
             "rel_l1_reflected": self.rel_l1_reflected,
             "interval": list(self.interval),
+            "outcome": self.outcome,
             "reached": self.reached,
             "ray_reduction": self.ray_reduction,
             "samples": self.samples,
