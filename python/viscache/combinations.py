@@ -64,6 +64,13 @@ class Request:
         """Whether the answers of the oracle serve as a control variate."""
         return self.use not in (None, "replace") and not isinstance(self.visibility, VisMaps)
 
+    @property
+    def is_unbiased(self) -> bool:
+        """Whether frames have the expectation of exact ones, whatever the oracle answers."""
+        if isinstance(self.visibility, VisMaps):
+            return self.use != "replace"  # a control variate
+        return bool(self.corrects) or isinstance(self.visibility, Exact | NeePlusPlus)
+
 
 @dataclass(frozen=True)
 class Rule:

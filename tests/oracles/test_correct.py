@@ -9,10 +9,7 @@ import pytest
 
 import viscache as vc
 from reference.built import built
-from viscache import _core
 from viscache.oracles.correct import Correct
-from viscache.render import frame_settings
-from viscache.settings.integrators import core_settings
 
 SIZE = (48, 32)
 ROOM = "room?triangles=3000"
@@ -50,42 +47,6 @@ def test_weights_of_roulette_are_corrected_too() -> None:
     exact = vc.render(scene, light, size=SIZE)
     right = vc.render(scene, light, size=SIZE, visibility=vc.NeePlusPlus(), use=vc.Correct(share=1))
     assert right.sha256 == exact.sha256
-
-
-def frames(
-    scene: vc.Scene, share: float | None, seeds: int, weighted: bool = True
-) -> tuple[list[Any], list[Any]]:
-    """Pictures of a coarse cache, corrected where a share is given, and exact ones."""
-    caster, view = scene.caster(vc.Embree()), scene.cameras[0]
-    cache = vc.Aqvc(c_e=16, refinement="off", exact_groups=("area",)).core()
-    light = core_settings(vc.Direct())
-    made: tuple[list[Any], list[Any]] = ([], [])
-    for seed in range(seeds):
-        parts = (scene._core, caster, view, light, frame_settings(SIZE, 1, seed, None))
-        exact = _core.ExactSource(scene._core, caster)
-        source: Any = _core.AqvcSource(scene._core, caster, cache, spp=1)
-        if share is not None:
-            source = _core.ResidualSource(
-                scene._core, caster, source, share=share, seed=seed, weighted=weighted
-            )
-        for images, oracles in zip(made, (source, exact), strict=True):
-            images.append(_core.render_frame(*parts, oracles)["layers"]["color"])
-    return made
-
-
-@pytest.mark.stat
-def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
-    scene = built(ROOM)
-    vc.testing.assert_unbiased(*frames(scene, 0.25, 24), energy=0.01, paired=True)
-    with pytest.raises(AssertionError, match="the frames are biased"):  # the cache alone
-        vc.testing.assert_unbiased(*frames(scene, None, 24), paired=True)
-
-
-@pytest.mark.stat
-def test_without_weights_the_bias_shows() -> None:
-    """Negative control: corrections that count as if every query had been drawn."""
-    with pytest.raises(AssertionError, match="the frames are biased"):
-        vc.testing.assert_unbiased(*frames(built(ROOM), 0.25, 24, weighted=False), paired=True)
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:

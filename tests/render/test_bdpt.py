@@ -48,6 +48,17 @@ def test_two_edges_are_direct_light_of_every_kind(camera: str) -> None:
 
 
 @pytest.mark.stat
+def test_glossy_connections_have_one_expectation_for_all_strategies() -> None:
+    """Densities of both ends of a connection are equal on diffuse surfaces, not on these."""
+    look = Look(kind="glossy", base_color=(0.1, 0.1, 0.1), roughness=0.3)
+    shiny = (replace(scenes.WALLS, look=look), scenes.LAMP, replace(scenes.BLOCK, look=look))
+    room = replace(scenes.ROOM, parts=shiny).to_viscache()
+    every = images(room, vc.Bdpt(max_depth=3), 32, 32)
+    no_camera = images(room, vc.Bdpt(max_depth=3, camera_connections="off"), 32, 32, first=100)
+    vc.testing.assert_unbiased(every, no_camera, energy=0.015)
+
+
+@pytest.mark.stat
 def test_a_lamp_that_shines_from_both_sides_is_direct_light() -> None:
     """Light paths leave either side; connections meet the side that faces them."""
     d = vc.SceneDescription()

@@ -59,25 +59,6 @@ def corrected(
     return np.stack(images)
 
 
-@pytest.mark.slow
-@pytest.mark.stat
-@pytest.mark.parametrize("share", [None, 0.25])
-@pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
-def test_frames_are_right_in_expectation_and_a_wrong_q_shows(
-    integrator: Any, share: float | None, room: vc.Scene
-) -> None:
-    seeds = range(32)
-    exact = stack(room, integrator, vc.Exact(), seeds)
-    ours = corrected(room, integrator, seeds, share=share)
-    if share is None and integrator not in DRAWN:
-        assert (ours == exact).all()  # samples of single eye points, and single lamps
-        return
-    result = paired(ours, exact)
-    assert result.same, str(result)
-    spoilt = paired(corrected(room, integrator, seeds, share=share, weighted=False), exact)
-    assert spoilt.p < 1e-9, str(spoilt)
-
-
 @pytest.mark.stat
 def test_slits_of_light_in_voxels_of_shadow_keep_their_light() -> None:
     share = 0.2

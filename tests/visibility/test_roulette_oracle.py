@@ -15,7 +15,6 @@ import viscache as vc
 from render.test_determinism import INTEGRATORS, ROOM, signature
 from render.ztest import ZTest, compare
 from viscache import _core, cli
-from viscache.settings.integrators import core_settings
 
 SIZE = (64, 48)
 #: Coarse, so that voxels see each other in part, and quick to learn.
@@ -37,25 +36,6 @@ def stack(scene: vc.Scene, integrator: Any, visibility: Any, seeds: range) -> np
     )
 
 
-def forgetful(scene: vc.Scene, integrator: Any, seeds: range) -> npt.NDArray[Any]:
-    """The same frames where what is seen counts 1 instead of 1/q."""
-    frame = _core.FrameSettings()
-    frame.width, frame.height, frame.spp, frame.threads = *SIZE, 1, 2
-    camera = _core.scene_cameras(scene._core)[0]
-    paths = isinstance(integrator, vc.Bdpt)
-    render: Any = _core.render_bdpt if paths else _core.render_frame
-    settings = integrator.core() if paths else core_settings(integrator)
-    caster = scene.caster()
-    images = []
-    for frame.seed in seeds:
-        source = _core.RouletteSource(
-            scene._core, caster, COARSE.core(), seed=frame.seed, weighted=False
-        )
-        got = render(scene._core, caster, camera, settings, frame, source)
-        images.append(got["layers"]["color"])
-    return np.stack(images)
-
-
 def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
     """Against the exact frames of the same seeds, by 8 × 8 blocks: they differ by roulette alone.
 
@@ -67,20 +47,6 @@ def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
     ]
     mean = blocks[1].mean(axis=0)
     return compare(blocks[0] - blocks[1] + mean, np.repeat(mean[None], 4, axis=0), edge=2)
-
-
-@pytest.mark.slow
-@pytest.mark.stat
-@pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
-def test_frames_are_right_in_expectation_and_would_not_be_without_weights(
-    integrator: Any, room: vc.Scene
-) -> None:
-    seeds = range(32)
-    exact = stack(room, integrator, vc.Exact(), seeds)
-    result = paired(stack(room, integrator, COARSE, seeds), exact)
-    assert result.same, str(result)
-    spoilt = paired(forgetful(room, integrator, seeds), exact)
-    assert spoilt.p < 1e-9 and spoilt.energy < -0.005, str(spoilt)
 
 
 @pytest.mark.stat

@@ -62,20 +62,25 @@ def test_startup_records_are_first_hits_spread_over_the_image() -> None:
     assert not np.array_equal(other.records().positions[:50], r.positions[:50])
 
 
-@pytest.mark.parametrize("n_best", [1, 4, 8])
-def test_lookups_choose_and_weigh_as_the_paper_says(n_best: int) -> None:
-    cache, _ = made(n_best=n_best, m_nearest=64, n_startup=150)
+@pytest.mark.parametrize(("n_best", "m_nearest"), [(1, 64), (4, 64), (8, 64), (4, 9)])
+def test_lookups_choose_and_weigh_as_the_paper_says(n_best: int, m_nearest: int) -> None:
+    cache, _ = made(n_best=n_best, m_nearest=m_nearest, n_startup=150)
     points, r = pixels(cache), cache.records()
     x, n, d_max = points.positions, points.normals, points.d_max
     found = cache.lookup(x, n, d_max)
-    compared = 0
+    compared = crowded = 0
     for i in np.flatnonzero(d_max > 0)[::7]:
         w = reference.full_weights(
             x[i].astype(float), n[i], r.positions, r.normals, float(d_max[i]), np.radians(30)
         )
         candidates = np.flatnonzero(~np.isnan(w))
-        if len(candidates) > 60:  # of more, only the nearest are looked at
-            continue
+        if len(candidates) > m_nearest:  # of more, only the nearest are looked at
+            away = np.linalg.norm(r.positions[candidates] - x[i], axis=1)
+            order = np.argsort(away, kind="stable")
+            if away[order[m_nearest]] - away[order[m_nearest - 1]] < 1e-6:
+                continue
+            candidates = np.sort(candidates[order[:m_nearest]])
+            crowded += 1
         assert found.candidates[i] == len(candidates)
         best = candidates[np.argsort(-w[candidates], kind="stable")][:n_best]
         chosen = found.ids[i][found.beta[i] > 0]
@@ -85,7 +90,26 @@ def test_lookups_choose_and_weigh_as_the_paper_says(n_best: int) -> None:
         assert found.beta[i].sum() == pytest.approx(1, abs=1e-5)
         assert found.weight[i] == pytest.approx(w[best[0]], abs=2e-5)
         compared += 1
-    assert compared > 100
+    assert compared > 100 and (crowded > 100 or m_nearest == 64)
+
+
+def test_the_reach_of_a_pixel_is_its_size_on_the_surface() -> None:
+    """t √(a cos³φ / |n·ω|): the pixel's solid angle, and the slant of the surface."""
+    cache, _ = made()
+    points, camera = pixels(cache), view()
+    hit = np.flatnonzero(points.footprint > 0)
+    to = points.positions[hit] - np.array(camera.origin)
+    t = np.linalg.norm(to, axis=1)
+    ahead = np.array([0, 0.25, 0]) - np.array(camera.origin)
+    film = to @ (ahead / np.linalg.norm(ahead)) / t
+    surface = np.abs((to * points.normals[hit]).sum(axis=1)) / t
+    area = (2 * np.tan(np.radians(36) / 2) / SIZE[1]) ** 2
+    footprint = t * np.sqrt(area * film**3 / np.maximum(surface, 0.05))
+    np.testing.assert_allclose(points.footprint[hit], footprint, rtol=1e-3)
+    low, high = cache.scene.bounds
+    reach = np.minimum(0.25 * SIZE[0] * footprint, 0.1 * np.linalg.norm(np.subtract(high, low)))
+    np.testing.assert_allclose(points.d_max[hit], reach, rtol=0.02)
+    assert (surface < 0.3).sum() > 30
 
 
 def test_blended_visibility_is_the_weighted_mean_of_the_maps() -> None:

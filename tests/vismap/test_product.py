@@ -72,6 +72,27 @@ def test_whatever_brings_light_can_be_drawn(name: str) -> None:
     assert b_tilde[brings].min() >= 0.9e-3 * b_tilde.max()
 
 
+def test_split_leaves_can_be_drawn() -> None:
+    """A bright patch and a bright horizon split leaves whose samples of a lobe miss its edge."""
+    light = sky(512)
+    light[200:206, 300:310] = 3e3
+    light[254:258] = 300
+    pyramid, fine = EnvironmentPyramid(light), directions(1024)
+    rng, below = np.random.default_rng(5), 0
+    for _ in range(12):
+        normal = rng.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        point = surface(tuple(normal), glossy=True, roughness=float(rng.uniform(0.02, 0.3)))
+        tree = testing.ProductTree.of_surface(pyramid, point)
+        cosine = np.maximum(fine @ normal, 0)
+        b = luminance(eval_bsdf(point, fine.reshape(-1, 3))).reshape(cosine.shape) * cosine
+        brings = (coarser(b, 512) > 0) & (luminance(light) > 0)
+        assert (tree.texel_masses()[brings] > 0).all()
+        b_tilde = luminance(tree.b_tilde())[brings]
+        below += int((b_tilde < 1.1e-3 * b_tilde.max()).sum())
+    assert below > 100  # at the floor
+
+
 def surface_normal(name: str) -> tuple[float, float, float]:
     normal = {"along an axis": (0, 0, 1), "below the horizon": (0.1, 0.2, -1)}.get(
         name, (0.3, -0.5, 0.81)
