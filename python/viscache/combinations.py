@@ -68,7 +68,7 @@ class Request:
     def is_unbiased(self) -> bool:
         """Whether frames have the expectation of exact ones, whatever the oracle answers."""
         if isinstance(self.visibility, VisMaps):
-            return self.use != "replace"  # a control variate
+            return bool(self.use != "replace")  # a control variate
         return bool(self.corrects) or isinstance(self.visibility, Exact | NeePlusPlus)
 
 

@@ -21,6 +21,8 @@ def test_bins_with_fewer_than_100_pairs_are_white(measured: xarray.Dataset) -> N
     shown = figure.axes[0].collections[0].get_array()
     few = (measured["n"].values < 100).T
     assert (np.ma.getmaskarray(shown).reshape(few.shape) == few).all() and 0 < few.sum() < few.size
+    means = measured["mean"].values.T
+    np.testing.assert_array_equal(np.ma.getdata(shown).reshape(few.shape)[~few], means[~few])
     axes = figure.axes[0]
     assert axes.get_ylim() == (180, 0) and "scene units" in axes.get_xlabel()
     assert r"\theta" in axes.get_ylabel() and r"\rho" in figure.axes[1].get_ylabel()
@@ -33,6 +35,14 @@ def test_slices_show_mean_spread_and_error(measured: xarray.Dataset) -> None:
     assert np.allclose(mean[enough], measured["near_mean"].values[enough])
     assert np.allclose((upper - mean)[enough], measured["near_sigma"].values[enough])
     assert np.isnan(mean[~enough]).all()
+    assert near.lines[0].get_linestyle() == "-"
+    for line in near.lines[1:3]:
+        assert line.get_linestyle() == "--" and line.get_color() != near.lines[0].get_color()
+    band = np.concatenate([path.vertices[:, 1] for path in near.collections[0].get_paths()])
+    two = 2 * measured["near_se"].values
+    assert band.min() == pytest.approx(np.nanmin((mean - two)[enough]))
+    assert band.max() == pytest.approx(np.nanmax((mean + two)[enough]))
+    assert [axes.get_xlabel()[0] for axes in (near, aligned)] == ["a", "d"]
     assert "0.2" in near.get_title() and "2°" in aligned.get_title()
 
 

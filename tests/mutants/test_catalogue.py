@@ -21,6 +21,11 @@ NAMED = {
     "vlf-tab1: the field's seconds over those of the others",
     "H1 counts settings of any error",
     "H4 halved",
+    "corrected pairs are not divided by their share",
+    "split leaves have no floor",
+    "one record too few is looked at",
+    "pixels at a slant are as small as others",
+    "a connection's eye density is that of the light",
 }
 
 

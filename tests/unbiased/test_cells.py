@@ -250,6 +250,18 @@ def test_every_integrator_and_cache_of_the_registry_has_cells() -> None:
     assert {cell.pick for cell in CELLS} == set(PICKS)
 
 
+@pytest.mark.stat
+def test_both_techniques_of_a_sky_have_the_mean_of_one() -> None:
+    def frames(first: int, **given: int) -> list[vc.Frame]:
+        light = vc.Direct(n_area=0, **given)
+        return [
+            vc.render(scene("sky"), light, size=SIZE, seed=first + i, threads=1) for i in range(48)
+        ]
+
+    both, one = frames(0, n_environment=4, n_brdf=2), frames(100, n_environment=12, n_brdf=0)
+    print(vc.testing.assert_unbiased(both, one, energy=0.015))
+
+
 def test_corrected_own_samples_are_divided_by_their_share() -> None:
     check(Cell("direct", "areas", "unoccluded", "share", 0))
 

@@ -23,6 +23,9 @@ struct AuditPixel {
 /// The pixels of some tiles of a picture along its Morton curve. Edges of tiles are powers of two.
 std::vector<std::pair<uint32_t, uint32_t>> along_curve(std::span<const Tile> tiles);
 
+/// Fewer pixels give no interval: they are drawn by the light that the frame has, at no cost.
+constexpr size_t kLeastByUnoccluded = 1024;
+
 /// In pixels along x and y. Chosen in garage, church, classroom_like, mushrooms, stairs and others: with 0,
 /// one interval of 4096 pixels held .54 of the time (docs/performance/meter.md).
 constexpr int kAuditReach = 2;

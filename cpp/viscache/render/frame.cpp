@@ -327,8 +327,9 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
                   FrameResult& out) {
     const double start = thread_cpu_seconds();
     const auto pixels = along_curve(tiles);
-    const double share = double(pixels.size()) / (double(out.width) * out.height);
-    const size_t n = size_t(std::ceil(double(c.frame.audit_pixels) * share));
+    const size_t all = out.color.size(), n = (c.frame.audit_pixels * pixels.size() + all - 1) / all;
+    for (size_t p = out.unoccluded.size(); p < all; ++p)
+        out.unoccluded.push_back(luminance(out.color[p] - out.emitted[p]));
     const auto drawn =
         draw_audit_pixels(pixels, out.unoccluded, size_t(out.width), n, c.frame.seed, c.frame.first_sample);
     out.stages.audit += thread_cpu_seconds() - start;
@@ -411,7 +412,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         context.product = &*product;
     }
     FrameResult out = empty_result(context, source.corrects());
-    if (frame.audit_pixels > 0) out.unoccluded.resize(out.color.size());
+    if (frame.audit_pixels >= kLeastByUnoccluded) out.unoccluded.resize(out.color.size());
     out.lights_s = wall_seconds() - start;
     std::vector<const FarEnds*> groups;
     for (const SharedLights& s : context.shared) groups.push_back(&s.ends);

@@ -33,7 +33,7 @@ struct FrameResult {
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
-    std::vector<float> unoccluded;              ///< light that may be wrong without shadows, for audits
+    std::vector<float> unoccluded;              ///< light without shadows of what may be wrong, for audits
     std::vector<AuditedPixel> audited_pixels;   ///< two of each stratum, one after the other; or all
     std::vector<AuditRecords> audited_queries;  ///< of each tile
     uint64_t audit_rays = 0;

@@ -7,6 +7,7 @@
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/light_pick.h"
 #include "viscache/render/mean_light.h"
+#include "viscache/visibility/exact.h"
 #include "viscache/visibility/reference_light.h"
 
 namespace viscache {
@@ -83,7 +84,7 @@ private:
         const std::span<const PickedLight> picked = picks_.of(eye);
         float sum = 0;
         for (const PickedLight& p : picked) sum += p.weight * told_[p.column];
-        if (picked.empty()) sum = masked_sum(told_, wanted_.row(eye));
+        if (picked.empty()) sum = mean_ * float(count_bits(wanted_.row_span(eye)));
         light_[eye] = to_pixel(eyes_, eye) * sum;
     }
 
