@@ -26,7 +26,8 @@ from viscache.settings.integrators import core_settings
 from viscache.testing.unbiased import Bias
 
 Array = npt.NDArray[Any]
-SIZE = (48, 32)
+#: Four blocks.
+SIZE = (64, 64)
 #: The bias of the energy that each cell must be able to see, as often as `POWER`.
 ENERGY, POWER = 0.01, 0.99
 #: Share of sound runs of all cells together in which one fails, and looks at each cell at most.
@@ -78,8 +79,8 @@ PATHS = {name: (name, {"max_depth": 3}) for name in ("points", "areas", "sky")}
 ASKED: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     "direct": DIRECT,
     "whitted": {
-        name: (lights, {**settings, "n_vpls": 96 if name == "points" else 0})
-        for name, (lights, settings) in DIRECT.items()
+        name: (lights, {**settings, "n_vpls": 96 if name == "virtual lights" else 0})
+        for name, (lights, settings) in {"virtual lights": DIRECT["points"], **DIRECT}.items()
     },
     "bdpt": PATHS,
     "ao": {"hemisphere": ("none", {"n_samples": 8, "max_distance": 2.0})},
@@ -154,7 +155,7 @@ class Cell:
 
     def is_promised(self) -> bool:
         """Whether it exists, is promised to be unbiased, and is not the exact frame itself."""
-        shared = self.lights in ("points", "shared sky")
+        shared = self.lights in ("points", "virtual lights", "shared sky")
         if self.oracle == "vismap" and "sky" not in self.lights:
             return False  # maps are of a sky
         known = {f.name for f in fields(by_name.NAMES["integrator"][self.integrator])}
