@@ -123,7 +123,7 @@ def test_diff_against_black_prints_null(
         (["reproduce", "aqvc-fig3", "--size", "0x4"], "size must be WxH, both >= 1"),
         (["reproduce", "vismap-fig5", "--size", "8x4"], "size must be left out for vismap-fig5"),
         (["bench", "no-such-bench"], "unknown bench"),
-        (["tune", "room", "--error", "2"], "rel_l1 must lie in (0, 1), got 2"),
+        (["tune", "room", "--error", "2"], "rel_l1_reflected must lie in (0, 1), got 2"),
         (["tune", "room", "--set", "c_ee=2"], "unknown parameter 'c_ee'"),
     ],
 )
