@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -134,12 +135,20 @@ class Frame(ArrayOutput):
         OSError
             The file cannot be written.
         """
-        target = Path(path)
+        self._save(Path(path), exposure)
+
+    def _save(
+        self,
+        target: Path,
+        exposure: float | None = None,
+        within: AbstractContextManager[object] | None = None,
+    ) -> None:
+        """Write a file, which takes its place within a context (`viscache.files.whole_file`)."""
         kind = checked_suffix(target)
         linear = kind == "exr"
         require(not linear or exposure is None, "exposure must be left out for .exr", exposure)
         try:
-            with whole_file(target) as partial:
+            with whole_file(target, within) as partial:
                 if linear:
                     self._write_exr(partial)
                 else:

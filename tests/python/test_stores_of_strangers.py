@@ -188,7 +188,7 @@ def test_a_journal_that_names_another_file_is_refused(store: Path, victim: Path)
 @pytest.mark.parametrize(
     ("statement", "what"),
     [
-        ("CREATE TRIGGER t AFTER INSERT ON claims BEGIN DELETE FROM frames; END", "trigger 't'"),
+        ("CREATE TRIGGER t AFTER INSERT ON leases BEGIN DELETE FROM frames; END", "trigger 't'"),
         ("CREATE VIEW v AS SELECT * FROM frames", "view 'v'"),
         ("CREATE INDEX i ON frames (abs(finished))", "index 'i'"),
         ("CREATE VIRTUAL TABLE w USING fts5(x)", "table 'w'"),

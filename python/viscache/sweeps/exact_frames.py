@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
+from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import Task, checked_size, env_hash, frame_spec, positive
 from viscache.sweeps.store import DATABASE_FILES, Store, content_key
 
@@ -140,17 +141,18 @@ def _once(store: Store, task: Task, progress: Progress) -> Frame:
     spec = frame_spec(task)
     key = content_key(spec)
     while (found := _kept(store, key)) is None:
-        if not store.claim(key):
-            time.sleep(POLL_S)
+        if not store.leases.claim(key):
+            store.leases.wait(POLL_S)
             continue
         try:
             found = _kept(store, key)  # finished by another process before the claim
             if found is None:
                 found = _rendered(task, progress)
-                store.put(key, spec, found)
+                with suppress(LostLeaseError):  # another process keeps it: this one has the same
+                    store.put(key, spec, found)
             return found
         finally:
-            store.release(key)
+            store.leases.release(key)
     return found
 
 
@@ -188,5 +190,5 @@ def _remove_unused(directory: Path, name: str) -> None:
     except (OSError, ValueError):  # another folder or file, links, or another process was faster
         return
     for folder in (frames, marker.parent):
-        with contextlib.suppress(OSError):  # it holds something else
+        with suppress(OSError):  # it holds something else
             folder.rmdir()

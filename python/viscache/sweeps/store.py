@@ -16,12 +16,9 @@ import json
 import os
 import re
 import shutil
-import socket
 import sqlite3
 import threading
 import time
-import uuid
-import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -30,20 +27,15 @@ from typing import TYPE_CHECKING, Any
 
 from viscache.array_digests import changed_layers, layer_digests
 from viscache.files import inside, whole_file
+from viscache.sweeps import leases
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
-
-#: Seconds after which a claim of another machine expires.
-CLAIM_EXPIRES_S = 3600.0
 
 #: Files of SQLite by their ends, after the name of the database.
 DATABASE_FILES = ("", "-wal", "-shm", "-journal")
 #: Last bytes of a journal of SQLite that names another file; SQLite would delete that file.
 JOURNAL_OF_SEVERAL = bytes.fromhex("d9d505f920a163d7")
-
-#: Open stores of this process by owner.
-_OPEN: weakref.WeakValueDictionary[str, Store] = weakref.WeakValueDictionary()
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS sweep (
@@ -56,7 +48,6 @@ CREATE TABLE IF NOT EXISTS hashes (key TEXT PRIMARY KEY, layers TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS comparisons (
     key TEXT NOT NULL, reference TEXT NOT NULL, metric TEXT NOT NULL, value REAL,
     PRIMARY KEY (key, reference, metric));
-CREATE TABLE IF NOT EXISTS claims (key TEXT PRIMARY KEY, owner TEXT NOT NULL, at REAL NOT NULL);
 """
 
 
@@ -126,9 +117,9 @@ class Store:
         self.directory = None if directory is None else Path(directory)
         self._memory: dict[str, Frame] = {}
         self._lock = threading.RLock()
+        #: Which process renders which frame.
+        self.leases = leases.Leases(self._opened)
         self._where = ":memory:" if directory is None else str(Path(directory) / "sweep.sqlite")
-        self._owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex}"
-        _OPEN[self._owner] = self
         if self.directory is not None:
             _check_files(self.directory)
             (self.directory / "frames").mkdir(parents=True, exist_ok=True)
@@ -141,7 +132,7 @@ class Store:
                 self._check_tables()
                 self._db.execute("PRAGMA journal_mode=WAL")
                 self._db.execute("PRAGMA synchronous=NORMAL")
-                self._db.executescript(_SCHEMA)
+                self._db.executescript(_SCHEMA + leases.TABLE)
             except BaseException:
                 self._db.close()
                 raise
@@ -161,6 +152,11 @@ class Store:
                 f"{self._where} is not a sweep's store, or damaged: {error}."
                 " Delete it and run the sweep again; pictures are rendered anew"
             ) from error
+
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        with self._door():
+            yield self._db
 
     def _check_tables(self) -> None:
         """Refuse what runs by itself in a database: views, triggers, virtual tables."""
@@ -185,11 +181,10 @@ class Store:
         return (Path(directory) / "sweep.sqlite").is_file()
 
     def close(self) -> None:
-        """Give back this store's claims and close it."""
+        """Give back this store's leases and close it."""
         with self._door():
-            self._db.execute("DELETE FROM claims WHERE owner = ?", (self._owner,))
+            self.leases.close()
             self._db.close()
-        _OPEN.pop(self._owner, None)
 
     def __enter__(self) -> Store:
         return self
@@ -269,13 +264,19 @@ class Store:
         return frame
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
-        """Store a finished frame: first the complete file, then its row."""
+        """Store a finished frame: first the complete file, then its row.
+
+        Raises
+        ------
+        LostLeaseError
+            This store had the frame's lease, which was taken over. Nothing changes.
+        """
         path = self._picture(key)
         if path is None:
-            self._memory[key] = frame
+            with self._storing(key, spec, frame):
+                self._memory[key] = frame
         else:
-            frame.save(path)
-        self._put_row(key, spec, frame)
+            frame._save(path, within=self._storing(key, spec, frame))
 
     def replace_picture(self, key: str, frame: Frame) -> None:
         """Write the picture of a finished frame once more; its row and comparisons stay."""
@@ -283,7 +284,9 @@ class Store:
         if path is not None:
             frame.save(path)
 
-    def _put_row(self, key: str, spec: Mapping[str, Any], of: Frame | Record) -> None:
+    @contextmanager
+    def _storing(self, key: str, spec: Mapping[str, Any], of: Frame | Record) -> Iterator[None]:
+        """The transaction of a finished frame, in which its picture takes its place."""
         records = (spec, of.counters, of.timings, of.parameters, of.provenance)
         hashes = of.layers if isinstance(of, Record) else layer_digests(of.layers)
         # The name of the picture is for readers of the table; nothing here reads it
@@ -292,13 +295,14 @@ class Store:
         columns = "key, spec, counters, timings, parameters, provenance, sha256, file, finished"
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
+            self.leases.check(self._db, key)
+            yield
             marks = ",".join("?" * len(row))
             self._db.execute(f"INSERT OR REPLACE INTO frames ({columns}) VALUES ({marks})", row)
             self._db.execute("DELETE FROM hashes WHERE key = ?", (key,))
             if hashes is not None:
                 self._db.execute("INSERT INTO hashes VALUES (?, ?)", (key, json.dumps(hashes)))
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
-            self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
 
     def finished(self) -> set[str]:
         """The keys of all frames whose pictures are there."""
@@ -323,12 +327,11 @@ class Store:
         if source is None or target is None:
             self.put(key, record.spec, other.frame(key))
             return True
-        with whole_file(target) as partial:
+        with whole_file(target, self._storing(key, record.spec, record)) as partial:
             try:
                 os.link(source, partial)
             except OSError:
                 shutil.copyfile(source, partial)
-        self._put_row(key, record.spec, record)
         return True
 
     def forget_pixels(self, key: str) -> None:
@@ -352,26 +355,6 @@ class Store:
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
             self._db.executemany("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?, ?)", rows)
-
-    def claim(self, key: str) -> bool:
-        """Claim a frame, so that no other process renders it; False if another process has it.
-
-        Claims of processes that no longer run are taken over.
-        """
-        with self._door(), self._db:
-            self._db.execute("BEGIN IMMEDIATE")
-            row = self._db.execute("SELECT owner, at FROM claims WHERE key = ?", (key,)).fetchone()
-            if row is not None and row[0] != self._owner and _alive(*row):
-                return False
-            self._db.execute(
-                "INSERT OR REPLACE INTO claims VALUES (?, ?, ?)", (key, self._owner, time.time())
-            )
-        return True
-
-    def release(self, key: str) -> None:
-        """Release a claim without a result."""
-        with self._door():
-            self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
 
 
 def _check_files(directory: Path) -> None:
@@ -407,19 +390,3 @@ def _hint(error: str) -> str | None:
         "disk I/O": "look after the disk and run again: finished frames are kept",
     }
     return next((hint for part, hint in known.items() if part in error), None)
-
-
-def _alive(owner: str, at: float) -> bool:
-    """Whether a claim's owner may still be at work."""
-    host, pid, _ = owner.rsplit(":", 2)
-    if host != socket.gethostname():
-        return time.time() - at < CLAIM_EXPIRES_S
-    if int(pid) == os.getpid():
-        return owner in _OPEN
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
