@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,25 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.aqvc_rows import AqvcRows
-from viscache.array_digests import arrays_digest
 from viscache.emitted_light import seen_emitters
-from viscache.files import DAMAGED_ARRAYS, whole_file
+from viscache.formats import (
+    COUNT,
+    NUMBERS,
+    TABLE,
+    TEXT,
+    TEXTS,
+    ArrayField,
+    Field,
+    Format,
+    is_count,
+    is_number,
+    list_of,
+)
 from viscache.frame import Frame
-from viscache.oracles.learned import Shares
+from viscache.oracles.learned import GROUPS, MOST_OCTAVES, N_CLASSES, Shares
 from viscache.provenance import VERSION
+from viscache.settings.aqvc import LIGHT_GROUPS
+from viscache.vismap.cache_file import RECORDS
 
 __all__ = ["Sums", "load", "save"]
 
@@ -38,12 +52,74 @@ OF_ONE_PASS = (
     "records",
     "voxel_pairs",
 )
-#: Name of the hash among the records; files of earlier days have none and are not checked.
-DIGEST = "sha256"
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
 #: Earlier sums that are kept, so that one of them has about half of the passes.
 PARTS = 2
+
+
+def _is_share(value: Any) -> bool:
+    """Fields of `Shares`, or null."""
+    if value is None:
+        return True
+    if not isinstance(value, dict) or value.keys() != {"octaves", "scale"}:
+        return False
+    octaves, scale = value["octaves"], value["scale"]
+    of_class = list_of(lambda octave: is_count(octave) and octave <= MOST_OCTAVES)
+    fits = octaves is None or (
+        list_of(lambda row: of_class(row) and len(row) == N_CLASSES)(octaves)
+        and len(octaves) == len(GROUPS)
+    )
+    return fits and (scale == math.inf or (is_number(scale) and scale > 0))
+
+
+def _are_passes(value: Any) -> bool:
+    """Ranges of passes in ascending order."""
+    if not list_of(lambda r: list_of(is_count)(r) and len(r) == 2 and r[0] < r[1])(value):
+        return False
+    return all(a[1] < b[0] for a, b in pairwise(value))
+
+
+def _is_row(value: Any) -> bool:
+    """[tile, group, digest, words] of rows that a cache keeps."""
+    if not isinstance(value, list) or len(value) != 4:
+        return False
+    tile, group, digest, words = value
+    known = isinstance(digest, str) and digest.isascii() and digest.isdecimal()
+    return is_count(tile) and group in range(len(LIGHT_GROUPS)) and known and is_count(words)
+
+
+FORMAT = Format(
+    kind="a saved state of vc.Progressive",
+    version=2,
+    fields={
+        "identity": TABLE,
+        "version": TEXT,
+        **dict.fromkeys(("n", "next_pass", "row_frames"), COUNT),
+        "row_tiles": Field("a number of tiles", lambda v: is_count(v) and v < 1 << 24),
+        "numbers": Field("ranges of passes in ascending order", _are_passes),
+        **dict.fromkeys(("counters", "parameters"), TABLE),
+        "timings": NUMBERS,
+        **dict.fromkeys(("warnings", "layers"), TEXTS),
+        "shares": Field("shares of light groups, or null", _is_share),
+        "parts": Field("numbers of passes", list_of(lambda v: is_count(v) and v > 0)),
+        "rows": Field("a list of [tile, group, digest, words]", list_of(_is_row)),
+    },
+    arrays={
+        "squares": ArrayField("f8", ("H", "W", 3)),
+        "layer color?": ArrayField("f8", ("H", "W", 3)),
+        "layer *": ArrayField("f8", ("H", "W", None)),
+        "part *": ArrayField("f8", ("H", "W", 3)),
+        "cells *": ArrayField("i8", None),
+        "rows *": ArrayField("u8", None),
+        **{f"kept {name}?": array for name, array in RECORDS.items()},
+        "kept counts?": ArrayField("i8", (3,)),
+        "kept thresholds?": ArrayField("f8", (2,)),
+        "kept place?": ArrayField("u8", ("places",)),
+        **dict.fromkeys(("kept tested?", "kept seen?"), ArrayField("u4", ("places",))),
+        "kept frames?": ArrayField("i8", ()),
+    },
+)
 
 
 @dataclass(frozen=True)
@@ -220,6 +296,10 @@ def _added(sums: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
     out = dict(sums)
     for name, value in more.items():
         before = sums.get(name)
+        if before is not None and name not in OF_ONE_PASS:
+            like = isinstance(before, dict) == isinstance(value, dict)
+            if not like or (isinstance(value, int) and not isinstance(before, int | float)):
+                raise ValueError(f"the counter {name} must be like {value!r}, got {before!r}")
         if isinstance(value, dict) and name not in OF_ONE_PASS:
             out[name] = _added(before or {}, value)
         elif isinstance(value, int) and not isinstance(value, bool) and name not in OF_ONE_PASS:
@@ -251,6 +331,8 @@ def save(
         "layers": list(sums.layers),
         "parts": [n for n, _ in sums.parts],
         "rows": [],
+        "row_tiles": 0,
+        "row_frames": 0,
     }
     arrays: dict[str, Any] = {"squares": sums.squares}
     arrays |= {f"part {n}": total for n, total in sums.parts}
@@ -262,14 +344,7 @@ def save(
             records["rows"].append([tile, group, str(digest), row_words])
             arrays[f"cells {tile} {group}"] = cells
             arrays[f"rows {tile} {group}"] = bits
-    records = json.loads(json.dumps(records))  # as they will be read
-    text = json.dumps(records | {DIGEST: _digest(records, arrays)}).encode()
-    with whole_file(Path(path)) as partial, partial.open("wb") as file:
-        np.savez(file, records=np.frombuffer(text, np.uint8), **arrays)
-
-
-def _digest(records: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
-    return arrays_digest(json.dumps(records, sort_keys=True).encode(), arrays)
+    FORMAT.write_npz(Path(path), records, arrays)
 
 
 def load(
@@ -283,25 +358,17 @@ def load(
     Its rows go to `rows`, and other arrays that caches keep to `restore`.
     """
     source = Path(path)
-    if not source.is_file():
-        raise FileNotFoundError(f"no such file: {source}")
-    try:
-        with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        records = json.loads(arrays["records"].tobytes())
-        whole = records.pop(DIGEST, None)
-        found, version = records["identity"], records["version"]
-        rest = {n: a for n, a in arrays.items() if n != "records"}
-        if whole is not None and whole != _digest(records, rest):
-            raise ValueError("its content does not fit its hash")
-    except DAMAGED_ARRAYS as error:
-        raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
+    records, arrays = FORMAT.read_npz(source)
+    found, version = records["identity"], records["version"]
     if version != VERSION:
         raise ValueError(f"{source} must be of viscache {VERSION}, got {version}")
     for name, value in json.loads(json.dumps(identity)).items():
         if found.get(name) != value:
             raise ValueError(f"{name} must be {found.get(name)!r} as in {source}, got {value!r}")
     try:
+        passes = sum(end - first for first, end in records["numbers"])
+        if records["n"] != passes or (passes > 0) != ("color" in records["layers"]):
+            raise ValueError(f"{records['n']} passes with the numbers {records['numbers']}")
         layers = {name: arrays[f"layer {name}"] for name in records["layers"]}
         kept = [
             (
@@ -329,10 +396,11 @@ def load(
             warnings=records["warnings"],
             shares=Shares(**records["shares"]) if records["shares"] else None,
         )
-        if rows is not None:
-            rows._restore(records["row_tiles"], records["row_frames"], kept)
+        # Nothing has changed until here. A picture has rows or others, never both
         others = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
         restore(others)
-    except (KeyError, IndexError, TypeError) as error:
-        raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
+        if rows is not None:
+            rows._restore(records["row_tiles"], records["row_frames"], kept)
+    except (LookupError, TypeError, ValueError, OverflowError) as error:
+        raise FORMAT.refusal(source, f"its parts do not fit: {error}") from error
     return sums

@@ -141,6 +141,16 @@ def test_the_lease_of_a_killed_process_is_taken_over_at_once(
         assert store.leases.holds(KEY)
 
 
+def test_a_store_that_could_not_give_its_lease_back_blocks_nobody_here(tmp_path: Path) -> None:
+    """As on a full disk, which refuses that, too."""
+    with Store(tmp_path) as one:
+        assert one.leases.claim(KEY)
+        rows = one._db.execute("SELECT * FROM leases").fetchall()
+    with Store(tmp_path) as two:
+        two._db.executemany("INSERT INTO leases VALUES (?, ?, ?, ?, ?)", rows)
+        assert two.leases.claim(KEY)
+
+
 def test_a_number_of_a_process_that_runs_again_is_another_process(
     tmp_path: Path, owner: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -20,7 +20,7 @@ def frame(value: float = 1.0) -> Frame:
     return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
 
 
-KEY = "a" * 64
+KEY, OTHER = "a" * 64, "b" * 64
 
 
 def test_the_key_is_of_the_content_not_of_the_order() -> None:
@@ -48,10 +48,10 @@ def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path: Path) -> 
 def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
         store.put(KEY, {}, frame())
-        store.put_comparison(KEY, "b", {"rmse": 1.0, "flip": None})
-        assert store.compared(KEY, "b") == {"rmse": 1.0, "flip": None}
+        store.put_comparison(KEY, OTHER, {"rmse": 1.0, "flip": None})
+        assert store.compared(KEY, OTHER) == {"rmse": 1.0, "flip": None}
         store.put(KEY, {}, frame(3.0))
-        assert store.compared(KEY, "b") == {}
+        assert store.compared(KEY, OTHER) == {}
 
 
 def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -414,12 +413,7 @@ def test_a_state_with_another_array_is_refused(room: vc.Scene, tmp_path: Path) -
         arrays = {name: archive[name] for name in archive.files}
     np.savez(file, **arrays)
     p.load(file)  # written by another program, but whole
-    for name in arrays.keys() - {"records"}:
+    for name in arrays.keys() - {"head"}:
         np.savez(file, **(arrays | {name: arrays[name] + 1}))
         with pytest.raises(ValueError, match=r"state\.npz .*does not fit its hash"):
             p.load(file)
-    records = json.loads(arrays["records"].tobytes())
-    del records["sha256"]  # a file from before there were hashes
-    text = np.frombuffer(json.dumps(records).encode(), np.uint8)
-    np.savez(file, **(arrays | {"records": text, "squares": arrays["squares"] + 1}))
-    p.load(file)

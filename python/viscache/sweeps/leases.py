@@ -43,6 +43,8 @@ CREATE TABLE IF NOT EXISTS leases (
     key TEXT PRIMARY KEY, owner TEXT NOT NULL, process TEXT NOT NULL, since TEXT NOT NULL,
     beats INTEGER NOT NULL);
 """
+#: Owners of this process.
+_OPEN: weakref.WeakValueDictionary[str, Leases] = weakref.WeakValueDictionary()
 _LOG = logging.getLogger("viscache")
 
 
@@ -80,6 +82,7 @@ class Leases:
 
     def __init__(self, opened: Callable[[], AbstractContextManager[sqlite3.Connection]]) -> None:
         self.owner, self._opened = uuid.uuid4().hex, opened
+        _OPEN[self.owner] = self
         self._held: set[str] = set()
         self._watched: dict[str, _Watched] = {}
         self._waiting: _Waiting | None = None
@@ -138,8 +141,9 @@ class Leases:
         db.execute("DELETE FROM leases WHERE key = ?", (key,))
 
     def close(self) -> None:
-        """Give all leases back."""
+        """Give all leases back. Where the disk refuses that, they are over for this process."""
         self._stop.set()
+        _OPEN.pop(self.owner, None)
         self._held.clear()
         with self._opened() as db:
             db.execute("DELETE FROM leases WHERE owner = ?", (self.owner,))
@@ -181,7 +185,8 @@ class Leases:
         seen.silent_s += min(now - seen.at, BEAT_S)
         seen.at = now
         self._blocked_by = (key, owner, f"{_words(process)} since {since} of its clock")
-        return seen.silent_s >= SILENT_S or _has_ended(process)
+        closed = process == _this_process() and owner not in _OPEN
+        return seen.silent_s >= SILENT_S or closed or _has_ended(process)
 
     def _count(self) -> None:
         """One beat of all leases; one that the disk refuses is left out."""

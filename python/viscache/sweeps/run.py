@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import workers
+from viscache.formats import FormatError
 from viscache.progress import Progress
 from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import Plan, Point
-from viscache.sweeps.store import DamagedPictureError, Store
+from viscache.sweeps.store import Store
 from viscache.sweeps.table import TableFile
 from viscache.sweeps.work import render_task
 
@@ -288,7 +289,7 @@ class Run:
         if key not in self.recent:
             try:
                 frame = self.store.frame(key)
-            except DamagedPictureError as error:
+            except FormatError as error:
                 frame = self._made_anew(key, str(error))
             self._remember(key, frame)
         self.recent.move_to_end(key)
