@@ -293,8 +293,12 @@ def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
         raise ValueError(
             f"layer {name} must have shape (H, W, C), none of them 0, got {layer.shape}"
         )
-    if not name or "." in name:
-        raise ValueError(f"a layer's name must be non-empty and without a dot, got {name!r}")
+    fits = isinstance(name, str) and name.isprintable() and 0 < len(name.encode()) <= 240
+    if not fits or "." in name:
+        raise ValueError(
+            "a layer's name must be printable text without a dot, of at most 240 bytes and not"
+            f" empty, got {name!r}"
+        )
     return np.ascontiguousarray(layer, dtype=np.float32)
 
 

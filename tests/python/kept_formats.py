@@ -293,3 +293,9 @@ KEPT = {
     "frame of a sweep": Row(records.FRAME, make_sweep, opened_store(read_records)),
     "comparison": Row(records.COMPARISON, make_sweep, opened_store(read_comparison)),
 }
+
+#: Values of every type of JSON, out of every range.
+WRONG: tuple[Any, ...] = (
+    *(None, True, -1, 1.5, 2**70, float("nan"), "", "x", [], [1], [[3, 1]], ["x"]),
+    *({}, {"a": None}, {"a": [1, 2]}, {"a": {}}, {"rays": "many"}),
+)

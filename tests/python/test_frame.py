@@ -100,6 +100,9 @@ def test_numpy_numbers_in_the_records_become_plain_ones() -> None:
         ({"color": np.zeros(3)}, "layer color must have shape"),
         ({"color": np.zeros((2, 2, 3)), "d": np.zeros((3, 2))}, "layers must all have one size"),
         ({"color": np.zeros((2, 2, 3)), "a.b": np.zeros((2, 2))}, "without a dot"),
+        # OpenEXR cuts off longer names of channels: such frames could not be read back
+        ({"color": np.zeros((2, 2, 3)), "x" * 241: np.zeros((2, 2))}, "at most 240 bytes"),
+        ({"color": np.zeros((2, 2, 3)), "a\0": np.zeros((2, 2))}, "must be printable"),
     ],
 )
 def test_bad_layers_are_refused_with_a_reason(layers: dict, says: str) -> None:

@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 from typing import Any
 
+import numpy as np
 import pytest
 
 import viscache as vc
@@ -252,6 +253,49 @@ CALLS: list[tuple[dict[str, Any], str]] = [
     ({"camera": 2.5}, "camera must be one of"),
     ({"env": {}}, "env must be"),
 ]
+
+
+#: Every call that takes the size of a picture.
+SIZED: dict[str, Any] = {
+    "render": lambda size: vc.render("cube_on_plane", vc.Direct(), size=size),
+    "tiles": lambda size: vc.tiles.render("cube_on_plane", vc.Direct(), size=size),
+    "connections": lambda size: vc.connections("cube_on_plane", vc.Direct(), size=size),
+    "passes": lambda size: vc.Progressive("cube_on_plane", vc.Direct(), size=size).passes(1),
+    "over time": lambda size: vc.passes_over_time(
+        "cube_on_plane", vc.Direct(), passes=2, size=size
+    ),
+    "sweep": lambda size: vc.sweep("cube_on_plane", vc.Direct(), over={"c_e": [4]}, size=size),
+    "tune": lambda size: vc.tune("cube_on_plane", vc.Direct(), rel_l1=0.1, size=size),
+    "exact": lambda size: vc.testing.ExactFrames(None)("cube_on_plane", "direct", size=size),
+    "maps": lambda size: vc.VisibilityMapCache("cube_on_plane").update(size=size),
+    "relighting": lambda size: vc.Relighting(vc.VisibilityMapCache("cube_on_plane"), size=size),
+}
+
+
+@pytest.mark.parametrize("call", SIZED)
+@pytest.mark.parametrize(
+    "size", [3, 1.5, "x", (3,), (4, 4, 4), (0, 4), (4, -1), (1 << 17, 4), (True, 4), {4: 4, 5: 5}]
+)
+def test_a_size_that_is_none_is_refused_everywhere(call: str, size: Any) -> None:
+    with pytest.raises(ValueError, match=r"size must be \(width, height\), both in \[1, 65536\]"):
+        SIZED[call](size)
+
+
+@pytest.mark.parametrize("value", [3.0, {}, "x", None, 1 << 64, -1])
+def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value: Any) -> None:
+    scene, picture = vc.scenes.cube_on_plane(), np.ones((8, 8, 3))
+    calls: dict[str, Any] = {
+        "at": lambda: vc.VisibilityMapCache(scene).update(size=(4, 4), at=value),
+        "seed": lambda: scene.oracle("exact", use="correct", seed=value),
+        "power": lambda: vc.testing.assert_unbiased([picture], [picture], power=value),
+    }
+    if not (isinstance(value, int | float) and value >= 0):
+        calls["t_max"] = lambda: vc.FarEnds.directions([[0, 1, 0]], t_max=value)
+    if value is not None and value != {}:
+        calls["metrics"] = lambda: vc.metrics.compare(picture, picture, metrics=value)
+    for name, call in calls.items():
+        with pytest.raises(ValueError, match=f"{name} must be"):
+            call()
 
 
 @pytest.mark.parametrize(("given", "message"), CALLS)

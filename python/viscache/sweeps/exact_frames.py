@@ -23,7 +23,7 @@ from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 from viscache.sweeps.leases import LostLeaseError
-from viscache.sweeps.plan import Task, checked_size, env_hash, frame_spec, positive
+from viscache.sweeps.plan import Task, env_hash, frame_spec, positive
 from viscache.sweeps.store import DATABASE_FILES, Store, content_key
 
 __all__ = ["ExactFrames"]
@@ -110,7 +110,7 @@ class ExactFrames:
             camera=view,
             env=env,
             env_hash=env_hash(env),
-            size=checked_size(frame_size(size, view)),
+            size=frame_size(size, view),
             spp=positive("spp", spp),
             seed=int(seed),
             threads=threads,
