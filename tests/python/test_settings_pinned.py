@@ -281,6 +281,19 @@ def test_a_size_that_is_none_is_refused_everywhere(call: str, size: Any) -> None
         SIZED[call](size)
 
 
+def test_a_class_in_the_place_of_settings_is_refused() -> None:
+    scene, given = vc.scenes.cube_on_plane(), {"size": (4, 4), "over": {"c_e": [4]}}
+    calls = (
+        lambda: scene.oracle(vc.Aqvc),
+        lambda: vc.sweep(scene, vc.Direct(), visibility=vc.Aqvc, **given),
+        lambda: vc.sweep(scene, vc.Direct, **given),
+        lambda: vc.render(scene, vc.Direct(), rays=vc.Bsp, size=(4, 4)),
+    )
+    for call in calls:
+        with pytest.raises(ValueError, match=r"(integrator|visibility|rays) must be "):
+            call()
+
+
 @pytest.mark.parametrize("value", [3.0, {}, "x", None, 1 << 64, -1])
 def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value: Any) -> None:
     scene, picture = vc.scenes.cube_on_plane(), np.ones((8, 8, 3))

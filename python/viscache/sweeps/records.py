@@ -67,7 +67,6 @@ POINT: dict[str, Any] = {
     "paired": is_digest,
     "converged": lambda value: value is None or is_digest(value),
 }
-_TEXT_OR_NONE = Field("a text or null", lambda value: value is None or is_text(value))
 _TABLE_OR_NONE = Field("a table or null", lambda value: value is None or isinstance(value, dict))
 _TABLE_OR_TEXT = Field("a table or a text", lambda value: isinstance(value, dict | str))
 
@@ -80,7 +79,7 @@ SWEEP = Format(
         **dict.fromkeys(("triangles", "spp", "seed"), COUNT),
         **dict.fromkeys(("names", "dims", "metrics"), TEXTS),
         "size": Field("two whole numbers", lambda v: list_of(is_count)(v) and len(v) == 2),
-        "use": _TEXT_OR_NONE,
+        "use": Field("a table, a text or null", lambda v: v is None or isinstance(v, dict | str)),
         "camera": Field("JSON", lambda value: True),
         "repeats": COUNT,
         "converged": _TABLE_OR_NONE,
