@@ -236,6 +236,7 @@ def render_part(
     view = find_camera(scene, camera)
     pixels = frame_size(size, view)
     frame = frame_settings(pixels, spp, seed, threads)
+    spp, seed = int(spp), int(seed)  # numbers of NumPy overflow
     require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
     frame.part, frame.parts = number, parts
     frame.first_sample = int(first_sample)

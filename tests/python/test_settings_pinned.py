@@ -281,6 +281,22 @@ def test_a_size_that_is_none_is_refused_everywhere(call: str, size: Any) -> None
         SIZED[call](size)
 
 
+@pytest.mark.parametrize("kind", [np.int8, np.uint64])
+def test_whole_numbers_of_numpy_are_numbers(kind: Any) -> None:
+    """Sums and products of them would overflow."""
+    given: dict[str, Any] = {"size": (8, 6), "visibility": vc.Unoccluded(), "use": "correct"}
+    want = vc.render("cube_on_plane", vc.Direct(), seed=3, spp=2, first_sample=100, **given)
+    got = vc.render(
+        "cube_on_plane", vc.Direct(), seed=kind(3), spp=kind(2), first_sample=kind(100), **given
+    )
+    assert got.sha256 == want.sha256 and got.parameters == want.parameters
+    pictures = [
+        vc.Progressive("cube_on_plane", vc.Direct(), seed=k(126), spp=k(1), **given)
+        for k in (int, kind)
+    ]
+    assert len({picture.passes(3).sha256 for picture in pictures}) == 1
+
+
 def test_a_class_in_the_place_of_settings_is_refused() -> None:
     scene, given = vc.scenes.cube_on_plane(), {"size": (4, 4), "over": {"c_e": [4]}}
     calls = (
