@@ -77,12 +77,13 @@ class Row(Kept):
 
     def content(self, path: Path) -> bytes:
         with closing(sqlite3.connect(path / "sweep.sqlite")) as db:
-            query = f"SELECT CAST(record AS BLOB) FROM {self.table} ORDER BY 1"
+            query = f"SELECT CAST(record AS BLOB) FROM {self.table} ORDER BY rowid"
             return bytes(db.execute(query).fetchone()[0])
 
     def damage(self, path: Path, content: bytes) -> None:
         with closing(sqlite3.connect(path / "sweep.sqlite")) as db, db:
-            db.execute(f"UPDATE {self.table} SET record = ?", (content,))
+            first = f"(SELECT min(rowid) FROM {self.table})"
+            db.execute(f"UPDATE {self.table} SET record = ? WHERE rowid = {first}", (content,))
 
 
 class Exr(Kept):
