@@ -212,7 +212,12 @@ def _time_of_day() -> str:
 
 
 def _this_process() -> dict[str, Any]:
-    pid = os.getpid()
+    return _about(os.getpid())
+
+
+@cache
+def _about(pid: int) -> dict[str, Any]:
+    """A process of this machine, as leases name it; a forked child has another number."""
     return {
         "host": socket.gethostname(),
         "pid": pid,
