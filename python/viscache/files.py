@@ -12,7 +12,7 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -34,11 +34,19 @@ DAMAGED_ARRAYS = (
 
 
 @contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
+def whole_file(
+    target: Path, within: AbstractContextManager[object] | None = None
+) -> Iterator[Path]:
     """A path beside the target to write to. At the end that file replaces the target.
 
     If the block raises, the target does not change. Every process and thread has its own path; the
     last one to finish wins. What processes of this machine left when they were killed is removed.
+
+    Parameters
+    ----------
+    target : path
+    within : context manager, optional
+        Entered for the moment in which the file takes its place; if it raises, it does not.
     """
     for left in _left_over(target):
         left.unlink(missing_ok=True)
@@ -48,7 +56,8 @@ def whole_file(target: Path) -> Iterator[Path]:
     partial.unlink(missing_ok=True)  # a link there would lead elsewhere
     try:
         yield partial
-        partial.replace(target)
+        with within or nullcontext():
+            partial.replace(target)
     except OSError as error:
         if error.filename is not None:
             raise

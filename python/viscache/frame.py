@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +17,8 @@ from viscache.array_digests import changed_layers, layer_digests, pixels_digest
 from viscache.array_output import ArrayOutput
 from viscache.audit_result import PixelErrors, QueryErrors, result
 from viscache.files import about_exr, whole_file
+from viscache.formats import DIGESTS, TABLE, TEXTS, Field, Format, FormatError, is_text, list_of
+from viscache.formats import table_of as _table_of
 from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
 from viscache.real_numbers import real_array
@@ -33,7 +35,19 @@ KINDS: dict[str, Literal["exr", "png", "jpeg"]] = {
     ".jpeg": "jpeg",
 }
 _RECORDS = ("counters", "timings", "parameters", "provenance")
-_PREFIX = "viscache."  # prefix of header attributes
+#: Name of the header attribute with the head, in which all records are.
+ATTRIBUTE = "viscache.frame"
+#: Version 1 had an attribute for each record.
+FORMAT = Format(
+    kind="a frame of Frame.save",
+    version=2,
+    fields={
+        "layers": Field("a table of lists of channels", _table_of(list_of(is_text))),
+        "sha256": DIGESTS,
+        "warnings": TEXTS,
+        **dict.fromkeys(_RECORDS, TABLE),
+    },
+)
 #: What OpenEXR, NumPy and the records raise for files that are cut off or changed.
 _UNREADABLE = (RuntimeError, ValueError, TypeError, LookupError, AttributeError)
 
@@ -134,12 +148,20 @@ class Frame(ArrayOutput):
         OSError
             The file cannot be written.
         """
-        target = Path(path)
+        self._save(Path(path), exposure)
+
+    def _save(
+        self,
+        target: Path,
+        exposure: float | None = None,
+        within: AbstractContextManager[object] | None = None,
+    ) -> None:
+        """Write a file, which takes its place within a context (`viscache.files.whole_file`)."""
         kind = checked_suffix(target)
         linear = kind == "exr"
         require(not linear or exposure is None, "exposure must be left out for .exr", exposure)
         try:
-            with whole_file(target) as partial:
+            with whole_file(target, within) as partial:
                 if linear:
                     self._write_exr(partial)
                 else:
@@ -157,44 +179,48 @@ class Frame(ArrayOutput):
             index[name] = _channel_names(name, pixels.shape[2])
             for i, channel in enumerate(index[name]):
                 channels[channel] = np.ascontiguousarray(pixels[:, :, i])
+        fields = {
+            "layers": index,
+            "sha256": layer_digests(self.layers),
+            "warnings": self.warnings,
+            **{name: getattr(self, name) for name in _RECORDS},
+        }
         header: dict[str, Any] = {
             "compression": OpenEXR.ZIP_COMPRESSION,
             "type": OpenEXR.scanlineimage,
-            _PREFIX + "layers": json.dumps(index),
-            _PREFIX + "sha256": json.dumps(layer_digests(self.layers)),
-            _PREFIX + "warnings": json.dumps(self.warnings),
+            ATTRIBUTE: FORMAT.sealed(fields),
         }
-        for name in _RECORDS:
-            header[_PREFIX + name] = json.dumps(getattr(self, name))
         OpenEXR.File(header, channels).write(str(target))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Frame:
         """Read an EXR: one that `save` wrote, or any other with R, G, B (or Y) at top level.
 
-        A file with hashes of its layers must have the layers that were saved. Files of other
-        programs, and of viscache before it wrote hashes, have none and are not checked.
+        A frame of viscache must be as it was saved. Pictures of other programs have no hashes and
+        are not checked.
 
         Raises
         ------
         FileNotFoundError
             There is no such file.
         ValueError
-            Not an EXR file, one without a colour layer, or one whose layers do not fit their
-            hashes; the message names the file and the layers.
+            Not an EXR file, one without a colour layer, or a frame of another version or that is
+            not as it was saved; the message names the file and the layers.
         """
         source = Path(path)
         if not source.is_file():
             raise FileNotFoundError(f"no such file: {source}")
         with source.open("rb") as start:
             if start.read(4) != b"v/1\x01":
-                raise ValueError(f"{source} is not an OpenEXR file")
+                raise FormatError(f"{source} is not an OpenEXR file")
         try:
             return cls._read_exr(source)
+        except FormatError:
+            raise
         except _UNREADABLE as error:
             text = about_exr(error)
             told = text if str(source) in text else f"{source} cannot be read: {text}"
-            raise ValueError(told) from error
+            raise FormatError(told) from error
 
     @classmethod
     def _read_exr(cls, source: Path) -> Frame:
@@ -202,16 +228,23 @@ class Frame(ArrayOutput):
 
         with OpenEXR.File(str(source), separate_channels=True) as file:
             header = dict(file.header())
-            planes = {n: np.asarray(c.pixels, np.float32) for n, c in file.channels().items()}
-        records = {name: _json_attribute(header, name, {}, source) for name in _RECORDS}
-        index = _json_attribute(header, "layers", None, source) or _foreign_layers(planes, source)
-        missing = [c for names in index.values() for c in names if c not in planes]
-        if missing:
-            raise ValueError(f"{source} lacks the channels {missing} that its header names")
-        layers = {name: np.stack([planes[c] for c in names], 2) for name, names in index.items()}
-        _check_layers(layers, _json_attribute(header, "sha256", None, source), source)
-        warnings = _json_attribute(header, "warnings", [], source)
-        return cls(layers=layers, warnings=warnings, **records)
+            planes = {n: np.asarray(c.pixels) for n, c in file.channels().items()}
+        head = _head(header)
+        if head is None:
+            return cls(layers=_layers(planes, _foreign_layers(planes, source), source))
+        fields = FORMAT.opened(source, head)
+        others = sorted(name for name, plane in planes.items() if plane.dtype != np.float32)
+        if others:
+            raise FORMAT.refusal(source, f"channels must be float32, got others in {others}")
+        layers = _layers(planes, fields.pop("layers"), source)
+        changed = changed_layers(layer_digests(layers), fields.pop("sha256"))
+        if changed:
+            raise FormatError(
+                f"{source} is not as it was saved: the hash does not fit for the layers"
+                f" {', '.join(changed)} (a program that changes pixels must drop the header"
+                f" attribute {ATTRIBUTE})"
+            )
+        return cls(layers=layers, **fields)
 
     def summary(self) -> dict[str, Any]:
         """What `viscache render --json` prints."""
@@ -260,8 +293,12 @@ def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
         raise ValueError(
             f"layer {name} must have shape (H, W, C), none of them 0, got {layer.shape}"
         )
-    if not name or "." in name:
-        raise ValueError(f"a layer's name must be non-empty and without a dot, got {name!r}")
+    fits = isinstance(name, str) and name.isprintable() and 0 < len(name.encode()) <= 240
+    if not fits or "." in name:
+        raise ValueError(
+            "a layer's name must be printable text without a dot, of at most 240 bytes and not"
+            f" empty, got {name!r}"
+        )
     return np.ascontiguousarray(layer, dtype=np.float32)
 
 
@@ -310,28 +347,21 @@ def _foreign_layers(planes: Mapping[str, Any], source: Path) -> dict[str, list[s
     return {**groups, **layers}
 
 
-def _check_layers(layers: Mapping[str, Layer], wanted: Any, source: Path) -> None:
-    """ValueError unless the layers fit the hashes of the header; without hashes all fit."""
-    if wanted is None:
-        return
-    if not isinstance(wanted, dict):
-        raise ValueError(f"{source}: header attribute {_PREFIX}sha256 must be a table of layers")
-    changed = changed_layers(layer_digests(layers), wanted)
-    if changed:
-        raise ValueError(
-            f"{source} is not as it was saved: the hash does not fit for the layers"
-            f" {', '.join(changed)} (a program that changes pixels must drop the header attribute"
-            f" {_PREFIX}sha256)"
-        )
+def _head(header: Mapping[str, Any]) -> str | None:
+    """The head of a frame of viscache, also where the name of its attribute is damaged."""
+    for name, value in header.items():
+        if name.startswith("viscache") or (isinstance(value, str) and FORMAT.kind in value):
+            return str(value)
+    return None
 
 
-def _json_attribute(header: Mapping[str, Any], name: str, default: Any, source: Path) -> Any:
-    text = header.get(_PREFIX + name)
-    if text is None:
-        return default
-    try:
-        return json.loads(text)
-    except (TypeError, ValueError) as error:
-        raise ValueError(
-            f"{source}: header attribute {_PREFIX}{name} is not JSON: {error}"
-        ) from error
+def _layers(
+    planes: Mapping[str, Any], index: Mapping[str, list[str]], source: Path
+) -> dict[str, Layer]:
+    missing = [c for names in index.values() for c in names if c not in planes]
+    if missing or not all(index.values()):
+        raise ValueError(f"{source} lacks the channels {missing} that its header names")
+    return {
+        name: np.stack([np.asarray(planes[c], np.float32) for c in names], 2)
+        for name, names in index.items()
+    }

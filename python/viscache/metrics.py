@@ -278,10 +278,12 @@ ON_SURFACES = ("rel_l1_reflected",)
 
 def check_names(metrics: Iterable[str] | None) -> list[str]:
     """The names as a list (all of them for None); ValueError names the nearest known one."""
+    fits = metrics is None or (isinstance(metrics, Iterable) and not isinstance(metrics, str))
+    require(fits, "metrics must be a list of names", metrics)
     names = list(METRICS) if metrics is None else list(metrics)
     for name in names:
-        if name not in METRICS:
-            raise ValueError(f"unknown metric {name!r}{nearest(name, METRICS)}")
+        if not isinstance(name, str) or name not in METRICS:
+            raise ValueError(f"unknown metric {name!r}{nearest(str(name), METRICS)}")
     return names
 
 

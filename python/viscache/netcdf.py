@@ -102,12 +102,20 @@ class TakesAll(io.RawIOBase):
 
 
 @contextmanager
-def netcdf_file(target: Path) -> Iterator[Callable[[Callable[[Any], object]], None]]:
+def netcdf_file(
+    target: Path, trailer: Callable[[bytes], bytes] | None = None
+) -> Iterator[Callable[[Callable[[Any], object]], None]]:
     """Gives a function that runs a job on an `h5netcdf.File`, which replaces the target at the end.
 
     If the block, a job or the disk fails, the target does not change. The memory of a job that the
     disk fails is that of what it writes. All jobs run in a thread of their own, where no Ctrl-C
     comes between HDF5 and its file.
+
+    Parameters
+    ----------
+    target : path
+    trailer : callable, optional
+        Gives the bytes after the content, which HDF5 does not read.
 
     Raises
     ------
@@ -132,11 +140,17 @@ def netcdf_file(target: Path) -> Iterator[Callable[[Callable[[Any], object]], No
         finally:
             thread.submit(file.close).result()
         disk.check()
+        if trailer is not None:
+            disk.seek(0)
+            disk.write(trailer(disk.readall() or b""))
+            disk.check()
 
 
-def write_netcdf(dataset: xarray.Dataset, target: Path) -> None:
-    """Write a dataset: completely or not at all. Raises OSError as `netcdf_file`."""
+def write_netcdf(
+    dataset: xarray.Dataset, target: Path, trailer: Callable[[bytes], bytes] | None = None
+) -> None:
+    """Write a dataset: completely or not at all. Parameters and errors as `netcdf_file`."""
     from xarray.backends import H5NetCDFStore
 
-    with netcdf_file(target) as run:
+    with netcdf_file(target, trailer) as run:
         run(lambda file: dataset.dump_to_store(H5NetCDFStore(file)))

@@ -142,7 +142,9 @@ class Progressive(Uncopied):
         exact = isinstance(self.visibility, Exact)
         self.use = use if use is not None or exact else "correct"
         self.renew = renew
-        self._seed, self._spp = seed, spp
+        for name, value in (("seed", seed), ("spp", spp)):
+            require(is_whole(value), f"{name} must be a whole number", value)
+        self._seed, self._spp = int(seed), int(spp)  # numbers of NumPy overflow
         self._options: dict[str, Any] = {
             "rays": rays,
             "size": size,

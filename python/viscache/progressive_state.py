@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,26 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.aqvc_rows import AqvcRows
-from viscache.array_digests import arrays_digest
 from viscache.emitted_light import seen_emitters
-from viscache.files import DAMAGED_ARRAYS, whole_file
+from viscache.formats import (
+    COUNT,
+    NUMBERS,
+    TABLE,
+    TEXT,
+    TEXTS,
+    ArrayField,
+    Field,
+    Format,
+    is_count,
+    is_number,
+    list_of,
+)
 from viscache.frame import Frame
-from viscache.oracles.learned import Shares
+from viscache.oracles.learned import GROUPS, MOST_OCTAVES, N_CLASSES, Shares
 from viscache.provenance import VERSION
+from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.shot import require_same
+from viscache.vismap.cache_file import RECORDS
 
 __all__ = ["Sums", "load", "save"]
 
@@ -39,12 +52,74 @@ OF_ONE_PASS = (
     "records",
     "voxel_pairs",
 )
-#: Name of the hash among the records.
-DIGEST = "sha256"
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
 #: Earlier sums that are kept, so that one of them has about half of the passes.
 PARTS = 2
+
+
+def _is_share(value: Any) -> bool:
+    """Fields of `Shares`, or null."""
+    if value is None:
+        return True
+    if not isinstance(value, dict) or value.keys() != {"octaves", "scale"}:
+        return False
+    octaves, scale = value["octaves"], value["scale"]
+    of_class = list_of(lambda octave: is_count(octave) and octave <= MOST_OCTAVES)
+    fits = octaves is None or (
+        list_of(lambda row: of_class(row) and len(row) == N_CLASSES)(octaves)
+        and len(octaves) == len(GROUPS)
+    )
+    return fits and (scale == math.inf or (is_number(scale) and scale > 0))
+
+
+def _are_passes(value: Any) -> bool:
+    """Ranges of passes in ascending order."""
+    if not list_of(lambda r: list_of(is_count)(r) and len(r) == 2 and r[0] < r[1])(value):
+        return False
+    return all(a[1] < b[0] for a, b in pairwise(value))
+
+
+def _is_row(value: Any) -> bool:
+    """[tile, group, digest, words] of rows that a cache keeps."""
+    if not isinstance(value, list) or len(value) != 4:
+        return False
+    tile, group, digest, words = value
+    known = isinstance(digest, str) and digest.isascii() and digest.isdecimal()
+    return is_count(tile) and group in range(len(LIGHT_GROUPS)) and known and is_count(words)
+
+
+FORMAT = Format(
+    kind="a saved state of vc.Progressive",
+    version=2,
+    fields={
+        "shows": TABLE,
+        "version": TEXT,
+        **dict.fromkeys(("n", "next_pass", "row_frames"), COUNT),
+        "row_tiles": Field("a number of tiles", lambda v: is_count(v) and v < 1 << 24),
+        "numbers": Field("ranges of passes in ascending order", _are_passes),
+        **dict.fromkeys(("counters", "parameters"), TABLE),
+        "timings": NUMBERS,
+        **dict.fromkeys(("warnings", "layers"), TEXTS),
+        "shares": Field("shares of light groups, or null", _is_share),
+        "parts": Field("numbers of passes", list_of(lambda v: is_count(v) and v > 0)),
+        "rows": Field("a list of [tile, group, digest, words]", list_of(_is_row)),
+    },
+    arrays={
+        "squares": ArrayField("f8", ("H", "W", 3)),
+        "layer color?": ArrayField("f8", ("H", "W", 3)),
+        "layer *": ArrayField("f8", ("H", "W", None)),
+        "part *": ArrayField("f8", ("H", "W", 3)),
+        "cells *": ArrayField("i8", None),
+        "rows *": ArrayField("u8", None),
+        **{f"kept {name}?": array for name, array in RECORDS.items()},
+        "kept counts?": ArrayField("i8", (3,)),
+        "kept thresholds?": ArrayField("f8", (2,)),
+        "kept place?": ArrayField("u8", ("places",)),
+        **dict.fromkeys(("kept tested?", "kept seen?"), ArrayField("u4", ("places",))),
+        "kept frames?": ArrayField("i8", ()),
+    },
+)
 
 
 @dataclass(frozen=True)
@@ -221,6 +296,10 @@ def _added(sums: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
     out = dict(sums)
     for name, value in more.items():
         before = sums.get(name)
+        if before is not None and name not in OF_ONE_PASS:
+            like = isinstance(before, dict) == isinstance(value, dict)
+            if not like or (isinstance(value, int) and not isinstance(before, int | float)):
+                raise ValueError(f"the counter {name} must be like {value!r}, got {before!r}")
         if isinstance(value, dict) and name not in OF_ONE_PASS:
             out[name] = _added(before or {}, value)
         elif isinstance(value, int) and not isinstance(value, bool) and name not in OF_ONE_PASS:
@@ -252,6 +331,8 @@ def save(
         "layers": list(sums.layers),
         "parts": [n for n, _ in sums.parts],
         "rows": [],
+        "row_tiles": 0,
+        "row_frames": 0,
     }
     arrays: dict[str, Any] = {"squares": sums.squares}
     arrays |= {f"part {n}": total for n, total in sums.parts}
@@ -263,14 +344,7 @@ def save(
             records["rows"].append([tile, group, str(digest), row_words])
             arrays[f"cells {tile} {group}"] = cells
             arrays[f"rows {tile} {group}"] = bits
-    records = json.loads(json.dumps(records))  # as they will be read
-    text = json.dumps(records | {DIGEST: _digest(records, arrays)}).encode()
-    with whole_file(Path(path)) as partial, partial.open("wb") as file:
-        np.savez(file, records=np.frombuffer(text, np.uint8), **arrays)
-
-
-def _digest(records: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
-    return arrays_digest(json.dumps(records, sort_keys=True).encode(), arrays)
+    FORMAT.write_npz(Path(path), records, arrays)
 
 
 def load(
@@ -284,27 +358,15 @@ def load(
     Once all is checked, its rows go to `rows`, and other arrays that caches keep to `restore`.
     """
     source = Path(path)
-    if not source.is_file():
-        raise FileNotFoundError(f"no such file: {source}")
-    try:
-        with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        records = json.loads(arrays["records"].tobytes())
-        whole, version = records.pop(DIGEST, None), records["version"]
-        rest = {n: a for n, a in arrays.items() if n != "records"}
-        if whole != _digest(records, rest):
-            raise ValueError("its content does not fit its hash")
-    except DAMAGED_ARRAYS as error:
-        raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
+    records, arrays = FORMAT.read_npz(source)
+    version = records["version"]
     if version != VERSION:
         raise ValueError(f"{source} must be of viscache {VERSION}, got {version}")
-    if "shows" not in records:
-        raise ValueError(
-            f"{source} must name its sky and camera by value, got a state of an earlier viscache,"
-            " whose passes have other seeds, too: render its passes again"
-        )
     require_same(records["shows"], shows, f"as in {source}")
     try:
+        passes = sum(end - first for first, end in records["numbers"])
+        if records["n"] != passes or (passes > 0) != ("color" in records["layers"]):
+            raise ValueError(f"{records['n']} passes with the numbers {records['numbers']}")
         kept_rows = [
             (
                 tile,
@@ -331,23 +393,14 @@ def load(
             warnings=records["warnings"],
             shares=Shares(**records["shares"]) if records["shares"] else None,
         )
-        kept = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
-        _check_shapes(sums, shows["size"], source)
+        width, height = shows["size"]
+        if sums.n and sums.squares.shape[:2] != (height, width):
+            raise ValueError(f"pictures of shape {sums.squares.shape}, not {(height, width, 3)}")
+        # Nothing has changed until here. A picture has rows or others, never both
+        others = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
+        restore(others)
         if rows is not None:
             rows._restore(records["row_tiles"], records["row_frames"], kept_rows)
-        restore(kept)
-    except (KeyError, IndexError, TypeError) as error:
-        raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
+    except (LookupError, TypeError, ValueError, OverflowError) as error:
+        raise FORMAT.refusal(source, f"its parts do not fit: {error}") from error
     return sums
-
-
-def _check_shapes(sums: Sums, size: list[int], source: Path) -> None:
-    """Pictures must have the pixels of the frame, and the numbers of a sum."""
-    named = {"squares": sums.squares, **sums.layers} | {f"part {n}": p for n, p in sums.parts}
-    for name, pixels in named.items() if sums.n else ():
-        fits = pixels.ndim == 3 and pixels.shape[:2] == (size[1], size[0])
-        if not fits or pixels.dtype != np.float64:
-            raise ValueError(
-                f"{source}: {name} must be float64 of shape ({size[1]}, {size[0]}, channels),"
-                f" got {pixels.dtype} of shape {pixels.shape}"
-            )

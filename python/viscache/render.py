@@ -6,7 +6,6 @@ import hashlib
 import math
 import os
 import time
-from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 from typing import Any, Literal, cast, get_args
@@ -234,6 +233,7 @@ def render_part(
     view = find_camera(scene, camera)
     pixels = frame_size(size, view)
     frame = frame_settings(pixels, spp, seed, threads)
+    spp, seed = int(spp), int(seed)  # numbers of NumPy overflow
     require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
     frame.part, frame.parts = number, parts
     frame.first_sample = int(first_sample)
@@ -480,17 +480,14 @@ def frame_settings(
     size: tuple[int, int], spp: int, seed: int, threads: int | None
 ) -> _core.FrameSettings:
     """The C++ settings of a frame, checked."""
-    pair = isinstance(size, Sequence) and len(size) == 2 and all(is_whole(v) for v in size)
-    require(pair, "size must be (width, height)", size)
     for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
         whole = is_whole(value) or (name == "threads" and value is None)
         require(whole, f"{name} must be a whole number", value)
-    width, height = (int(v) for v in size)
-    require(1 <= width <= 1 << 16 and 1 <= height <= 1 << 16, "size must be in [1, 65536]", size)
     require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
     require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
     frame = _core.FrameSettings()
-    frame.width, frame.height, frame.spp, frame.seed = width, height, spp, seed
+    frame.width, frame.height = size
+    frame.spp, frame.seed = spp, seed
     frame.threads = threads or len(os.sched_getaffinity(0))
     return frame

@@ -26,7 +26,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "tonemap",
         "workers",
     ),
-    ("frame_html", "live_view", "netcdf", "settings"),
+    ("formats", "frame_html", "live_view", "netcdf", "settings"),
     ("oracles",),
     ("emitted_light", "exact_cost", "frame", "frame_memory", "scene", "variance"),
     ("metrics", "notebook", "scenes", "temporal"),

@@ -105,7 +105,7 @@ def test_files_that_are_none_of_ours_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must be a NetCDF file"):
         load_dataset(tmp_path / "text.nc")
     xarray.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
-    with pytest.raises(ValueError, match="must hold correlation statistics"):
+    with pytest.raises(ValueError, match="must be a NetCDF file of corr"):
         load_dataset(tmp_path / "other.nc")
 
 

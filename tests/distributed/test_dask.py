@@ -158,7 +158,7 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
         xarray.testing.assert_equal(here[name], there[name])
     with Store(tmp_path / "sweep") as store:
         assert len(store.finished()) == frames
-        assert store._db.execute("SELECT count(*) FROM claims").fetchone() == (0,)
+        assert store._db.execute("SELECT count(*) FROM leases").fetchone() == (0,)
 
 
 def test_a_correlation_is_the_same_when_a_worker_is_killed(

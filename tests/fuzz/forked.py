@@ -38,7 +38,8 @@ def outcome(case: Callable[[], object], folder: Path, limit_s: float = LIMIT_S) 
     kind, _, text = said.partition(b"\n")
     if in_time and kind.decode() in ("works", "refused", "wrong", "unclean"):
         return Outcome(kind.decode(), text.decode(errors="replace"))  # type: ignore[arg-type]
-    last = log.read_text(errors="replace")[-1500:] if log.exists() else ""
+    told = log.read_text(errors="replace") if log.exists() else ""
+    last = told.partition("\nExtension modules")[0][:1500]
     if not in_time or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU):
         return Outcome("hangs", f"after {limit_s:g} s: {last}")
     return Outcome("killed", f"status {status}: {last}")

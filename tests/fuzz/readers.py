@@ -14,7 +14,9 @@ import viscache as vc
 from fuzz.calls_render import checked, in_json
 from fuzz.make_corpus import CORPUS
 from fuzz.outcome import WrongError
+from python.kept_formats import KEPT, two_frames
 from viscache import _core as core
+from viscache.sweeps.flip_maps import kept
 
 SIZE = (6, 5)
 QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1, vpl_eye_points=4)
@@ -86,6 +88,12 @@ def state(path: Path) -> None:
     picture = progressive()
     picture.load(path)
     checked(picture.passes(1))
+
+
+def pair_table(path: Path) -> None:
+    """A saved table of pairs, added to itself."""
+    found = vc.correlation.pairs.PairTable.from_npz(path)
+    found + found
 
 
 def dataset(path: Path) -> None:
@@ -181,6 +189,26 @@ def save_dataset(folder: Path) -> list[Path]:
     return [folder / "correlation.nc"]
 
 
+def save_pair_table(folder: Path) -> list[Path]:
+    return [KEPT["pair table"].make(folder)]
+
+
+def flip_map(folder: Path) -> None:
+    """A FLIP map that is kept in the folder of a sweep; a damaged one is none.
+
+    It is not measured: threads of FLIP do not come back in forked children.
+    """
+    frames = two_frames()
+    found = kept(frames[0], frames[1], folder)
+    if found is not None and found.errors.shape != frames[0].image.shape[:2]:
+        raise WrongError("it has another size")
+
+
+def save_flip_map(folder: Path) -> list[Path]:
+    (folder / "whole").mkdir()
+    return [KEPT["flip map"].make(folder / "whole")]
+
+
 def save_sweep(folder: Path) -> list[Path]:
     (folder / "sweep.toml").write_text(
         'scene = "cube_on_plane"\nintegrator = "direct"\nsize = [8, 8]\nrepeats = 2\nseed = 1\n'
@@ -198,6 +226,8 @@ READERS = {
     "frame.exr": Reader(save_frame, frame),
     "cache.npz": Reader(save_cache, cache),
     "dataset.nc": Reader(save_dataset, dataset),
+    "pairs.npz": Reader(save_pair_table, pair_table),
+    "flip map": Reader(save_flip_map, flip_map, in_place=True),
     "sweep": Reader(stored(swept), swept, in_place=True),
     "correlation": Reader(stored(correlated), correlated, in_place=True),
     "state.npz": Reader(save_state, state),

@@ -5,18 +5,24 @@ Each case changes a whole file in one to eight places and reads it in a child of
 
 from __future__ import annotations
 
+import json
 import random
 import shutil
 import warnings
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
-from fuzz import campaign
+from fuzz import campaign, readers
+from fuzz.calls_render import checked
 from fuzz.make_corpus import CORPUS, pictures, scenes
 from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
 from fuzz.readers import READERS, Reader
+from python.kept_formats import KEPT, WRONG, picture
+from viscache.formats import FormatError
 
 MOST_BYTES = 1 << 20
 CORPUS_KINDS = {path.partition("/")[0] for path in (*pictures(), *scenes())}
@@ -34,8 +40,8 @@ TARGETS = {
     "pbrt": ("pbrt",),
     "mitsuba": ("xml", "serialized"),
     "pictures": ("png", "jpg", "hdr", "bmp", "tga"),
-    "saved": tuple(sorted(set(READERS) - CORPUS_KINDS - {"sweep", "correlation"})),
-    "stores": ("correlation", "sweep"),
+    "saved": tuple(sorted(set(READERS) - CORPUS_KINDS - {"sweep", "correlation", "flip map"})),
+    "stores": ("correlation", "flip map", "sweep"),
 }
 
 
@@ -85,6 +91,88 @@ def test_any_file_is_read_or_refused_by_its_name(
     for reader, path in wholes:
         reader.read(changed_file(reader, path, path.read_bytes()))
     case = target(wholes)
+    counts, bad = campaign.run(
+        case, name, tmp_path, seconds=fuzz_seconds, cases=fuzz_cases, first=fuzz_seed
+    )
+    print(f"{name}: {sum(counts.values())} files, {dict(counts)}")
+    assert not bad, "\n".join(bad)
+
+
+def go_on(path: Path) -> None:
+    """Passes after a state, and what they give."""
+    made = picture()
+    made.load(path)
+    checked(made.passes(1))
+    made.error(), made.save(path)
+
+
+#: What users do with what was read, beside `Kept.read`.
+USES = {"state": go_on, "maps": readers.cache, "sweep": readers.swept}
+USES |= {"frame of a sweep": readers.swept, "comparison": readers.swept}
+
+
+def exchanged(fields: Any, dice: random.Random) -> None:
+    """Put another value in the place of one, at any depth."""
+    at = fields
+    while True:
+        keys = list(at) if isinstance(at, dict) else list(range(len(at)))
+        key = dice.choice(keys)
+        if not isinstance(at[key], dict | list) or not at[key] or dice.random() < 0.3:
+            break
+        at = at[key]
+    at[key] = dice.choice([*WRONG, *values_of(fields), at[key]])
+
+
+def values_of(fields: Any) -> list[Any]:
+    return list(fields.values()) if isinstance(fields, dict) else list(fields)
+
+
+def other_array(array: Any, dice: random.Random) -> Any:
+    """Another array in the place of one."""
+    kinds = ("i1", "u4", "i8", "f4", "f8", "?", "U3")
+    return dice.choice(
+        [
+            array.reshape(-1)[: dice.randrange(9)],
+            np.zeros(array.shape, dice.choice(kinds)),
+            np.zeros((dice.randrange(4),) * dice.randrange(4), array.dtype),
+            np.full_like(array, dice.choice([0, 1, 100])),
+            array[::-1] if array.ndim else array,
+        ]
+    )
+
+
+@pytest.mark.fuzz
+@pytest.mark.slow
+@pytest.mark.parametrize("name", KEPT)
+def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(
+    name: str, fuzz_seconds: float, fuzz_cases: int | None, fuzz_seed: int, tmp_path: Path
+) -> None:
+    kept, whole = KEPT[name], tmp_path / "whole"
+    whole.mkdir()
+    place = kept.make(whole).relative_to(whole)
+
+    def case(dice: random.Random) -> None:
+        shutil.rmtree(tmp_path / "changed", ignore_errors=True)
+        path = shutil.copytree(whole, tmp_path / "changed") / place
+        head, arrays = kept.take(path)
+        fields = json.loads(head)["fields"]
+        for _ in range(dice.randint(1, 3)):
+            if arrays and (not fields or dice.random() < 0.5):
+                one = dice.choice(sorted(arrays))
+                arrays[one] = other_array(arrays[one], dice)
+            elif fields:
+                exchanged(fields, dice)
+        kept.put(path, kept.sealed(kept.form, fields, arrays), arrays)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                kept.read(path)
+            except FormatError as error:
+                if "changed" not in str(error):
+                    raise NamelessError(str(error)) from error
+                raise
+            USES.get(name, lambda _: None)(path)
+
     counts, bad = campaign.run(
         case, name, tmp_path, seconds=fuzz_seconds, cases=fuzz_cases, first=fuzz_seed
     )

@@ -35,3 +35,13 @@ def without_netcdf(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sweeps write no `table.nc`, which takes longer than all else of a small one."""
     module = importlib.import_module("viscache.sweeps.sweep")
     monkeypatch.setattr(module, "write_table", lambda *_: None)
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a finished sweep, to be copied."""
+    from python.kept_formats import swept
+
+    folder = tmp_path_factory.mktemp("finished")
+    swept(folder)
+    return folder

@@ -63,7 +63,8 @@ def test_other_programs_find_r_g_b_at_top_level_and_layers_by_name(tmp_path: Pat
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
         names = set(file.channels())
         assert np.array_equal(file.channels()["G"].pixels, frame.image[:, :, 1], equal_nan=True)
-        assert json.loads(file.header()["viscache.parameters"]) == frame.parameters
+        head = json.loads(file.header()["viscache.frame"])
+        assert head["fields"]["parameters"] == frame.parameters
     assert {"R", "G", "B", "position.X", "depth.V", "uv.X", "odd.4"} <= names
 
 
@@ -99,6 +100,9 @@ def test_numpy_numbers_in_the_records_become_plain_ones() -> None:
         ({"color": np.zeros(3)}, "layer color must have shape"),
         ({"color": np.zeros((2, 2, 3)), "d": np.zeros((3, 2))}, "layers must all have one size"),
         ({"color": np.zeros((2, 2, 3)), "a.b": np.zeros((2, 2))}, "without a dot"),
+        # OpenEXR cuts off longer names of channels: such frames could not be read back
+        ({"color": np.zeros((2, 2, 3)), "x" * 241: np.zeros((2, 2))}, "at most 240 bytes"),
+        ({"color": np.zeros((2, 2, 3)), "a\0": np.zeros((2, 2))}, "must be printable"),
     ],
 )
 def test_bad_layers_are_refused_with_a_reason(layers: dict, says: str) -> None:
@@ -277,5 +281,5 @@ def test_a_file_with_another_layer_is_refused_by_name(tmp_path: Path) -> None:
         rewritten(path, change)
         with pytest.raises(ValueError, match=rf"f\.exr is not as it was saved: .*layers {layer} "):
             vc.Frame.load(path)
-        rewritten(path, lambda planes: None, drop=("viscache.sha256",))
-        vc.Frame.load(path)  # a file from before there were hashes
+        rewritten(path, change, drop=("viscache.frame",))
+        vc.Frame.load(path)  # a picture of another program

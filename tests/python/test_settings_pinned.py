@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 from typing import Any
 
+import numpy as np
 import pytest
 
 import viscache as vc
@@ -252,6 +253,78 @@ CALLS: list[tuple[dict[str, Any], str]] = [
     ({"camera": 2.5}, "camera must be one of"),
     ({"env": {}}, "env must be"),
 ]
+
+
+#: Every call that takes the size of a picture.
+SIZED: dict[str, Any] = {
+    "render": lambda size: vc.render("cube_on_plane", vc.Direct(), size=size),
+    "tiles": lambda size: vc.tiles.render("cube_on_plane", vc.Direct(), size=size),
+    "connections": lambda size: vc.connections("cube_on_plane", vc.Direct(), size=size),
+    "passes": lambda size: vc.Progressive("cube_on_plane", vc.Direct(), size=size).passes(1),
+    "over time": lambda size: vc.passes_over_time(
+        "cube_on_plane", vc.Direct(), passes=2, size=size
+    ),
+    "sweep": lambda size: vc.sweep("cube_on_plane", vc.Direct(), over={"c_e": [4]}, size=size),
+    "tune": lambda size: vc.tune("cube_on_plane", vc.Direct(), rel_l1=0.1, size=size),
+    "exact": lambda size: vc.testing.ExactFrames(None)("cube_on_plane", "direct", size=size),
+    "maps": lambda size: vc.VisibilityMapCache("cube_on_plane").update(size=size),
+    "relighting": lambda size: vc.Relighting(vc.VisibilityMapCache("cube_on_plane"), size=size),
+}
+
+
+@pytest.mark.parametrize("call", SIZED)
+@pytest.mark.parametrize(
+    "size", [3, 1.5, "x", (3,), (4, 4, 4), (0, 4), (4, -1), (1 << 17, 4), (True, 4), {4: 4, 5: 5}]
+)
+def test_a_size_that_is_none_is_refused_everywhere(call: str, size: Any) -> None:
+    with pytest.raises(ValueError, match=r"size must be \(width, height\), both in \[1, 65536\]"):
+        SIZED[call](size)
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.uint64])
+def test_whole_numbers_of_numpy_are_numbers(kind: Any) -> None:
+    """Sums and products of them would overflow."""
+    given: dict[str, Any] = {"size": (8, 6), "visibility": vc.Unoccluded(), "use": "correct"}
+    want = vc.render("cube_on_plane", vc.Direct(), seed=3, spp=2, first_sample=100, **given)
+    got = vc.render(
+        "cube_on_plane", vc.Direct(), seed=kind(3), spp=kind(2), first_sample=kind(100), **given
+    )
+    assert got.sha256 == want.sha256 and got.parameters == want.parameters
+    pictures = [
+        vc.Progressive("cube_on_plane", vc.Direct(), seed=k(126), spp=k(1), **given)
+        for k in (int, kind)
+    ]
+    assert len({picture.passes(3).sha256 for picture in pictures}) == 1
+
+
+def test_a_class_in_the_place_of_settings_is_refused() -> None:
+    scene, given = vc.scenes.cube_on_plane(), {"size": (4, 4), "over": {"c_e": [4]}}
+    calls = (
+        lambda: scene.oracle(vc.Aqvc),
+        lambda: vc.sweep(scene, vc.Direct(), visibility=vc.Aqvc, **given),
+        lambda: vc.sweep(scene, vc.Direct, **given),
+        lambda: vc.render(scene, vc.Direct(), rays=vc.Bsp, size=(4, 4)),
+    )
+    for call in calls:
+        with pytest.raises(ValueError, match=r"(integrator|visibility|rays) must be "):
+            call()
+
+
+@pytest.mark.parametrize("value", [3.0, {}, "x", None, 1 << 64, -1])
+def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value: Any) -> None:
+    scene, picture = vc.scenes.cube_on_plane(), np.ones((8, 8, 3))
+    calls: dict[str, Any] = {
+        "at": lambda: vc.VisibilityMapCache(scene).update(size=(4, 4), at=value),
+        "seed": lambda: scene.oracle("exact", use="correct", seed=value),
+        "power": lambda: vc.testing.assert_unbiased([picture], [picture], power=value),
+    }
+    if not (isinstance(value, int | float) and value >= 0):
+        calls["t_max"] = lambda: vc.FarEnds.directions([[0, 1, 0]], t_max=value)
+    if value is not None and value != {}:
+        calls["metrics"] = lambda: vc.metrics.compare(picture, picture, metrics=value)
+    for name, call in calls.items():
+        with pytest.raises(ValueError, match=f"{name} must be"):
+            call()
 
 
 @pytest.mark.parametrize(("given", "message"), CALLS)

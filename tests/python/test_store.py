@@ -21,7 +21,7 @@ def frame(value: float = 1.0) -> Frame:
     return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
 
 
-KEY = "a" * 64
+KEY, OTHER = "a" * 64, "b" * 64
 
 
 def test_the_key_is_of_the_content_not_of_the_order() -> None:
@@ -49,40 +49,10 @@ def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path: Path) -> 
 def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
         store.put(KEY, {}, frame())
-        store.put_comparison(KEY, "b", {"rmse": 1.0, "flip": None})
-        assert store.compared(KEY, "b") == {"rmse": 1.0, "flip": None}
+        store.put_comparison(KEY, OTHER, {"rmse": 1.0, "flip": None})
+        assert store.compared(KEY, OTHER) == {"rmse": 1.0, "flip": None}
         store.put(KEY, {}, frame(3.0))
-        assert store.compared(KEY, "b") == {}
-
-
-def test_only_one_of_two_stores_gets_a_claim(tmp_path: Path) -> None:
-    with Store(tmp_path) as one, Store(tmp_path) as two:
-        assert one.claim(KEY) and one.claim(KEY)
-        assert not two.claim(KEY)
-        one.release(KEY)
-        assert two.claim(KEY) and not one.claim(KEY)
-        two.put(KEY, {}, frame())
-        assert one.get(KEY) is not None
-
-
-def test_the_claim_of_a_process_that_died_is_taken_over(tmp_path: Path) -> None:
-    code = "import sys, os\nfrom viscache.sweeps.store import Store\n"
-    code += "assert Store(sys.argv[1]).claim('k')\nos._exit(9)"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=environment, check=False)
-    assert done.returncode == 9
-    with Store(tmp_path) as store:
-        assert store._db.execute("SELECT count(*) FROM claims").fetchone() == (1,)
-        assert store.claim("k")
-
-
-def test_a_claim_of_another_machine_holds_until_it_expires(tmp_path: Path) -> None:
-    with Store(tmp_path) as store:
-        insert = "INSERT OR REPLACE INTO claims VALUES ('k', 'elsewhere:1:ab', ?)"
-        store._db.execute(insert, (4e9,))
-        assert not store.claim("k")
-        store._db.execute(insert, (0.0,))
-        assert store.claim("k")
+        assert store.compared(KEY, OTHER) == {}
 
 
 def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) -> None:
@@ -92,7 +62,7 @@ def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) 
         "with Store(sys.argv[1]) as s:\n"
         "    for i in range(12):\n"
         "        key = f'{i:020x}' + 44 * '0'\n"
-        "        if s.claim(key) and s.get(key) is None:\n"
+        "        if s.leases.claim(key) and s.get(key) is None:\n"
         "            s.put(key, {'by': sys.argv[2]},"
         " Frame(layers={'color': np.full((4, 4, 3), float(i))}))\n"
     )

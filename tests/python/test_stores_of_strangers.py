@@ -16,26 +16,14 @@ import pytest
 import xarray
 
 import viscache as vc
+from python.kept_formats import DIRECT, measured, swept
 from viscache import report
 from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.store import DATABASE_FILES, Store, picture_name
 from viscache.sweeps.table import open_dataset
 
 pytestmark = pytest.mark.usefixtures("without_netcdf")
-METHOD = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
 PRECIOUS = b"precious"
-
-
-def swept(folder: Path, **more: Any) -> Any:
-    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
-    return vc.sweep("cube_on_plane", METHOD, directory=folder, **(given | more))
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("finished")
-    swept(folder)
-    return folder
 
 
 @pytest.fixture
@@ -108,11 +96,12 @@ def test_a_key_that_is_no_hash_is_refused(key: Any, store: Path, victim: Path) -
         known = definition["points"][0]["key"]
         definition["points"][0]["key"] = key
         opened.define(definition)
-    change(store, "update frames set key = :new where key = :old", new=key, old=known)
-    change(store, "delete from comparisons")
     for read in (open_dataset, report.write):
-        with pytest.raises(ValueError, match="64 hexadecimal digits"):
+        with pytest.raises(ValueError, match="must be a list of points, whose keys are hashes"):
             read(store)
+    change(store, "update frames set key = :new where key = :old", new=key, old=known)
+    with Store(store) as opened, pytest.raises(ValueError, match="64 hexadecimal digits"):
+        opened.finished()
     assert victim.read_bytes() == PRECIOUS
 
 
@@ -148,7 +137,7 @@ def test_what_is_written_replaces_links_and_not_their_targets(store: Path, victi
 def test_maps_of_errors_are_neither_read_nor_kept_through_links(
     tmp_path: Path, victim: Path
 ) -> None:
-    pictures = [vc.render("cube_on_plane", METHOD, size=(12, 11), seed=s) for s in range(2)]
+    pictures = [vc.render("cube_on_plane", DIRECT, size=(12, 11), seed=s) for s in range(2)]
     flip_map_of(*pictures, tmp_path)
     (kept,) = (tmp_path / "flip").iterdir()
     kept.unlink()
@@ -188,7 +177,7 @@ def test_a_journal_that_names_another_file_is_refused(store: Path, victim: Path)
 @pytest.mark.parametrize(
     ("statement", "what"),
     [
-        ("CREATE TRIGGER t AFTER INSERT ON claims BEGIN DELETE FROM frames; END", "trigger 't'"),
+        ("CREATE TRIGGER t AFTER INSERT ON leases BEGIN DELETE FROM frames; END", "trigger 't'"),
         ("CREATE VIEW v AS SELECT * FROM frames", "view 'v'"),
         ("CREATE INDEX i ON frames (abs(finished))", "index 'i'"),
         ("CREATE VIRTUAL TABLE w USING fts5(x)", "table 'w'"),
@@ -223,7 +212,7 @@ def test_a_dataset_that_came_as_a_file_opens_no_folder(store: Path, tmp_path: Pa
 def test_definitions_name_no_files(store: Path) -> None:
     """A store's texts have no path that is opened: names follow from keys alone."""
     with closing(sqlite3.connect(store / "sweep.sqlite")) as db, db:
-        (text,) = db.execute("SELECT definition FROM sweep").fetchone()
+        (text,) = db.execute("SELECT record FROM sweep").fetchone()
         keys = [key for (key,) in db.execute("SELECT key FROM frames")]
     assert names(store) == sorted(picture_name(key) for key in keys)
     assert ".exr" not in json.dumps(json.loads(text))
@@ -231,10 +220,8 @@ def test_definitions_name_no_files(store: Path) -> None:
 
 @pytest.mark.parametrize("name", ["rows.npy", "rows", "rows-0-16.npz", "pairs"])
 def test_links_in_a_store_of_correlations_are_refused(name: str, tmp_path: Path) -> None:
-    given: dict[str, Any] = {"n_points": 16, "map_size": 4, "d_edges": 4, "theta_edges_deg": 4}
-
     def measure() -> Any:
-        return vc.correlation.measure("cube_on_plane", directory=tmp_path / "store", **given)
+        return measured(directory=tmp_path / "store")
 
     measure()
     (rows,) = (tmp_path / "store").iterdir()
@@ -276,13 +263,13 @@ def test_nothing_that_is_read_back_is_unpickled(wrapped: bool, tmp_path: Path) -
             np.savez(path, **dict.fromkeys(names, objects))
         return path
 
-    picture = vc.Progressive(scene, METHOD, visibility="aqvc", size=(8, 6))
+    picture = vc.Progressive(scene, DIRECT, visibility="aqvc", size=(8, 6))
     picture.passes(1)
     picture.save(tmp_path / "state.npz")
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=4, n_startup=5))
     cache.update(size=(4, 4))
     cache.save(tmp_path / "cache.npz")
-    frame, other = (vc.render(scene, METHOD, size=(12, 11), seed=seed) for seed in range(2))
+    frame, other = (vc.render(scene, DIRECT, size=(12, 11), seed=seed) for seed in range(2))
     flip_map_of(frame, other, tmp_path)
     with pytest.raises(ValueError, match=r"state\.npz"):
         picture.load(replaced(tmp_path / "state.npz"))
@@ -292,8 +279,7 @@ def test_nothing_that_is_read_back_is_unpickled(wrapped: bool, tmp_path: Path) -
     assert flip_map_of(frame, other, tmp_path) is not None
 
     def measure() -> Any:
-        given: dict[str, Any] = {"n_points": 16, "map_size": 4, "d_edges": 4, "theta_edges_deg": 4}
-        return vc.correlation.measure("cube_on_plane", directory=tmp_path / "store", **given)
+        return measured(directory=tmp_path / "store")
 
     measure()
     for path in (tmp_path / "store").rglob("*.npz"):

@@ -18,6 +18,7 @@ import pytest
 
 from viscache import workers
 from viscache.sweeps import work
+from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
@@ -117,23 +118,23 @@ def test_a_frame_finished_between_look_up_and_claim_is_not_rendered_again(
     over = {"c_e": [4, 8]}
     sweep("room", "whitted", over=over, directory=other, **SMALL)
     fake_vc.CALLS.clear()
-    claim, overtaken = Store.claim, []
+    claim, overtaken = Leases.claim, []
 
-    def late(self: Store, key: str) -> bool:
-        if self.directory == mine and not key.startswith("turn") and key not in overtaken:
+    def late(self: Leases, key: str) -> bool:
+        if not key.startswith("turn") and key not in overtaken:
             with Store(mine) as rival, Store(other) as finished:
-                assert claim(rival, key) and rival.adopt(key, finished)
+                assert claim(rival.leases, key) and rival.adopt(key, finished)
             overtaken.append(key)
         return claim(self, key)
 
-    monkeypatch.setattr(Store, "claim", late)
+    monkeypatch.setattr(Leases, "claim", late)
     with ThreadPoolExecutor(2) as pool:
         executor = pool if threads else None
         ds = sweep("room", "whitted", over=over, directory=mine, executor=executor, **SMALL)
     assert len(overtaken) == 3 and not fake_vc.CALLS
     np.testing.assert_allclose(ds.rel_l1[:, 0], [0.04, 0.08], rtol=1e-5)
     with Store(mine) as store:  # no claim is left behind
-        assert all(claim(store, key) for key in overtaken)
+        assert all(claim(store.leases, key) for key in overtaken)
 
 
 def side_by_side(log: Path) -> int:

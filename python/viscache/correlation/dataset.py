@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from pathlib import Path
@@ -18,6 +19,7 @@ from viscache.correlation.derived import (
 )
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
+from viscache.formats import ArrayField, Format
 from viscache.netcdf import write_netcdf
 from viscache.provenance import provenance
 
@@ -34,6 +36,19 @@ MEANINGS = {
     "n": "pairs",
     "n_undefined": "pairs without a correlation: a point sees nothing",
     "variance_ratio": "mean of 1 - rho^2: variance left by a control variate",
+}
+#: The head is a line after the content: HDF5 may never come back from damaged files, so it gets
+#: only what fits the hash.
+FORMAT = Format(
+    kind="a NetCDF file of correlation statistics",
+    version=1,
+    arrays={"content": ArrayField("u1", ("bytes",))},
+)
+#: Type and dimensions of what a file must have.
+VARIABLES = {
+    **dict.fromkeys(("mean", "sigma", "se"), ("f8", ("d", "theta"))),
+    "n": ("i8", ("d", "theta")),
+    **{name: ("f8", (name,)) for name in ("d", "theta")},
 }
 #: Record spacings of the table, as fractions of the end of the d bins.
 SPACINGS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
@@ -196,7 +211,7 @@ def save_dataset(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> None:
     OSError
         The file cannot be written, as on a full disk. A file of before stays as it is.
     """
-    write_netcdf(dataset, Path(path))
+    write_netcdf(dataset, Path(path), _trailer)
 
 
 def load_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
@@ -205,20 +220,33 @@ def load_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     Raises
     ------
     ValueError
-        The file does not hold correlation statistics.
+        The file does not hold correlation statistics, or not those that `save_dataset` wrote.
     """
-    import h5py
     import xarray
 
+    where = os.fspath(path)
     try:
-        with h5py.File(path, "r") as plain:  # whose errors, unlike h5netcdf's, leave nothing open
-            plain.attrs.get("_nc3_strict")
-        with xarray.open_dataset(path, engine="h5netcdf") as file:
-            dataset = file.load()
+        content = Path(path).read_bytes()
     except FileNotFoundError as error:
         raise ValueError(f"no such file: {path}") from error
+    start = content.rfind(b"\n", 0, -1)
+    content, line = content[: max(start, 0)], content[start + 1 :]
+    head = line if line.startswith(b"{") and line.endswith(b"\n") else None
+    FORMAT.opened(where, head, {"content": np.frombuffer(content, np.uint8)})
+    try:
+        with xarray.open_dataset(io.BytesIO(content), engine="h5netcdf") as file:
+            dataset = file.load()
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
-        raise ValueError(f"{path} must be a NetCDF file: {error}") from error
-    if not {"mean", "sigma", "se", "n"} <= set(dataset.data_vars):
-        raise ValueError(f"{path} must hold correlation statistics, got {list(dataset.data_vars)}")
+        raise FORMAT.refusal(where, error) from error
+    for name, (dtype, dims) in VARIABLES.items():
+        found = dataset.variables.get(name)
+        if found is None or found.dtype != dtype or found.dims != dims:
+            given = "none" if found is None else f"{found.dtype} {found.dims}"
+            raise FORMAT.refusal(where, f"{name} must be {np.dtype(dtype)} {dims}, got {given}")
     return dataset
+
+
+def _trailer(content: bytes) -> bytes:
+    """The line after the content of a file."""
+    head = FORMAT.sealed({}, {"content": np.frombuffer(content, np.uint8)})
+    return f"\n{head}\n".encode()

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from viscache.formats import ArrayField, Format
 from viscache.settings.checks import require
 
 __all__ = ["SUMS", "PairTable"]
@@ -18,6 +19,15 @@ Ints: TypeAlias = npt.NDArray[np.int64]
 
 #: Names of the integer arrays of a table, also in its file.
 SUMS = ("n", "n_undefined", "sum_q", "sum_q2_high", "sum_q2_low")
+FORMAT = Format(
+    kind="a file of PairTable.to_npz",
+    version=1,
+    arrays={
+        **dict.fromkeys(SUMS, ArrayField("i8", ("P", "D", "A"))),
+        "d_edges": ArrayField("f8", ("D + 1",)),
+        "theta_edges_deg": ArrayField("f8", ("A + 1",)),
+    },
+)
 #: Maximum number of pairs in a cell, so that Σ q fits into 63 bits.
 MAX_PAIRS = 1 << 42
 
@@ -85,14 +95,20 @@ class PairTable:
 
     def to_npz(self, path: str | Path) -> None:
         """Save; `from_npz` reads it back."""
-        arrays = {name: getattr(self, name) for name in (*SUMS, "d_edges", "theta_edges_deg")}
-        with Path(path).open("wb") as file:
-            np.savez_compressed(file, **arrays)
+        arrays = {name: getattr(self, name) for name in FORMAT.arrays}
+        FORMAT.write_npz(Path(path), {}, arrays, compressed=True)
 
     @classmethod
     def from_npz(cls, path: str | Path) -> PairTable:
-        """Read a saved table."""
-        with np.load(path) as file:
-            missing = {*SUMS, "d_edges", "theta_edges_deg"} - set(file)
-            require(not missing, f"{path} must hold the arrays of a PairTable", sorted(file))
-            return cls(**dict(file))
+        """Read a saved table.
+
+        Raises
+        ------
+        ValueError
+            The file is no such table, or damaged.
+        """
+        _, arrays = FORMAT.read_npz(Path(path))
+        try:
+            return cls(**arrays)
+        except ValueError as error:
+            raise FORMAT.refusal(path, error) from error

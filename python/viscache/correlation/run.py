@@ -151,11 +151,12 @@ class Run:
         """Use existing rows instead of tracing."""
         if isinstance(self.store, MemoryStore):
             self.store.bits = bits
+        nothing = {"n_rays": np.array(0), "batch_rays": np.array(0), "seconds": np.array(0.0)}
         for first, last in self.row_blocks:
             block = slice(first, last)
             if self.folder is not None and self.store.get(_rows_name(first, last), block) is None:
                 self.store.bits[block] = bits[block]
-                self.store.put(_rows_name(first, last), {}, block)
+                self.store.put(_rows_name(first, last), nothing, block)
             self._step()
 
     def count_pairs(self) -> Counted:

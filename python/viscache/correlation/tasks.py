@@ -21,7 +21,8 @@ from viscache.correlation.bins import Floats
 from viscache.correlation.pair_table import SUMS
 from viscache.correlation.pair_tiles import tile_list
 from viscache.correlation.work import PairBlock
-from viscache.correlation.work_store import Arrays, write_arrays
+from viscache.correlation.work_store import Arrays, mapped_rows
+from viscache.formats import ArrayField, Format
 from viscache.sharing import Newest
 
 
@@ -175,10 +176,22 @@ def _tiles(
     return chosen, int(tiles["pairs"][chosen].sum())
 
 
+POINTS = Format(
+    kind="the points of a correlation",
+    version=1,
+    arrays={
+        **dict.fromkeys(("positions", "normals", "hemisphere"), ArrayField("f4", ("N", 3))),
+        "group": ArrayField("i4", ("N",)),
+    },
+)
+
+
 def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float32]) -> None:
     """Save the points beside the rows for workers; `hemisphere` are the normals of the rows."""
-    write_arrays(
+    folder.mkdir(parents=True, exist_ok=True)
+    POINTS.write_npz(
         folder / "points.npz",
+        {},
         {
             "positions": points.positions,
             "normals": points.normals,
@@ -191,9 +204,11 @@ def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float3
 def count_in_worker(task: PairTask) -> Arrays:
     """Run `count` in a worker: reads rows and points from the folder."""
     folder = _shared_folder(task.folder)
-    bits = np.load(folder / "rows.npy", mmap_mode="r")
-    with np.load(folder / "points.npz") as file:
-        points = Points(positions=file["positions"], normals=file["normals"], group=file["group"])
+    bits = mapped_rows(folder / "rows.npy", "r")
+    _, read = POINTS.read_npz(folder / "points.npz")
+    points = Points(**{name: read[name] for name in ("positions", "normals", "group")})
+    if len(bits) != len(points.group):
+        raise POINTS.refusal(folder, f"it must have {len(bits)} points, got {len(points.group)}")
     return count(task, bits, points)
 
 
@@ -203,8 +218,8 @@ def trace_in_worker(task: RowsTask) -> Arrays:
     scene = _SCENE.get(task.scene, lambda: sources.opened(task.scene))
     if scene.content_hash != task.scene_hash:
         raise ValueError(f"scene {task.scene} is not the one the measurement began with")
-    with np.load(folder / "points.npz") as file:
-        return trace(task, scene, file["positions"], file["hemisphere"])
+    _, points = POINTS.read_npz(folder / "points.npz")
+    return trace(task, scene, points["positions"], points["hemisphere"])
 
 
 _SCENE = Newest()

@@ -13,21 +13,44 @@ hash is computed again, and a line of `FolderStore.mended` says so.
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import uuid
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.array_digests import arrays_digest
-from viscache.files import DAMAGED_ARRAYS, inside, named, whole_file
+from viscache.correlation.pair_table import SUMS
+from viscache.files import DAMAGED_ARRAYS, inside, named
+from viscache.formats import TEXT, ArrayField, Field, Format, FormatError, is_digest
 
 Arrays = dict[str, npt.NDArray[Any]]
 
-#: Name of the hash among the arrays of a block.
-DIGEST = "sha256"
+#: A block has its name, so that it is not taken for another one, and the hash of its rows.
+_OF_BLOCK = {
+    "name": TEXT,
+    "rows": Field("a SHA-256 or null", lambda value: value is None or is_digest(value)),
+}
+_NUMBER = {"i8": ArrayField("i8", ()), "f8": ArrayField("f8", ())}
+ROWS = Format(
+    kind="a block of rows of a correlation",
+    version=1,
+    fields=_OF_BLOCK,
+    arrays={"n_rays": _NUMBER["i8"], "batch_rays": _NUMBER["i8"], "seconds": _NUMBER["f8"]},
+)
+PAIRS = Format(
+    kind="a block of pairs of a correlation",
+    version=1,
+    fields=_OF_BLOCK,
+    arrays={
+        "pair": ArrayField("i8", ("pairs", 2)),
+        **dict.fromkeys(SUMS, ArrayField("i8", ("pairs", "D", "A"))),
+        "evaluated": _NUMBER["i8"],
+        "seconds": _NUMBER["f8"],
+    },
+)
 
 
 class WorkStore(Protocol):
@@ -87,50 +110,58 @@ class FolderStore:
         if not self.path.exists():
             _create_rows(self.path, shape)
         _reserve(self.path)  # also of files that took room only as rows were written
-        try:
-            self.bits = np.load(self.path, mmap_mode="r+")
-        except DAMAGED_ARRAYS as error:
-            raise ValueError(
-                f"{self.path} cannot be read: {error}; delete it, and its blocks are computed again"
-            ) from error
-        if self.bits.shape != shape or self.bits.dtype != np.uint64:
-            raise ValueError(
-                f"{self.path} must hold uint64 rows of shape {shape},"
-                f" got {self.bits.dtype} {self.bits.shape}"
+        self.bits = self._mapped = mapped_rows(self.path, "r+")
+        if self.bits.shape != shape:
+            raise FormatError(
+                f"{self.path} must hold rows of shape {shape}, got {self.bits.shape};"
+                " delete it, and its blocks are computed again"
             )
 
     def put(self, name: str, arrays: Arrays, rows: slice | None = None) -> None:
-        self.bits.flush()
-        digest = np.array(self._digest(name, arrays, rows))
-        write_arrays(inside(self.folder, f"{name}.npz"), {**arrays, DIGEST: digest})
+        self._mapped.flush()
+        path = inside(self.folder, f"{name}.npz")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        form = PAIRS if rows is None else ROWS
+        form.write_npz(path, {"name": name, "rows": self._rows_digest(rows)}, arrays)
 
     def get(self, name: str, rows: slice | None = None) -> Arrays | None:
         path = inside(self.folder, f"{name}.npz")
         if not path.is_file():
             return None
+        form = PAIRS if rows is None else ROWS
         try:
-            with path.open("rb") as opened, np.load(opened) as file:
-                arrays = {key: file[key] for key in file.files}
-            given = str(arrays.pop(DIGEST, None))
-            reason = "its content does not fit its hash"
-        except DAMAGED_ARRAYS as error:
-            arrays, given = {}, ""
-            reason = str(error)
-        if given == self._digest(name, arrays, rows):
-            return arrays
-        self.mended.append(f"{path} is damaged ({reason}): computed again")
-        return None
+            fields, arrays = form.read_npz(path)
+            if fields != {"name": name, "rows": self._rows_digest(rows)}:
+                raise form.refusal(path, "it is of another name, or of other rows")
+        except (FormatError, OSError) as error:
+            self.mended.append(f"{' '.join(str(error).split())}: computed again")
+            return None
+        return arrays
 
-    def _digest(self, name: str, arrays: Arrays, rows: slice | None) -> str:
-        of_rows = b"" if rows is None else np.ascontiguousarray(self.bits[rows]).tobytes()
-        return arrays_digest(name.encode(), arrays, of_rows)
+    def _rows_digest(self, rows: slice | None) -> str | None:
+        if rows is None:
+            return None
+        return hashlib.sha256(np.ascontiguousarray(self.bits[rows]).tobytes()).hexdigest()
 
 
-def write_arrays(path: Path, arrays: Arrays) -> None:
-    """Write an npz file atomically."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(path) as partial, partial.open("wb") as file:
-        np.savez(file, allow_pickle=False, **arrays)
+def mapped_rows(path: Path, mode: Literal["r", "r+"]) -> np.memmap[Any, np.dtype[np.uint64]]:
+    """The rows of a file, mapped to memory; blocks have their hashes.
+
+    Raises
+    ------
+    FormatError
+        The file is not an array of rows.
+    """
+    try:
+        bits = np.load(path, mmap_mode=mode)
+        if not isinstance(bits, np.memmap) or bits.ndim != 2 or bits.dtype != np.uint64:
+            given = f"{getattr(bits, 'dtype', None)} {getattr(bits, 'shape', None)}"
+            raise ValueError(f"it must hold rows of uint64, got {given}")
+    except DAMAGED_ARRAYS as error:
+        raise FormatError(
+            f"{path} cannot be read: {error}; delete it, and its blocks are computed again"
+        ) from error
+    return bits
 
 
 def _reserve(path: Path) -> None:

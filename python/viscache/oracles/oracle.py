@@ -143,7 +143,8 @@ class Oracle:
         )
         require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
         for name, value in (("seed", seed), ("spp", spp)):
-            require(is_whole(value) and value >= 0, f"{name} must be a whole number >= 0", value)
+            fits = is_whole(value) and 0 <= value < 1 << 64
+            require(fits, f"{name} must be a whole number in [0, 2^64)", value)
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):

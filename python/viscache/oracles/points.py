@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.settings.checks import checked_floats, require
+from viscache.settings.checks import checked_floats, is_number, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["EyePoints", "FarEnds"]
@@ -266,7 +266,7 @@ class FarEnds:
             )
             set_value(self, "normals", normals)
         set_value(self, "density", densities(self.density, len(places)))
-        require(self.t_max >= 0, "t_max must be >= 0", self.t_max)
+        require(is_number(self.t_max) and self.t_max >= 0, "t_max must be >= 0", self.t_max)
         set_value(self, "group", self.group or GROUP_OF_KIND[self.kind])
         require(self.group in GROUPS, f"group must be one of {', '.join(GROUPS)}", self.group)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from viscache import _core
 from viscache.scene.scene import Scene
-from viscache.settings.checks import is_number, require
+from viscache.settings.checks import is_number, is_whole, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["look_at", "orthographic"]
@@ -113,6 +113,16 @@ def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
     return {name: getattr(wish, name) for name in names}
 
 
-def frame_size(size: tuple[int, int] | None, camera: _core.Camera) -> tuple[int, int]:
-    """(width, height); by default those of the camera."""
-    return (camera.width, camera.height) if size is None else size
+def frame_size(size: tuple[int, int] | None, camera: _core.Camera | None) -> tuple[int, int]:
+    """(width, height), checked; by default those of the camera, which is needed only then.
+
+    Raises
+    ------
+    ValueError
+        They are not two whole numbers in [1, 65536].
+    """
+    given: Any = (camera.width, camera.height) if size is None and camera is not None else size
+    fits = isinstance(given, Sequence | np.ndarray) and len(given) == 2
+    fits = fits and all(is_whole(v) and 1 <= v <= 1 << 16 for v in given)
+    require(fits, "size must be (width, height), both in [1, 65536]", given)
+    return (int(given[0]), int(given[1]))

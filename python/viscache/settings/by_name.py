@@ -73,6 +73,8 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
 def setting(role: Role, value: Any, default: str | None = None) -> Any:
     """Settings from an argument: a name, a table, an object, or None for the default."""
     value = default if value is None else value
+    if isinstance(value, type):
+        raise ValueError(f"{role} must be an object of a class, got the class {value.__name__}")
     return make(role, value) if isinstance(value, (str, Mapping)) else value
 
 

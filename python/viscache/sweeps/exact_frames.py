@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,8 @@ from viscache.settings.integrators import Integrator
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 from viscache.shot import Shot
-from viscache.sweeps.plan import checked_size, positive
+from viscache.sweeps.leases import LostLeaseError
+from viscache.sweeps.plan import positive
 from viscache.sweeps.store import DATABASE_FILES, Store
 
 __all__ = ["ExactFrames"]
@@ -105,7 +106,7 @@ class ExactFrames:
             rays=rays,
             camera=camera,
             env=env,
-            size=checked_size(frame_size(size, find_camera(opened, camera))),
+            size=frame_size(size, find_camera(opened, camera)),
             spp=positive("spp", spp),
             seed=int(seed),
             threads=threads,
@@ -135,17 +136,18 @@ def _once(store: Store, shot: Shot, progress: Progress) -> Frame:
     """The frame of a store; one process renders it, the others wait."""
     key = shot.key
     while (found := _kept(store, key)) is None:
-        if not store.claim(key):
-            time.sleep(POLL_S)
+        if not store.leases.claim(key):
+            store.leases.wait(POLL_S)
             continue
         try:
             found = _kept(store, key)  # finished by another process before the claim
             if found is None:
                 found = _rendered(shot, progress)
-                store.put(key, shot.parts, found)
+                with suppress(LostLeaseError):  # another process keeps it: this one has the same
+                    store.put(key, shot.parts, found)
             return found
         finally:
-            store.release(key)
+            store.leases.release(key)
     return found
 
 
@@ -183,5 +185,5 @@ def _remove_unused(directory: Path, name: str) -> None:
     except (OSError, ValueError):  # another folder or file, links, or another process was faster
         return
     for folder in (frames, marker.parent):
-        with contextlib.suppress(OSError):  # it holds something else
+        with suppress(OSError):  # it holds something else
             folder.rmdir()

@@ -14,12 +14,20 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import metrics
-from viscache.files import DAMAGED_ARRAYS, inside, whole_file
+from viscache.files import inside
+from viscache.formats import DIGEST, NUMBER, ArrayField, Format, FormatError
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
 __all__ = ["FlipMap", "flip_map_of", "kept"]
+
+FORMAT = Format(
+    kind="a FLIP map of a sweep",
+    version=1,
+    fields={"frame": DIGEST, "reference": DIGEST, "mean": NUMBER},
+    arrays={"errors": ArrayField("u1", ("H", "W"))},
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +53,8 @@ def flip_map_of(frame: Frame, reference: Frame, directory: Path | None) -> FlipM
     if directory is not None:
         target = _file(directory, frame, reference)
         target.parent.mkdir(exist_ok=True)
-        with whole_file(target) as partial, partial.open("wb") as file:
-            np.savez_compressed(file, errors=made.errors, mean=np.float64(made.mean))
+        fields = {"frame": frame.sha256, "reference": reference.sha256, "mean": made.mean}
+        FORMAT.write_npz(target, fields, {"errors": made.errors}, compressed=True)
     return made
 
 
@@ -55,10 +63,12 @@ def kept(frame: Frame, reference: Frame, directory: Path | None) -> FlipMap | No
     if directory is None or not (file := _file(directory, frame, reference)).exists():
         return None
     try:
-        with file.open("rb") as opened, np.load(opened) as found:
-            return FlipMap(found["errors"], float(found["mean"]))
-    except DAMAGED_ARRAYS:
-        return None  # damaged: measured again
+        fields, arrays = FORMAT.read_npz(file)
+    except (FormatError, OSError):
+        return None  # measured again
+    of_these = (fields["frame"], fields["reference"]) == (frame.sha256, reference.sha256)
+    fits = of_these and arrays["errors"].shape == frame.image.shape[:2]
+    return FlipMap(arrays["errors"], float(fields["mean"])) if fits else None
 
 
 def _file(directory: Path, frame: Frame, reference: Frame) -> Path:

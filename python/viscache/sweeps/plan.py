@@ -224,12 +224,6 @@ def definition_of(
     }
 
 
-def checked_size(size: Sequence[int]) -> tuple[int, int]:
-    if len(size) != 2 or not all(isinstance(v, int) and v >= 1 for v in size):
-        raise ValueError(f"size must be (width, height), both >= 1, got {size!r}")
-    return (int(size[0]), int(size[1]))
-
-
 def positive(name: str, value: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise ValueError(f"{name} must be an integer >= 1, got {value!r}")

@@ -5,17 +5,19 @@ from __future__ import annotations
 import socket
 import time
 from collections import Counter, OrderedDict, defaultdict, deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import workers
+from viscache.formats import FormatError
 from viscache.progress import Progress
 from viscache.sweeps.flip_maps import flip_map_of
+from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import Plan, Point
-from viscache.sweeps.store import DamagedPictureError, Store
+from viscache.sweeps.store import Store
 from viscache.sweeps.table import TableFile
 from viscache.sweeps.work import render_task
 
@@ -53,6 +55,7 @@ class Run:
     ) -> None:
         self.plan, self.store, self.scene = plan, store, scene
         self.progress, self.apart, self.references = progress, apart, references
+        self.leases = store.leases
         self.order = plan.order()
         self.total = len(self.order)
         self.is_reference = {k for p in plan.points for k in (p.paired, p.converged) if k}
@@ -107,23 +110,24 @@ class Run:
         foreign = 0
         while self.todo:
             key = self.todo.popleft()
-            if not self.store.claim(key):  # another process renders it
+            if not self.leases.claim(key):  # another process renders it
                 self.todo.append(key)
                 foreign += 1
                 if foreign >= len(self.todo):
-                    time.sleep(4 * POLL_S)
+                    self.leases.wait(4 * POLL_S)
                 continue
             foreign = 0
             try:
                 if self._finished_elsewhere(key):
                     continue
-                with self._alone():
+                with self._alone() as was_alone:
                     began = time.perf_counter()
                     frame = render_task(self.plan.tasks[key], self.scene)
                     self.seconds["frames"] += time.perf_counter() - began
-                self.keep(key, frame, alone=self.apart)
+                    alone = was_alone()
+                self.keep(key, frame, alone=alone)
             finally:
-                self.store.release(key)
+                self.leases.release(key)
 
     def _finished_elsewhere(self, key: str) -> bool:
         """Take over a claimed frame that another process finished before the claim.
@@ -132,7 +136,7 @@ class Run:
         """
         if self.store.get(key) is None:
             return False
-        self.store.release(key)
+        self.leases.release(key)
         self.finished(key)
         return True
 
@@ -146,17 +150,17 @@ class Run:
                     if len(flying) >= limit:
                         break
                     key = self.todo.popleft()
-                    if not self.store.claim(key):
+                    if not self.leases.claim(key):
                         self.todo.append(key)
                     elif not self._finished_elsewhere(key):
                         flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
                 self._gather(flying)
                 if not flying and self.todo:
-                    time.sleep(4 * POLL_S)
+                    self.leases.wait(4 * POLL_S)
         finally:
             for future, key in flying.items():
                 future.cancel()
-                self.store.release(key)
+                self.leases.release(key)
 
     def _gather(self, flying: dict[Future[Frame], str]) -> None:
         """Keep finished frames, then raise the first error."""
@@ -165,7 +169,7 @@ class Run:
         for future in ready:
             key, failure = flying.pop(future), future.exception()
             if failure is not None:
-                self.store.release(key)
+                self.leases.release(key)
                 failures.append(failure)
             else:
                 frame = future.result()
@@ -175,21 +179,27 @@ class Run:
             raise failures[0]
 
     @contextmanager
-    def _alone(self) -> Iterator[None]:
-        """While no other process at this store renders on this machine, where that is wanted."""
+    def _alone(self) -> Iterator[Callable[[], bool]]:
+        """While no other process at this store renders on this machine, where that is wanted.
+
+        Gives a function that says at the end whether it was so.
+        """
         if not self.apart or self.store.directory is None:
-            yield
+            yield lambda: self.apart
             return
         turn = f"turn of {socket.gethostname()}"
-        while not self.store.claim(turn):
-            time.sleep(POLL_S)
+        while not self.leases.claim(turn):
+            self.leases.wait(POLL_S)
         try:
-            yield
+            yield lambda: self.leases.holds(turn)
         finally:
-            self.store.release(turn)
+            self.leases.release(turn)
 
     def keep(self, key: str, frame: Frame, *, alone: bool) -> None:
-        """Store a frame and compare the points that wait for it, while its file is written."""
+        """Store a frame and compare the points that wait for it, while its file is written.
+
+        If this process stood so long that another one took the frame over, it waits for that one.
+        """
         frame.provenance["alone"] = alone
         self._remember(key, frame)
         writing = self.writer.submit(self.store.put, key, self.plan.specs[key], frame)
@@ -197,11 +207,18 @@ class Run:
             self._measure_ahead(key)
         finally:
             began = time.perf_counter()
-            writing.result()
-            if self.references is not None and key in self.is_reference:
+            lost = isinstance(writing.exception(), LostLeaseError)
+            if not lost:
+                writing.result()
+            if not lost and self.references is not None and key in self.is_reference:
                 self.references.adopt(key, self.store)
             self.seconds["store"] += time.perf_counter() - began
-        self.finished(key)
+        if lost:
+            self.recent.pop(key, None)
+            self.ahead = {pair: v for pair, v in self.ahead.items() if key not in pair}
+            self.todo.append(key)
+        else:
+            self.finished(key)
 
     def _measure_ahead(self, key: str) -> None:
         """Compare points that this frame completes. The results are stored after its file."""
@@ -272,7 +289,7 @@ class Run:
         if key not in self.recent:
             try:
                 frame = self.store.frame(key)
-            except DamagedPictureError as error:
+            except FormatError as error:
                 frame = self._made_anew(key, str(error))
             self._remember(key, frame)
         self.recent.move_to_end(key)

@@ -6,7 +6,8 @@ frame is a hash of everything that determines its pixels. So an interrupted swee
 and a changed sweep renders only the frames that changed.
 
 A store may come from somebody else. So names of files follow from keys and are never read; links in
-the place of its files are refused, and so is a database with more than tables.
+the place of its files are refused, and so is a database with more than tables. Each row is the head
+of a format, with its hash.
 """
 
 from __future__ import annotations
@@ -15,12 +16,9 @@ import json
 import os
 import re
 import shutil
-import socket
 import sqlite3
 import threading
 import time
-import uuid
-import weakref
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -29,33 +27,34 @@ from typing import TYPE_CHECKING, Any
 
 from viscache.array_digests import changed_layers, layer_digests
 from viscache.files import inside, whole_file
+from viscache.formats import Format, FormatError
+from viscache.sweeps import leases
+from viscache.sweeps.records import COMPARISON, FRAME, SWEEP, VERSION
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
-
-#: Seconds after which a claim of another machine expires.
-CLAIM_EXPIRES_S = 3600.0
 
 #: Files of SQLite by their ends, after the name of the database.
 DATABASE_FILES = ("", "-wal", "-shm", "-journal")
 #: Last bytes of a journal of SQLite that names another file; SQLite would delete that file.
 JOURNAL_OF_SEVERAL = bytes.fromhex("d9d505f920a163d7")
 
-#: Open stores of this process by owner.
-_OPEN: weakref.WeakValueDictionary[str, Store] = weakref.WeakValueDictionary()
+#: Number in the head of the database that tells stores from others.
+APPLICATION = 0x76697363
+#: What to do about a store that cannot be used.
+ADVICE = "delete it and run the sweep again"
 
-_SCHEMA = """
-CREATE TABLE IF NOT EXISTS sweep (
-    id INTEGER PRIMARY KEY CHECK (id = 0), definition TEXT NOT NULL);
+#: The column `file` is for people who look for a picture; nothing here reads it.
+_SCHEMA = f"""
+CREATE TABLE IF NOT EXISTS sweep (id INTEGER PRIMARY KEY CHECK (id = 0), record TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS frames (
-    key TEXT PRIMARY KEY, spec TEXT NOT NULL, counters TEXT NOT NULL, timings TEXT NOT NULL,
-    parameters TEXT NOT NULL, provenance TEXT NOT NULL, sha256 TEXT NOT NULL, file TEXT NOT NULL,
-    finished REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS hashes (key TEXT PRIMARY KEY, layers TEXT NOT NULL);
+    key TEXT PRIMARY KEY, record TEXT NOT NULL, file TEXT NOT NULL, finished REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS comparisons (
-    key TEXT NOT NULL, reference TEXT NOT NULL, metric TEXT NOT NULL, value REAL,
-    PRIMARY KEY (key, reference, metric));
-CREATE TABLE IF NOT EXISTS claims (key TEXT PRIMARY KEY, owner TEXT NOT NULL, at REAL NOT NULL);
+    key TEXT NOT NULL, reference TEXT NOT NULL, record TEXT NOT NULL,
+    PRIMARY KEY (key, reference));
+{leases.TABLE}
+PRAGMA application_id = {APPLICATION};
+PRAGMA user_version = {VERSION};
 """
 
 
@@ -72,17 +71,9 @@ def picture_name(key: str) -> str:
     return f"frames/{key[:20]}.exr"
 
 
-class DamagedPictureError(ValueError):
-    """A picture of a store that cannot be read, or is not the one that was stored."""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Record:
-    """A finished frame without its pixels.
-
-    `layers` has the hash of each layer; None in rows of older stores, which have that of the colour
-    layer alone.
-    """
+    """A finished frame without its pixels; `layers` has the hash of each layer."""
 
     key: str
     spec: dict[str, Any]
@@ -90,14 +81,16 @@ class Record:
     timings: dict[str, float]
     parameters: dict[str, Any]
     provenance: dict[str, Any]
-    sha256: str
-    layers: dict[str, str] | None
+    layers: dict[str, str]
+
+    @property
+    def sha256(self) -> str:
+        """The hash of the colour."""
+        return self.layers.get("color", "")
 
     def changed(self, frame: Frame) -> list[str]:
         """Names of the layers in which a frame differs from the finished one."""
-        wanted = {"color": self.sha256} if self.layers is None else self.layers
-        names = frame.layers if self.layers is not None else ("color",)
-        return changed_layers(layer_digests({n: frame.layers[n] for n in names}), wanted)
+        return changed_layers(layer_digests(frame.layers), self.layers)
 
 
 class Store:
@@ -119,9 +112,9 @@ class Store:
         self.directory = None if directory is None else Path(directory)
         self._memory: dict[str, Frame] = {}
         self._lock = threading.RLock()
+        #: Which process renders which frame.
+        self.leases = leases.Leases(self._opened)
         self._where = ":memory:" if directory is None else str(Path(directory) / "sweep.sqlite")
-        self._owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex}"
-        _OPEN[self._owner] = self
         if self.directory is not None:
             _check_files(self.directory)
             (self.directory / "frames").mkdir(parents=True, exist_ok=True)
@@ -131,10 +124,11 @@ class Store:
             )
             try:
                 self._db.execute("PRAGMA trusted_schema=OFF")
-                self._check_tables()
+                made = self._check_tables()
                 self._db.execute("PRAGMA journal_mode=WAL")
                 self._db.execute("PRAGMA synchronous=NORMAL")
-                self._db.executescript(_SCHEMA)
+                if not made:
+                    self._db.executescript(f"BEGIN IMMEDIATE; {_SCHEMA} COMMIT;")
             except BaseException:
                 self._db.close()
                 raise
@@ -151,12 +145,21 @@ class Store:
             raise OSError(f"{self._where}: {error}; {hint}") from error
         except (sqlite3.Error, UnicodeDecodeError, json.JSONDecodeError) as error:
             raise ValueError(
-                f"{self._where} is not a sweep's store, or damaged: {error}."
-                " Delete it and run the sweep again; pictures are rendered anew"
+                f"{self._where} is not a sweep's store, or damaged: {error};"
+                f" {ADVICE}; pictures are rendered anew"
             ) from error
 
-    def _check_tables(self) -> None:
-        """Refuse what runs by itself in a database: views, triggers, virtual tables."""
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        with self._door():
+            yield self._db
+
+    def _check_tables(self) -> bool:
+        """Whether there are tables.
+
+        Refused are databases of others and of before, and what runs by itself in one: views,
+        triggers and virtual tables.
+        """
         row = self._db.execute(
             "SELECT type, name FROM sqlite_master WHERE NOT (type = 'table' AND sql LIKE"
             " 'CREATE TABLE %' OR type = 'index' AND sql IS NULL)"
@@ -166,6 +169,17 @@ class Store:
                 f"{self._where} is not a sweep's store: it must have tables only,"
                 f" got the {row[0]} {row[1]!r}"
             )
+        if self._db.execute("SELECT count(*) FROM sqlite_master").fetchone() == (0,):
+            return False
+        (application,) = self._db.execute("PRAGMA application_id").fetchone()
+        (version,) = self._db.execute("PRAGMA user_version").fetchone()
+        if (application, version) != (APPLICATION, VERSION):
+            given = version if application == APPLICATION else "a database without that version"
+            raise FormatError(
+                f"{self._where} must be a sweep's store of version {VERSION}, got {given};"
+                " run the sweep in another folder"
+            )
+        return True
 
     def _picture(self, key: str) -> Path | None:
         """Where the picture of a frame is, or would be; None in memory."""
@@ -178,11 +192,10 @@ class Store:
         return (Path(directory) / "sweep.sqlite").is_file()
 
     def close(self) -> None:
-        """Give back this store's claims and close it."""
+        """Give back this store's leases and close it."""
         with self._door():
-            self._db.execute("DELETE FROM claims WHERE owner = ?", (self._owner,))
+            self.leases.close()
             self._db.close()
-        _OPEN.pop(self._owner, None)
 
     def __enter__(self) -> Store:
         return self
@@ -190,46 +203,51 @@ class Store:
     def __exit__(self, *error: object) -> None:
         self.close()
 
+    def _one(self, form: Format, query: str, *given: str) -> dict[str, Any] | None:
+        """The fields of a row; None if there is none."""
+        with self._door():
+            row = self._db.execute(query, given).fetchone()
+        if row is None:
+            return None
+        try:
+            fields = form.opened(f"{self._where}: {' '.join(given)[:20] or 'a row'}", row[0])
+            wanted = dict(zip(("key", "reference"), given, strict=False))
+            for name, key in wanted.items():
+                if fields[name] != key:
+                    raise form.refusal(self._where, f"{name} must be {key}, got {fields[name]}")
+        except FormatError as error:
+            raise FormatError(f"{error}; {ADVICE}") from error
+        return fields
+
     def define(self, definition: Mapping[str, Any]) -> None:
         """Store the description of the sweep; the newest one counts."""
         with self._door():
             self._db.execute(
-                "INSERT OR REPLACE INTO sweep VALUES (0, ?)", (json.dumps(definition),)
+                "INSERT OR REPLACE INTO sweep VALUES (0, ?)", (SWEEP.sealed(definition),)
             )
 
     def definition(self) -> dict[str, Any]:
         """The newest description; ValueError if there is none."""
-        with self._door():
-            row = self._db.execute("SELECT definition FROM sweep").fetchone()
-        if row is None:
+        found = self._one(SWEEP, "SELECT record FROM sweep")
+        if found is None:
             raise ValueError(f"{self.directory} holds no sweep")
-        with self._door():
-            return _object(row[0])
+        lengths = {dim: len(values) for dim, values in found["coords"].values()}
+        shape = [lengths.get(dim, 0) for dim in found["dims"]]
+        for point in found["points"]:
+            inside_ = len(point["index"]) == len(shape) + 1 and all(
+                i < n for i, n in zip(point["index"], [*shape, found["repeats"]], strict=True)
+            )
+            if not inside_:
+                raise SWEEP.refusal(self._where, f"{point['index']} is no place in {shape}")
+        return found
 
     def get(self, key: str) -> Record | None:
         """The finished frame of a key whose picture is there, else None."""
-        columns = "spec, counters, timings, parameters, provenance, sha256"
-        with self._door():
-            row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
-        if row is None:
-            return None
+        found = self._one(FRAME, "SELECT record FROM frames WHERE key = ?", key)
         path = self._picture(key)
-        if path is not None and not path.is_file():
+        if found is None or (path is not None and not path.is_file()):
             return None
-        with self._door():
-            parts = [_object(text) for text in row[:5]]
-            hashes = self._db.execute("SELECT layers FROM hashes WHERE key = ?", (key,)).fetchone()
-            layers = None if hashes is None else _object(hashes[0])
-        return Record(
-            key=key,
-            spec=parts[0],
-            counters=parts[1],
-            timings=parts[2],
-            parameters=parts[3],
-            provenance=parts[4],
-            sha256=row[5],
-            layers=layers,
-        )
+        return Record(**found)
 
     def frame(self, key: str) -> Frame:
         """The frame of a key; its layers are compared with their hashes in the store.
@@ -238,7 +256,7 @@ class Store:
         ------
         KeyError
             The frame is not finished.
-        DamagedPictureError
+        FormatError
             Its picture cannot be read, or is another one.
         """
         from viscache.frame import Frame
@@ -249,26 +267,31 @@ class Store:
         path = None if record is None else self._picture(key)
         if record is None or path is None:
             raise KeyError(key)
-        advice = "delete it and run the sweep again"
         try:
             frame = Frame.load(path)
         except (ValueError, OSError) as error:
-            raise DamagedPictureError(f"{error}; {advice}") from error
+            raise FormatError(f"{error}; {ADVICE}") from error
         if changed := record.changed(frame):
             where = ", ".join(changed)
-            raise DamagedPictureError(
-                f"{path} is not the picture that was stored (layers {where}); {advice}"
+            raise FormatError(
+                f"{path} is not the picture that was stored (layers {where}); {ADVICE}"
             )
         return frame
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
-        """Store a finished frame: first the complete file, then its row."""
+        """Store a finished frame: first the complete file, then its row.
+
+        Raises
+        ------
+        LostLeaseError
+            This store had the frame's lease, which was taken over. Nothing changes.
+        """
         path = self._picture(key)
         if path is None:
-            self._memory[key] = frame
+            with self._storing(key, spec, frame):
+                self._memory[key] = frame
         else:
-            frame.save(path)
-        self._put_row(key, spec, frame)
+            frame._save(path, within=self._storing(key, spec, frame))
 
     def replace_picture(self, key: str, frame: Frame) -> None:
         """Write the picture of a finished frame once more; its row and comparisons stay."""
@@ -276,22 +299,22 @@ class Store:
         if path is not None:
             frame.save(path)
 
-    def _put_row(self, key: str, spec: Mapping[str, Any], of: Frame | Record) -> None:
-        records = (spec, of.counters, of.timings, of.parameters, of.provenance)
-        hashes = of.layers if isinstance(of, Record) else layer_digests(of.layers)
-        # The name of the picture is for readers of the table; nothing here reads it
-        texts = (json.dumps(record) for record in records)
-        row = (key, *texts, of.sha256, picture_name(key), time.time())
-        columns = "key, spec, counters, timings, parameters, provenance, sha256, file, finished"
+    @contextmanager
+    def _storing(self, key: str, spec: Mapping[str, Any], of: Frame | Record) -> Iterator[None]:
+        """The transaction of a finished frame, in which its picture takes its place."""
+        fields = {
+            "key": key,
+            "spec": spec,
+            **{n: getattr(of, n) for n in ("counters", "timings", "parameters", "provenance")},
+            "layers": of.layers if isinstance(of, Record) else layer_digests(of.layers),
+        }
+        row = (key, FRAME.sealed(fields), picture_name(key), time.time())
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
-            marks = ",".join("?" * len(row))
-            self._db.execute(f"INSERT OR REPLACE INTO frames ({columns}) VALUES ({marks})", row)
-            self._db.execute("DELETE FROM hashes WHERE key = ?", (key,))
-            if hashes is not None:
-                self._db.execute("INSERT INTO hashes VALUES (?, ?)", (key, json.dumps(hashes)))
+            self.leases.check(self._db, key)
+            yield
+            self._db.execute("INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?)", row)
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
-            self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
 
     def finished(self) -> set[str]:
         """The keys of all frames whose pictures are there."""
@@ -316,12 +339,11 @@ class Store:
         if source is None or target is None:
             self.put(key, record.spec, other.frame(key))
             return True
-        with whole_file(target) as partial:
+        with whole_file(target, self._storing(key, record.spec, record)) as partial:
             try:
                 os.link(source, partial)
             except OSError:
                 shutil.copyfile(source, partial)
-        self._put_row(key, record.spec, record)
         return True
 
     def forget_pixels(self, key: str) -> None:
@@ -330,41 +352,18 @@ class Store:
 
     def compared(self, key: str, reference: str) -> dict[str, float | None]:
         """The metrics already known of a frame against a reference."""
-        query = "SELECT metric, value FROM comparisons WHERE key = ? AND reference = ?"
-        with self._door():
-            found = self._db.execute(query, (key, reference)).fetchall()
-            for metric, value in found:
-                if not isinstance(metric, str) or not isinstance(value, float | None):
-                    given = f"got {metric!r} = {value!r}"
-                    raise sqlite3.DataError(f"a metric must have a name and a number, {given}")
-            return dict(found)
+        query = "SELECT record FROM comparisons WHERE key = ? AND reference = ?"
+        found = self._one(COMPARISON, query, key, reference)
+        return {} if found is None else found["values"]
 
     def put_comparison(self, key: str, reference: str, values: Mapping[str, float | None]) -> None:
         """Keep metrics of a frame against a reference."""
-        rows = [(key, reference, metric, value) for metric, value in values.items()]
         with self._door(), self._db:
             self._db.execute("BEGIN IMMEDIATE")
-            self._db.executemany("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?, ?)", rows)
-
-    def claim(self, key: str) -> bool:
-        """Claim a frame, so that no other process renders it; False if another process has it.
-
-        Claims of processes that no longer run are taken over.
-        """
-        with self._door(), self._db:
-            self._db.execute("BEGIN IMMEDIATE")
-            row = self._db.execute("SELECT owner, at FROM claims WHERE key = ?", (key,)).fetchone()
-            if row is not None and row[0] != self._owner and _alive(*row):
-                return False
-            self._db.execute(
-                "INSERT OR REPLACE INTO claims VALUES (?, ?, ?)", (key, self._owner, time.time())
-            )
-        return True
-
-    def release(self, key: str) -> None:
-        """Release a claim without a result."""
-        with self._door():
-            self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
+            known = self.compared(key, reference) | dict(values)
+            fields = {"key": key, "reference": reference, "values": known}
+            row = (key, reference, COMPARISON.sealed(fields))
+            self._db.execute("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?)", row)
 
 
 def _check_files(directory: Path) -> None:
@@ -382,14 +381,6 @@ def _check_files(directory: Path) -> None:
         )
 
 
-def _object(text: str) -> dict[str, Any]:
-    """A JSON object of a record."""
-    value = json.loads(text)
-    if not isinstance(value, dict):
-        raise json.JSONDecodeError("not an object", str(text)[:20], 0)
-    return value
-
-
 def _hint(error: str) -> str | None:
     """What to do about an error of SQLite that is not the file's fault."""
     known = {
@@ -400,19 +391,3 @@ def _hint(error: str) -> str | None:
         "disk I/O": "look after the disk and run again: finished frames are kept",
     }
     return next((hint for part, hint in known.items() if part in error), None)
-
-
-def _alive(owner: str, at: float) -> bool:
-    """Whether a claim's owner may still be at work."""
-    host, pid, _ = owner.rsplit(":", 2)
-    if host != socket.gethostname():
-        return time.time() - at < CLAIM_EXPIRES_S
-    if int(pid) == os.getpid():
-        return owner in _OPEN
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True

@@ -15,7 +15,7 @@ from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from viscache import _core, sources
 from viscache import metrics as _metrics
@@ -28,7 +28,7 @@ from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import nearest, spelled
 from viscache.sweeps import designs
-from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
+from viscache.sweeps.plan import Over, definition_of, make_plan, positive
 from viscache.sweeps.run import Run
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import to_dataset, write_parquet, write_table
@@ -139,14 +139,14 @@ def sweep(
     require(not is_written(cache) or is_dataclass(cache), "visibility must be a dataclass", cache)
     scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
-    size = frame_size(size, find_camera(opened, camera)) if size is None else size
+    size = frame_size(size, find_camera(opened, camera) if size is None else None)
     common = {
         "scene": scene,
         "use": use,
         "camera": camera,
         "env": env,
         "threads": threads,
-        "size": checked_size(size),
+        "size": size,
         "spp": positive("spp", spp),
     }
     fits = (
@@ -298,7 +298,7 @@ class SweepFile:
             over=self.over,
             repeats=self.repeats,
             seed=self.seed,
-            size=None if self.size is None else checked_size(self.size),
+            size=cast(Any, self.size),
             spp=self.spp,
             converged=self.converged,
             metrics=self.metrics,

@@ -65,6 +65,8 @@ def error_of(ds: xarray.Dataset, wanted: str | None = None) -> str:
     """
     known = [str(name) for name in json.loads(ds.attrs["metrics"])]
     if wanted is None:
+        if not known:
+            raise ValueError("error must be a metric, and the sweep has none")
         return known[0]
     if wanted not in known:
         raise ValueError(f"error must be one of the sweep's metrics {known}, got {wanted!r}")

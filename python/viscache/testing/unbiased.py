@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.metrics import Comparable
-from viscache.settings.checks import require
+from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import spelled
 from viscache.testing import student
 from viscache.testing.advice import is_paired
@@ -134,9 +134,13 @@ def assert_unbiased(
     True
     """
     __tracebackhide__ = True
-    require(0 < energy < 1, "energy must be in (0, 1)", energy)
-    require(0 < alpha < 0.5, "alpha must be in (0, 0.5)", alpha)
-    require(0.5 < power < 1, "power must be in (0.5, 1)", power)
+    for name, value, low, high in (
+        ("energy", energy, 0, 1),
+        ("alpha", alpha, 0, 0.5),
+        ("power", power, 0.5, 1),
+    ):
+        fits = is_number(value) and low < value < high
+        require(fits, f"{name} must be in ({low}, {high})", value)
     many = isinstance(exacts, (list, tuple)) or (
         isinstance(exacts, np.ndarray) and exacts.ndim == 4
     )

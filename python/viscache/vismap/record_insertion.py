@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
+import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
-from viscache.settings.checks import require
+from viscache.settings.checks import is_number, require
 from viscache.settings.maps import MapSettings
 from viscache.settings.rays import Caster, Rays
 from viscache.vismap.points import Cloud, Rows, make_cloud
@@ -52,7 +54,8 @@ class RecordInsertion:
     def _pixels(
         self, view: Camera, width: int, height: int, at: tuple[float, float], threads: int
     ) -> tuple[CachePoints, int, int]:
-        inside = len(at) == 2 and all(0 <= v < 1 for v in at)
+        pair = isinstance(at, Sequence | np.ndarray) and len(at) == 2
+        inside = pair and all(is_number(v) and 0 <= v < 1 for v in at)
         require(inside, "at must be two numbers in [0, 1)", at)
         rules = _core.vismap.PixelRules(self.settings.d_max)
         return _core.vismap.pixel_points(
