@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from mutants import run
+
 
 @pytest.fixture(scope="session")
 def shared_scenes() -> Path:
@@ -40,6 +42,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--fuzz-runs", type=int, default=-1, help="of each libFuzzer target at most")
     group.addoption("--fuzz-seed", type=int, default=0, help="of each target's first case")
     parser.addoption("--until", type=int, metavar="EPOCH", help="skip tests that begin later")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Where time may run out, files whose tests kill mutants come first."""
+    if config.getoption("--until") is not None:
+        files = {test.partition("::")[0] for mutant in run.catalogue() for test in mutant.tests}
+        items.sort(key=lambda item: item.nodeid.partition("::")[0] not in files)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

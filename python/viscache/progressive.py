@@ -141,7 +141,7 @@ class Progressive(Uncopied):
         self.visibility = by_name.setting("visibility", visibility, "exact")
         exact = isinstance(self.visibility, Exact)
         self.use = use if use is not None or exact else "correct"
-        self.renew = renew
+        self.renew = None if renew is None else int(renew)
         for name, value in (("seed", seed), ("spp", spp)):
             require(is_whole(value), f"{name} must be a whole number", value)
         self._seed, self._spp = int(seed), int(spp)  # numbers of NumPy overflow
@@ -173,7 +173,7 @@ class Progressive(Uncopied):
             seed=seed,
             **self._options,
         )
-        self._sums = progressive_state.Sums(next_pass=first_pass)
+        self._sums = progressive_state.Sums(next_pass=int(first_pass))
         self._turn = Turn("the picture")
         self._lights: tuple[int, _core.KeptLights] | None = None
 

@@ -420,6 +420,16 @@ def test_a_state_with_another_array_is_refused(room: vc.Scene, tmp_path: Path) -
             p.load(file)
 
 
+def test_numbers_of_numpy_are_saved(room: vc.Scene, tmp_path: Path) -> None:
+    numbers = {name: np.uint64(2) for name in ("seed", "spp", "renew", "first_pass")}
+    p = picture(room, visibility="exact", **numbers)
+    p.passes(1)
+    p.save(tmp_path / "state.npz")
+    same = picture(room, visibility="exact", **dict.fromkeys(numbers, 2))
+    same.load(tmp_path / "state.npz")
+    assert same.frame.sha256 == p.frame.sha256
+
+
 def test_a_state_that_does_not_fit_changes_nothing(room: vc.Scene, tmp_path: Path) -> None:
     """Neither its rows nor its sums are taken, even where its hash fits."""
     file = tmp_path / "state.npz"

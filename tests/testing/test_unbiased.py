@@ -185,6 +185,8 @@ def test_broken_pictures_fail() -> None:
         assert_unbiased(frames[:, :20], picture())
     with pytest.raises(PictureError, match="pictures of one size"):
         assert_unbiased([frames[0], frames[1][:20]], picture())
+    with pytest.raises(ValueError, match="frames must be real numbers, got dtype complex128"):
+        assert_unbiased(frames * 1j, picture())
     frames[2, 0, 0, 0] = np.inf
     with pytest.raises(PictureError, match="pixels that are not in number 2"):
         assert_unbiased(frames, picture())

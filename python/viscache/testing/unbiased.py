@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.metrics import Comparable
+from viscache.real_numbers import real_array
 from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import spelled
 from viscache.testing import student
@@ -168,7 +169,8 @@ def assert_unbiased(
 def _stack(images: list[Comparable], name: str) -> Floats:
     """(N, H, W, C) of finite pictures of one size, without alpha."""
     require(bool(images), f"{name} must be at least one picture", "none")
-    planes = [np.asarray(getattr(image, "image", image), np.float64) for image in images]
+    given = [real_array(getattr(image, "image", image), name) for image in images]
+    planes = [pixels.astype(np.float64) for pixels in given]
     shapes = {plane.shape for plane in planes}
     if len(shapes) > 1:
         raise PictureError(f"{name} must be pictures of one size, got {sorted(shapes)}")
