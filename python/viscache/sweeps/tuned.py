@@ -52,8 +52,6 @@ class Tuned:
 
     Attributes
     ----------
-    outcome : {"reached", "within noise", "missed"}
-        Whether pixels that no pilot saw confirm the target; `reached` is true for the first.
     parameter : str
         The parameter that was searched.
     value : float or int
