@@ -161,9 +161,11 @@ def test_ambient_occlusion_compares_the_reference_with_the_cache() -> None:
     def frame(seconds: float, **counters: float) -> Any:
         layers = {"ambient": np.ones((2, 2)), "coverage": np.ones((2, 2, 1))}
         return SimpleNamespace(
-            image=np.full((2, 2, 3), 0.5), layers=layers, counters=counters,
+            image=np.full((2, 2, 3), 0.5),
+            layers=layers,
+            counters=counters,
             timings={"total_s": seconds},
-        )  # fmt: skip
+        )
 
     cached = frame(3.0, rays_per_point=4.0, records=7, without_record=0)
     rows = measured(vismap_ambient._rows(frame(12.0), cached, 256, quick=True))

@@ -176,9 +176,14 @@ class Cell:
 
     def frame(self, seed: int) -> vc.Frame:
         return vc.render(
-            self.scene, self.settings, size=SIZE, seed=seed, visibility=ORACLES[self.oracle],
-            use=USES[self.use], threads=1,
-        )  # fmt: skip
+            self.scene,
+            self.settings,
+            size=SIZE,
+            seed=seed,
+            visibility=ORACLES[self.oracle],
+            use=USES[self.use],
+            threads=1,
+        )
 
 
 CELLS = [
@@ -298,10 +303,14 @@ def roulette(*, weighted: bool) -> Callable[[vc.Scene, Any, int], Any]:
 def uniformly_picked(seed: int) -> Array:
     """Picks by contribution, with the weight of an even choice."""
     every, few = (
-        vc.connections(scene("points"), Cell("direct", "points", "exact", "as it is", n).settings,
-                       size=SIZE, seed=seed)
+        vc.connections(
+            scene("points"),
+            Cell("direct", "points", "exact", "as it is", n).settings,
+            size=SIZE,
+            seed=seed,
+        )
         for n in PICKS
-    )  # fmt: skip
+    )
     answers: dict[str, Any] = few.answers(vc.Exact())
     for group in few.groups:
         full, weighted = (taps.contributions(group).sum(axis=2) for taps in (every, few))
@@ -329,10 +338,16 @@ CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
     "roulette of weight 1": (POINTS, rendered(POINTS, roulette(weighted=False))),
     "maps in place of visibility": (
         SKY,
-        lambda seed: vc.render(
-            SKY.scene, SKY.settings, size=SIZE, seed=seed, visibility=ORACLES["vismap"],
-            use="replace",
-        ).image,
+        lambda seed: (
+            vc.render(
+                SKY.scene,
+                SKY.settings,
+                size=SIZE,
+                seed=seed,
+                visibility=ORACLES["vismap"],
+                use="replace",
+            ).image
+        ),
     ),
     "picks of even weights": (POINTS, uniformly_picked),
     **{
@@ -342,7 +357,7 @@ CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
             integrator=None, rays=None, visibility=ORACLES[name]
         ).is_unbiased
     },
-}  # fmt: skip
+}
 
 
 @pytest.mark.stat
