@@ -19,6 +19,7 @@ from viscache import (
 from viscache._core import SceneDescription
 from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
+from viscache.calls import Shot
 from viscache.connections import Connections, connections
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct
@@ -82,6 +83,7 @@ __all__ = [
     "SceneDescription",
     "SceneError",
     "ShadowMap",
+    "Shot",
     "Sky",
     "Unoccluded",
     "VisMaps",

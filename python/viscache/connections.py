@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +15,8 @@ from viscache.oracles.oracle import BlockAnswer, Oracle, PairAnswer
 from viscache.oracles.points import GROUPS, EyePoints, FarEnds, ends_of, pack
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
-from viscache.render import frame_settings
-from viscache.scene import Env, Scene
+from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
-from viscache.settings import by_name
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
@@ -29,6 +27,10 @@ from viscache.settings.integrators import (
 )
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
+from viscache.shot import BareShot, ShotArguments, frame_settings, of_shot
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Connections", "Samples", "connections"]
 
@@ -297,24 +299,18 @@ def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
 
 
 @spelled
+@of_shot()
 def connections(
     scene: Scene | str | os.PathLike[str],
-    integrator: Direct | Whitted | AmbientOcclusion | str,
-    *,
-    rays: Rays | str | None = None,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
-    seed: int = 0,
-    threads: int | None = None,
-    camera: str | int | _core.Camera | None = None,
-    env: Env | None = None,
+    integrator: Direct | Whitted | AmbientOcclusion | str | None = None,
+    **shot: Unpack[ShotArguments],
 ) -> Connections:
     """The visibility queries of a frame as arrays: eye points, lights, samples, contributions.
 
     Parameters
     ----------
     scene, rays, size, spp, seed, threads, camera, env
-        As in `viscache.render`.
+        As in `viscache.Shot`.
     integrator : Direct, Whitted or AmbientOcclusion
         Samples must be drawn before visibility is known. So `Bdpt`, environment="product" and
         shared directions of ambient occlusion are refused.
@@ -335,8 +331,11 @@ def connections(
     >>> frame.sha256 == cached.sha256
     True
     """
-    scene = sources.opened(scene)
-    integrator = by_name.setting("integrator", integrator)
+    given = BareShot(scene, integrator, **shot)
+    integrator = given.setting("integrator")
+    for name in ("visibility", "use"):
+        asked = getattr(given, name)
+        require(asked is None, f"{name} must be left out: answers are given later", asked)
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
     require(
         fits,
@@ -347,10 +346,11 @@ def connections(
     require(not product, 'environment must not be "product" for connections', "product")
     shared = getattr(integrator, "directions", "") == "shared"
     require(not shared, 'directions must be "own" for connections', "shared")
+    lit = sources.opened(given.opened)
     if isinstance(integrator, AmbientOcclusion):
-        integrator = integrator.within(scene.bounds)
-    if env is not None:
-        scene = scene.with_environment(env, threads=threads)
-    view = find_camera(scene, camera)
-    frame = frame_settings(frame_size(size, view), spp, seed, threads)
-    return Connections(scene, integrator, rays, frame, view)
+        integrator = integrator.within(lit.bounds)
+    if given.env is not None:
+        lit = lit.with_environment(given.env, threads=given.threads)
+    view = find_camera(lit, given.camera)
+    frame = frame_settings(frame_size(given.size, view), given.spp, given.seed, given.threads)
+    return Connections(lit, integrator, given.rays, frame, view)

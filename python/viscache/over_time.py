@@ -21,11 +21,13 @@ from viscache.progress import Progress, progress_bar
 from viscache.progressive import Progressive
 from viscache.provenance import provenance
 from viscache.scene import Scene
-from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
+from viscache.settings.spelling import spelled
+from viscache.shot import BareShot, ShotArguments, of_shot
 
 if TYPE_CHECKING:
     import xarray
+    from typing_extensions import Unpack
 
 __all__ = ["ERRORS", "METHODS", "gain", "passes_over_time"]
 
@@ -51,21 +53,18 @@ METHODS: dict[str, dict[str, Any]] = {
 }
 
 
+@spelled
+@of_shot()
 def passes_over_time(
     scene: Scene | str | os.PathLike[str],
-    integrator: Any,
+    integrator: Any = None,
     settings: Mapping[str, Any] | None = None,
     *,
     passes: int = 16,
     reference: Frame | npt.NDArray[Any] | None = None,
     reference_passes: int | None = None,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
-    seed: int = 0,
-    threads: int | None = None,
-    camera: Any = None,
-    env: Any = None,
     progress: Progress = False,
+    **shot: Unpack[ShotArguments],
 ) -> xarray.Dataset:
     """Error and time of several settings after each pass of `vc.Progressive`.
 
@@ -87,7 +86,7 @@ def passes_over_time(
     reference_passes : int >= 1, optional
         Passes of each of the two pictures; `passes` by default.
     size, spp, seed, threads, camera, env
-        As for `vc.Progressive`.
+        See `viscache.Shot`. Visibility, use and rays belong to the settings.
     progress : bool or callable
         True shows a bar; a callable gets (done, total) in passes.
 
@@ -137,12 +136,13 @@ def passes_over_time(
     require(fits, "reference_passes must be a whole number >= 1", reference_passes)
     alone = reference is None or reference_passes is None
     require(alone, "reference_passes must be left out with a reference", reference_passes)
-    lit = sources.opened(scene)
-    given: dict[str, Any] = {"size": size, "spp": spp, "seed": seed, "threads": threads}
-    given |= {"camera": camera, "env": env}
-    base = by_name.setting("integrator", integrator)
+    base = BareShot(scene, integrator, **shot)
+    for name in ("visibility", "use", "rays"):
+        given = getattr(base, name)
+        require(given is None, f"{name} must be one of the settings", given)
+    base = base.with_(scene=sources.opened(base.opened))
     chosen = {name: _setting(name, one, base) for name, one in _named(settings).items()}
-    runs = {name: _Run(Progressive(lit, **one, **given)) for name, one in chosen.items()}
+    runs = {name: _Run(Progressive(**one.arguments)) for name, one in chosen.items()}
     total = passes * len(runs) + (2 * of_reference if reference is None else 0)
     done = 0
     with progress_bar(progress, unit="pass") as report:
@@ -155,7 +155,7 @@ def passes_over_time(
 
         others: list[Frame | npt.NDArray[Any]]
         if reference is None:
-            others = [_exact(lit, base, given, n, of_reference, step) for n in FIRST_OF_REFERENCES]
+            others = [_exact(base, n, of_reference, step) for n in FIRST_OF_REFERENCES]
         else:
             others = [reference]
         truth = _Truth(others)
@@ -174,13 +174,13 @@ def passes_over_time(
         measured | {"picture": (("setting", *space), pictures), "reference": (space, truth.image)},
         coords={"setting": list(runs), "pass": np.arange(1, passes + 1)},
         attrs={
-            "scene": lit.name,
-            "scene_hash": lit.content_hash,
-            "integrator": repr(base),
+            "scene": base.scene.name,
+            "scene_hash": base.scene.content_hash,
+            "integrator": repr(base.integrator),
             "settings": json.dumps({n: _words(one) for n, one in chosen.items()}),
             "size": json.dumps(truth.size),
-            "spp": spp,
-            "seed": seed,
+            "spp": base.spp,
+            "seed": base.seed,
             "reference_passes": of_reference if reference is None else 0,
             "provenance": json.dumps(provenance()),
         },
@@ -231,21 +231,19 @@ def _named(settings: Mapping[str, Any] | None) -> Mapping[str, Any]:
     return settings
 
 
-def _setting(name: str, one: Any, integrator: Any) -> dict[str, Any]:
-    """Arguments of `Progressive`."""
+def _setting(name: str, one: Any, base: BareShot) -> BareShot:
+    """What `Progressive` renders."""
     given = dict(one) if isinstance(one, Mapping) else {"visibility": one}
     known = ("visibility", "use", "rays", "integrator")
     for key in given:
         require(key in known, f"settings[{name!r}] must have keys of {known}", key)
     require("visibility" in given, f"settings[{name!r}] must have a visibility", one)
-    return {
-        **given,
-        "integrator": by_name.setting("integrator", given.get("integrator", integrator)),
-    }
+    return base.with_(**given)
 
 
-def _words(one: Mapping[str, Any]) -> dict[str, Any]:
-    return {k: in_words(v) if k == "use" else repr(v) for k, v in one.items()}
+def _words(one: BareShot) -> dict[str, Any]:
+    given = {n: getattr(one, n) for n in ("visibility", "use", "rays", "integrator")}
+    return {n: in_words(v) if n == "use" else repr(v) for n, v in given.items() if v is not None}
 
 
 def _light(picture: Any) -> Floats:
@@ -260,10 +258,8 @@ def _light(picture: Any) -> Floats:
     return pixels
 
 
-def _exact(
-    scene: Scene, integrator: Any, given: dict[str, Any], first: int, passes: int, step: Any
-) -> Frame:
-    picture = Progressive(scene, integrator, visibility="exact", first_pass=first, **given)
+def _exact(base: BareShot, first: int, passes: int, step: Any) -> Frame:
+    picture = Progressive(**base.with_(visibility="exact").arguments, first_pass=first)
     return picture.passes(passes, progress=lambda done, total: step())
 
 

@@ -8,7 +8,7 @@ import math
 import os
 import time
 from contextlib import nullcontext
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,21 +21,21 @@ from viscache.frame_html import frame_html
 from viscache.live_view import LiveView
 from viscache.oracles.correct import CERTAIN, Correct
 from viscache.oracles.learned import PassMemory, shares_after
-from viscache.oracles.written import Written
 from viscache.progress import Progress, progress_bar
 from viscache.render import render_part, seed_of
-from viscache.scene import Env, Scene, Sky
+from viscache.scene import Scene, Sky
 from viscache.scene.environments import environment_pixels
-from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Bdpt, Direct, Integrator, Whitted
-from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, VisMaps
 from viscache.sharing import Turn, Uncopied
-from viscache.shot import Shot, require_same
+from viscache.shot import BareShot, ShotArguments, of_shot, require_same
 from viscache.vismap.pass_maps import PassMaps
 from viscache.voxel_counts import VoxelCounts
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Progressive"]
 
@@ -108,23 +108,16 @@ class Progressive(Uncopied):
 
     _instead = "use save and load, or merge"
 
+    @of_shot(visibility="aqvc")
     def __init__(
         self,
         scene: Scene | str | os.PathLike[str],
-        integrator: Integrator | str,
+        integrator: Integrator | str | None = None,
         *,
-        visibility: Visibility | Written | str = "aqvc",
-        use: Literal["replace", "correct"] | Correct | None = None,
-        rays: Rays | str | None = None,
-        size: tuple[int, int] | None = None,
-        spp: int = 1,
-        seed: int = 0,
-        threads: int | None = None,
-        camera: str | int | _core.Camera | None = None,
-        env: Env | None = None,
         renew: int | None = None,
         first_pass: int = 0,
         max_bytes: int = 1 << 30,
+        **shot: Unpack[ShotArguments],
     ) -> None:
         require(
             is_whole(first_pass) and 0 <= first_pass < 1 << 30,
@@ -136,24 +129,16 @@ class Progressive(Uncopied):
             "renew must be a whole number >= 1",
             renew,
         )
-        self.scene = sources.opened(scene)
-        self.integrator = by_name.setting("integrator", integrator)
-        self.visibility = by_name.setting("visibility", visibility, "exact")
-        exact = isinstance(self.visibility, Exact)
-        self.use = use if use is not None or exact else "correct"
-        self.renew = None if renew is None else int(renew)
-        for name, value in (("seed", seed), ("spp", spp)):
+        given = BareShot(scene, integrator, **shot)
+        for name, value in (("seed", given.seed), ("spp", given.spp)):
             require(is_whole(value), f"{name} must be a whole number", value)
-        self._seed, self._spp = int(seed), int(spp)  # numbers of NumPy overflow
-        self._options: dict[str, Any] = {
-            "rays": rays,
-            "size": size,
-            "spp": spp,
-            "threads": threads,
-            # All passes have the camera and the sky of now
-            "camera": copy.copy(camera) if isinstance(camera, _core.Camera) else camera,
-            "env": env if env is None or isinstance(env, Sky) else environment_pixels(env).copy(),
-        }
+        self.scene = sources.opened(given.opened)
+        self.integrator = given.setting("integrator")
+        self.visibility = given.setting("visibility")
+        exact = isinstance(self.visibility, Exact)
+        self.use = given.use if given.use is not None or exact else "correct"
+        self.renew = None if renew is None else int(renew)
+        self._seed, self._spp = int(given.seed), int(given.spp)  # numbers of NumPy overflow
         keeps = (
             isinstance(self.visibility, Aqvc)
             and self.visibility.paper.form == "waves"
@@ -164,14 +149,15 @@ class Progressive(Uncopied):
         self.rows = AqvcRows(max_bytes=max_bytes) if keeps else None
         self.counts = VoxelCounts() if isinstance(self.visibility, NeePlusPlus) else None
         refines = isinstance(self.visibility, VisMaps) and self.visibility.updates
-        self.maps = PassMaps(self.scene, self.visibility, rays) if refines else None
-        self._shot = Shot(
+        self.maps = PassMaps(self.scene, self.visibility, given.rays) if refines else None
+        # All passes have the camera and the sky of now
+        camera, env = given.camera, given.env
+        self._shot = given.with_(
             scene=self.scene,
-            integrator=self.integrator,
             visibility=self.visibility,
             use=self.use,
-            seed=seed,
-            **self._options,
+            camera=copy.copy(camera) if isinstance(camera, _core.Camera) else camera,
+            env=env if env is None or isinstance(env, Sky) else environment_pixels(env).copy(),
         )
         self._sums = progressive_state.Sums(next_pass=int(first_pass))
         self._turn = Turn("the picture")
@@ -386,22 +372,17 @@ class Progressive(Uncopied):
     def _add_pass(self, n: int) -> None:
         epoch = n // self.renew if self.renew else 0
         alone = isinstance(self.integrator, Bdpt)
-        view = {name: self._options[name] for name in ("camera", "size", "threads")}
+        view = {name: getattr(self._shot, name) for name in ("camera", "size", "threads")}
         drawn, use, memory = self._drawn()
         refined = self.maps.for_pass(n, **view) if self.maps else nullcontext(drawn)
         with refined as visibility:
             kept = self.rows if self.rows is not None else self.counts
+            seed = seed_of(self._seed, "pass" if alone else "lights", n if alone else epoch)
             frame = render_part(
-                self.scene,
-                self.integrator,
-                (0, 1),
-                visibility=visibility,
-                use=use,
-                seed=seed_of(self._seed, "pass" if alone else "lights", n if alone else epoch),
+                self._shot.with_(visibility=visibility, use=use, seed=seed),
                 first_sample=0 if alone else n * self._spp,
                 keep=kept if drawn is self.visibility else None,
                 memory=None if alone else memory,
-                **self._options,
             )
         if self.use != use and isinstance(visibility, Exact):
             frame.counters["exact_queries"] = frame.counters["queries"]

@@ -8,41 +8,35 @@ import os
 import time
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from typing import Any, Literal, cast, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
-from viscache import _core, sources
+from viscache import _core
 from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
-from viscache.audited import audit_record, error_warnings, nothing_found, watched_pixels
-from viscache.combinations import Request, check
+from viscache.audited import audit_record, error_warnings, nothing_found
+from viscache.combinations import check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, count_broken_pixels
-from viscache.frame_memory import require_memory
-from viscache.oracles.correct import Correct, in_words
+from viscache.frame_plan import FramePlan, planned
+from viscache.oracles.correct import use_in_words
 from viscache.oracles.learned import PassMemory
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
-from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
-from viscache.scene import Env, Scene
+from viscache.scene import Scene
 from viscache.scene.about import lit_coats
-from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import audit as audits
-from viscache.settings import by_name
-from viscache.settings.checks import is_whole, require
-from viscache.settings.integrators import (
-    AmbientOcclusion,
-    Bdpt,
-    Integrator,
-    core_settings,
-    described,
-)
-from viscache.settings.rays import Rays, Vlf, check_rays
+from viscache.settings.integrators import AmbientOcclusion, Bdpt, Integrator, described
+from viscache.settings.rays import Vlf
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, VisMaps
+from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.vismap.rendering import render_with_maps
 from viscache.voxel_counts import VoxelCounts
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["render"]
 
@@ -52,57 +46,24 @@ MOST_POINTS_OF_A_TILE = 1 << 16
 
 
 @spelled
+@of_shot()
 def render(
     scene: Scene | str | os.PathLike[str],
-    integrator: Integrator | str,
+    integrator: Integrator | str | None = None,
     *,
-    rays: Rays | str | None = None,
-    visibility: Visibility | Written | str | None = None,
-    use: Literal["replace", "correct"] | Correct | None = None,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
-    seed: int = 0,
-    threads: int | None = None,
-    camera: str | int | _core.Camera | None = None,
-    env: Env | None = None,
     keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
     audit: audits.Audit | Literal["pixels", "queries"] | None = None,
     progress: Progress = False,
+    **shot: Unpack[ShotArguments],
 ) -> Frame:
     """Render a frame.
 
     Parameters
     ----------
-    scene : Scene, path or str
-        A string is a file or a built-in name (`room?triangles=5000`).
-    integrator : Direct, Whitted, AmbientOcclusion or Bdpt
-        Or its name, for default settings: "direct", "whitted", "ao" or "bdpt". The next two take
-        names too.
-    rays : Embree, Bsp or Vlf, optional
-        The ray caster that traces all rays of the frame. "embree", "bsp" or "vlf".
-    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        The method that answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
-        "nee_plus_plus" or "vismap". An object with a method `block(eyes, lamps, wanted)` is an
-        oracle of your own (docs/howto/own-cache.md).
-    use : {"replace", "correct"} or Correct, optional
-        How an approximation is used. "replace": in place of visibility; the default, but not of
-        VisMaps. "correct": as a control variate, which is unbiased; rays for a random share of the
-        queries correct the error. "correct" is `vc.Correct()`, except that VisMaps have their own
-        control variate.
-    size : (width, height), optional
-        Pixels; the camera's own by default.
-    spp : int >= 1
-        Eye paths per pixel, box filter. `Bdpt`: pairs of eye and light paths.
-    seed : int >= 0
-        The same seed gives the same bytes for any number of threads.
-    threads : int >= 1, optional
-        All cores by default.
-    camera : str, int or Camera, optional
-        Name or index of one of the scene's cameras, or a camera of `vc.look_at`. The first by
-        default. Without a camera, the whole scene is shown from a corner above.
-    env : Sky, path, float, (3,) or (H, W, 3), optional
-        Environment light instead of the scene's.
+    scene, integrator, visibility, rays, use, size, spp, seed, threads, camera, env
+        What to render: see `viscache.Shot`. The integrator is `vc.Direct()` by default, the rays
+        `vc.Embree()`, the visibility exact.
     keep : AqvcTable, AqvcRows or VoxelCounts, optional
         For `Aqvc` with Direct or Whitted: what this frame reuses and extends. With a table, the
         cache has the form "pairs", and `scale_free` cells by default; it is for frames of moving
@@ -157,18 +118,7 @@ def render(
     >>> frame = vc.render("slits", "direct", visibility="aqvc", size=(32, 20))
     """
     return render_part(
-        scene,
-        integrator,
-        (0, 1),
-        rays=rays,
-        visibility=visibility,
-        use=use,
-        size=size,
-        spp=spp,
-        seed=seed,
-        threads=threads,
-        camera=camera,
-        env=env,
+        BareShot(scene, integrator, **shot),
         keep=keep,
         first_sample=first_sample,
         audit=audit,
@@ -177,141 +127,111 @@ def render(
 
 
 def render_part(
-    scene: Scene | str | os.PathLike[str],
-    integrator: Integrator | str,
-    part: tuple[int, int],
+    shot: BareShot,
+    part: tuple[int, int] = (0, 1),
     *,
-    rays: Rays | str | None = None,
-    visibility: Visibility | Written | str | None = None,
-    use: Literal["replace", "correct"] | Correct | None = None,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
-    seed: int = 0,
-    threads: int | None = None,
-    camera: str | int | _core.Camera | None = None,
-    env: Env | None = None,
     keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
     audit: audits.Audit | Literal["pixels", "queries"] | None = None,
     progress: Progress = False,
     memory: PassMemory | None = None,
 ) -> Frame:
-    """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black. As `render`.
+    """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black.
 
     `viscache.tiles` joins parts. Every part traces the virtual lights again. `memory`: what passes
     of one picture hand on; its lights must be of this scene, integrator, size and seed.
     """
-    scene = sources.opened(scene)
-    integrator = cast(Integrator, by_name.setting("integrator", integrator))
-    rays = check_rays(rays)
-    visibility = cast("Visibility | Written", by_name.setting("visibility", visibility, "exact"))
-    check_settings(scene, integrator, rays, visibility, use, keep)
-    audit = audits.checked(audit)
-    number, parts = _checked_part(part)
-    if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
-        visibility = visibility.for_frame_table()
-    if isinstance(keep, AqvcTable) and isinstance(visibility, Aqvc):
-        visibility = visibility.for_kept_table()
-    request = Request(
-        integrator=integrator,
-        rays=rays,
-        visibility=visibility,
-        use=use,
-        keep=keep is not None,
-        keeps_rows=isinstance(keep, AqvcRows),
-        keeps_voxels=isinstance(keep, VoxelCounts),
-        first_sample=_checked_first(first_sample, spp),
-        parts=parts,
-        audit=audit,
-    )
-    check(request)
-    if isinstance(integrator, AmbientOcclusion):
-        integrator = integrator.within(scene.bounds)
-    geometry = scene
-    if env is not None:
-        scene = scene.with_environment(env, threads=threads)
-    view = find_camera(scene, camera)
-    pixels = frame_size(size, view)
-    frame = frame_settings(pixels, spp, seed, threads)
-    spp, seed = int(spp), int(seed)  # numbers of NumPy overflow
-    require_memory(scene, integrator, pixels, corrects=use not in (None, "replace"))
-    frame.part, frame.parts = number, parts
-    frame.first_sample = int(first_sample)
-    if audit is None:
-        frame.audit_pixels = watched_pixels(request, frame.width * frame.height)
-    else:
-        audits.set_audit(frame, audit)
-
+    plan = planned(shot, part, keep=keep, first_sample=first_sample, audit=audit)
     start, cpu = time.perf_counter(), time.process_time()
-    caster = scene.caster(rays, threads=frame.threads)
+    caster = plan.scene.caster(plan.request.rays, threads=plan.frame.threads)
     build_s = time.perf_counter() - start
-    core = integrator.core() if isinstance(integrator, Bdpt) else core_settings(integrator)
-    batch = None
-    if isinstance(visibility, Exact) and not isinstance(core, _core.BdptSettings):
-        batch = _sky_batch(scene, geometry, core, visibility)
-    check(replace(request, batch=batch is not None))
     with ExitStack() as stack:
         report = stack.enter_context(progress_bar(progress))
-        kept, rows, voxels = None, None, None
-        if isinstance(keep, AqvcTable):
-            table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
-            kept = (table, keep.check, keep.repair)
-        elif isinstance(keep, VoxelCounts):
-            voxels = stack.enter_context(keep._frame(scene, cast(NeePlusPlus, visibility)))
-        elif keep is not None:
-            rows = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
-        context = SourceContext(
-            scene=scene._core,
-            caster=caster,
-            spp=spp,
-            # Oracles that draw at random do so anew for each first sample
-            seed=seed_of(seed, "oracle", frame.first_sample),
-            # Corrections draw independently in epochs of passes
-            lasting_seed=seed_of(seed, "corrections", memory.epoch if memory else 0),
-            batch=batch,
-            shafts=shafts_for(geometry, visibility, rays),
-            kept=kept,
-            rows=rows,
-            octaves=memory.octaves if memory else None,
-            voxels=voxels,
-            bidirectional=isinstance(integrator, Bdpt),
-        )
-        source = oracle_source(visibility, use, context)
-        if isinstance(core, _core.BdptSettings):
-            result = _core.render_bdpt(
-                scene._core, caster, view, core, frame, source, progress=report
-            )
-        elif isinstance(visibility, VisMaps):
-            result = render_with_maps(
-                scene,
-                geometry,
-                rays,
-                caster,
-                view,
-                core,
-                frame,
-                visibility,
-                source,
-                replace=use == "replace",
-                progress=report,
-            )
-        else:
-            result = _core.render_frame(
-                scene._core,
-                caster,
-                view,
-                core,
-                frame,
-                source,
-                batch=_batch_for(scene, integrator, core, frame),
-                field=_field_for(scene, integrator, frame),
-                lights=memory.lights if memory else None,
-                progress=report,
-            )
-    total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
+        source = _source(plan, caster, memory, stack)
+        result = _traced(plan, caster, source, memory.lights if memory else None, report)
+    times = {
+        "total_s": time.perf_counter() - start,
+        "cpu_s": time.process_time() - cpu,
+        "build_s": build_s,
+    }
+    return _frame(plan, result, times)
 
-    timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
-    timings.update(result["timings"])
+
+def _source(
+    plan: FramePlan, caster: _core.RayCaster, memory: PassMemory | None, stack: ExitStack
+) -> _core.OracleSource:
+    """The source of the frame's oracles; what is kept is in use until the stack is unwound."""
+    request, frame, keep = plan.request, plan.frame, plan.keep
+    batch = _sky_batch(plan)
+    check(replace(request, batch=batch is not None))
+    kept: Any = None
+    if keep is not None:
+        kept = stack.enter_context(keep._frame(plan.scene, request.visibility))
+    context = SourceContext(
+        scene=plan.scene._core,
+        caster=caster,
+        spp=frame.spp,
+        # Oracles that draw at random do so anew for each first sample
+        seed=seed_of(frame.seed, "oracle", frame.first_sample),
+        # Corrections draw independently in epochs of passes
+        lasting_seed=seed_of(frame.seed, "corrections", memory.epoch if memory else 0),
+        batch=batch,
+        shafts=shafts_for(plan.geometry, request.visibility, request.rays),
+        kept=(kept, keep.check, keep.repair) if isinstance(keep, AqvcTable) else None,
+        rows=kept if isinstance(keep, AqvcRows) else None,
+        octaves=memory.octaves if memory else None,
+        voxels=kept if isinstance(keep, VoxelCounts) else None,
+        bidirectional=isinstance(request.integrator, Bdpt),
+    )
+    return oracle_source(request.visibility, request.use, context)
+
+
+def _traced(
+    plan: FramePlan,
+    caster: _core.RayCaster,
+    source: _core.OracleSource,
+    lights: _core.KeptLights | None,
+    report: Any,
+) -> dict[str, Any]:
+    """Layers, counters and timings from the core."""
+    scene, request, frame = plan.scene, plan.request, plan.frame
+    if isinstance(plan.core, _core.BdptSettings):
+        return _core.render_bdpt(
+            scene._core, caster, plan.view, plan.core, frame, source, progress=report
+        )
+    if isinstance(request.visibility, VisMaps):
+        return render_with_maps(
+            scene,
+            plan.geometry,
+            request.rays,
+            caster,
+            plan.view,
+            plan.core,
+            frame,
+            request.visibility,
+            source,
+            replace=request.use == "replace",
+            progress=report,
+        )
+    return _core.render_frame(
+        scene._core,
+        caster,
+        plan.view,
+        plan.core,
+        frame,
+        source,
+        batch=_batch_for(scene, request.integrator, plan.core, frame),
+        field=_field_for(scene, request.integrator, frame),
+        lights=lights,
+        progress=report,
+    )
+
+
+def _frame(plan: FramePlan, result: dict[str, Any], times: dict[str, float]) -> Frame:
+    """The frame that the core has traced, with all that is known of it."""
+    scene, request, frame, audit = plan.scene, plan.request, plan.frame, plan.audit
+    rays, visibility = request.rays, request.visibility
+    timings = {**times, **result["timings"]}
     # Wall time of a stage: its CPU seconds over the number of threads
     for stage in ("visibility", "shading"):
         timings[f"{stage}_s"] = timings[f"{stage}_cpu_s"] / result["threads"]
@@ -322,22 +242,22 @@ def render_part(
         parameters={
             "scene": scene.spec or scene.name,
             "scene_hash": scene.content_hash,
-            "integrator": described(integrator),
+            "integrator": described(request.integrator),
             "rays": {"name": type(rays).__name__, **asdict(rays)},
             "visibility": {"name": type(visibility).__name__, **parameters_of(visibility)},
-            "use": use_in_words(use, visibility),
+            "use": use_in_words(request.use, visibility),
             "size": [frame.width, frame.height],
-            "spp": spp,
-            "seed": seed,
+            "spp": frame.spp,
+            "seed": frame.seed,
             **({"first_sample": frame.first_sample} if frame.first_sample else {}),
-            "camera": view.name,
+            "camera": plan.view.name,
             "tile_edge_px": result["tile_edge_px"],
             **({"engine": result["engine"]} if "engine" in result else {}),
-            **({"keep": keep.parameters()} if keep is not None else {}),
+            **({"keep": plan.keep.parameters()} if plan.keep is not None else {}),
             **({"audit": audits.in_words(audit)} if audit is not None else {}),
         },
         provenance={**provenance(), "threads": result["threads"]},
-        warnings=_warnings(scene, integrator, visibility),
+        warnings=_warnings(scene, request.integrator, visibility),
     )
     count_broken_pixels(made)
     found = result.get("audit")
@@ -359,37 +279,6 @@ def render_part(
     return made
 
 
-def check_settings(
-    scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
-) -> None:
-    """Check the type of every argument."""
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
-    known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
-    require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
-    known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
-    require(
-        isinstance(visibility, get_args(Visibility)) or is_written(visibility),
-        f"visibility must be {known} or an object with a method block",
-        visibility,
-    )
-    check_rays(rays)
-    fits = (
-        use in (None, "replace", "correct")
-        if isinstance(use, str | None)
-        else (isinstance(use, Correct) and not isinstance(visibility, VisMaps))
-    )
-    require(
-        fits,
-        'use must be "replace" or "correct", or vc.Correct(...) unless visibility is VisMaps',
-        use,
-    )
-    require(
-        keep is None or isinstance(keep, AqvcTable | AqvcRows | VoxelCounts),
-        "keep must be vc.AqvcTable(...), vc.AqvcRows(...) or vc.VoxelCounts()",
-        keep,
-    )
-
-
 def seed_of(seed: int, purpose: str, number: int) -> int:
     """The seed of one of several draws from a seed: number 0 has the seed itself.
 
@@ -399,26 +288,6 @@ def seed_of(seed: int, purpose: str, number: int) -> int:
         return seed
     text = f"{seed} {purpose} {number}".encode()
     return int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "little")
-
-
-def use_in_words(use: Any, visibility: Any) -> Any:
-    """How the approximation is used, as frames record it."""
-    return in_words(use) or ("correct" if isinstance(visibility, VisMaps) else "replace")
-
-
-def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
-    number, parts = part
-    require(is_whole(parts) and 1 <= parts <= 1 << 20, "parts must be in [1, 2^20]", parts)
-    require(is_whole(number) and 0 <= number < parts, "part must be in [0, parts)", number)
-    return int(number), int(parts)
-
-
-def _checked_first(first_sample: int, spp: int) -> int:
-    whole = is_whole(first_sample) and 0 <= first_sample < 1 << 31
-    require(whole, "first_sample must be a whole number in [0, 2^31)", first_sample)
-    fits = not is_whole(spp) or spp < 1 or first_sample % spp == 0
-    require(fits, f"first_sample must be a multiple of spp ({spp})", first_sample)
-    return int(first_sample)
 
 
 def _batch_for(
@@ -448,17 +317,18 @@ def _field_for(
     return scene.caster(Vlf(n_directions=integrator.n_samples), threads=frame.threads)
 
 
-def _sky_batch(
-    scene: Scene, geometry: Scene, core: _core.IntegratorSettings, visibility: Exact
-) -> _core.vlf.AlignedBatch | None:
+def _sky_batch(plan: FramePlan) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for shared directions of lights, or None."""
+    core, scene, visibility = plan.core, plan.scene, plan.request.visibility
+    if not isinstance(visibility, Exact) or isinstance(core, _core.BdptSettings):
+        return None
     kinds = {light["kind"] for light in scene.lights}
     sky = core.environment == _core.EnvironmentSampling.SHARED
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))
     if visibility.sky_engine == "embree" or not shared:
         return None
     hopeless = _core.vlf.is_hopeless(scene._core, MOST_POINTS_OF_A_TILE)
-    return None if visibility.sky_engine == "auto" and hopeless else geometry.aligned_batch()
+    return None if visibility.sky_engine == "auto" and hopeless else plan.geometry.aligned_batch()
 
 
 def _warnings(scene: Scene, integrator: Integrator, visibility: Any) -> list[str]:
@@ -474,20 +344,3 @@ def _warnings(scene: Scene, integrator: Integrator, visibility: Any) -> list[str
             "times the rays of an even c_n"
         )
     return texts
-
-
-def frame_settings(
-    size: tuple[int, int], spp: int, seed: int, threads: int | None
-) -> _core.FrameSettings:
-    """The C++ settings of a frame, checked."""
-    for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
-        whole = is_whole(value) or (name == "threads" and value is None)
-        require(whole, f"{name} must be a whole number", value)
-    require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
-    require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
-    require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
-    frame = _core.FrameSettings()
-    frame.width, frame.height = size
-    frame.spp, frame.seed = spp, seed
-    frame.threads = threads or len(os.sched_getaffinity(0))
-    return frame

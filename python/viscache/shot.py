@@ -1,4 +1,4 @@
-"""What a picture shows, and the key by which its passes, parts and stored frames are known.
+"""What to render, once: the arguments of every call that renders, and the key of its picture.
 
 A key is made of values alone: of the numbers of a camera, the bytes of a sky, the code of an
 oracle. So it is the same in every process and folder, and it is another one where the picture would
@@ -8,65 +8,92 @@ be another one. Threads and names of files have no part in it.
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
-from types import FunctionType
-from typing import Any, ClassVar
-
-import numpy as np
+from collections.abc import Callable, Mapping
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, TypeVar
 
 from viscache import _core, sources
-from viscache.array_digests import array_in_words, bytes_digest, content_key
-from viscache.oracles.code_digest import code_digest
-from viscache.oracles.written import is_written
+from viscache.array_digests import content_key
+from viscache.identity import by_value, environment_in_words, object_in_words
+from viscache.oracles.correct import Correct, use_in_words
+from viscache.oracles.written import Written, is_written
 from viscache.provenance import VERSION
-from viscache.render import frame_settings, use_in_words
-from viscache.scene import Sky
+from viscache.scene import Env
 from viscache.scene.cameras import camera_in_words, find_camera, frame_size
-from viscache.scene.environments import environment_pixels, existing_file
 from viscache.settings import by_name
+from viscache.settings.checks import is_whole, require
+from viscache.settings.integrators import Direct, Integrator
 from viscache.settings.not_given import NotGiven
-from viscache.sharing import MadeOnce
-from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.pass_maps import records_digest
+from viscache.settings.rays import Rays
+from viscache.settings.visibility import Visibility
+from viscache.sharing import MadeOnce, Newest
 
-__all__ = ["Shot", "environment_in_words", "require_same"]
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
+__all__ = ["BareShot", "ShotArguments", "frame_settings", "lit_here", "of_shot", "require_same"]
+
+Called = TypeVar("Called", bound=Callable[..., Any])
 
 #: Settings that `viscache.render` takes where none is given.
 _DEFAULTS: dict[by_name.Role, str] = {"visibility": "exact", "rays": "embree"}
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Shot:
-    """What to render.
+class ShotArguments(TypedDict, total=False):
+    """Keywords of every call that renders; `viscache.Shot` explains them."""
 
-    Parameters
-    ----------
-    scene, integrator, visibility, rays, use, size, spp, seed, threads, camera, env
-        As `viscache.render` takes them.
-    """
+    visibility: Visibility | Written | str | None
+    rays: Rays | str | None
+    use: Literal["replace", "correct"] | Correct | None
+    size: tuple[int, int] | None
+    spp: int
+    seed: int
+    threads: int | None
+    camera: str | int | _core.Camera | None
+    env: Env | None
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class BareShot:
+    """What to render, for calls to take it apart; `viscache.Shot` has the calls as methods."""
 
     scene: Any
-    integrator: Any
-    visibility: Any = None
-    rays: Any = None
-    use: Any = None
+    integrator: Integrator | str | None = None
+    _: dataclasses.KW_ONLY
+    visibility: Visibility | Written | str | None = None
+    rays: Rays | str | None = None
+    use: Literal["replace", "correct"] | Correct | None = None
     size: tuple[int, int] | None = None
     spp: int = 1
     seed: int = 0
     threads: int | None = None
-    camera: Any = None
-    env: Any = None
+    camera: str | int | _core.Camera | None = None
+    env: Env | None = None
 
     _made: ClassVar[MadeOnce]  # of each shot, but no argument
 
     def __post_init__(self) -> None:
         for role in by_name.ROLES:
-            chosen = by_name.setting(role, getattr(self, role), _DEFAULTS.get(role))
-            object.__setattr__(self, role, chosen)
+            given = getattr(self, role)
+            if given is not None:
+                object.__setattr__(self, role, by_name.setting(role, given))
+        if self.integrator is None:
+            object.__setattr__(self, "integrator", Direct())
         object.__setattr__(self, "_made", MadeOnce())
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What was given, by name."""
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+
+    @property
+    def opened(self) -> Any:
+        """The scene, read or built when it is first asked for."""
+        if not isinstance(self.scene, str | os.PathLike):
+            return self.scene
+        return self._made.get("opened", lambda: sources.opened(self.scene))
 
     @property
     def parts(self) -> dict[str, Any]:
@@ -77,38 +104,103 @@ class Shot:
         ValueError
             A part is out of range, or is not known by its value.
         """
-        return self._made.get("parts", lambda: self._parts_of(_PARTS) | {"version": VERSION})
+        made = {n: self._made.get((n,), partial(make, self)) for n, (make, _) in _PARTS.items()}
+        return made | {"version": VERSION}
 
     @property
     def key(self) -> str:
         """Hex digest of `parts`."""
         return content_key(self.parts)
 
-    def with_(self, **changes: Any) -> Shot:
-        """Another shot; parts that stay the same are not made again."""
-        changes = {n: value for n, value in changes.items() if value is not getattr(self, n)}
+    def with_(self, **changes: Any) -> Self:
+        """Another shot, with other arguments."""
         other = dataclasses.replace(self, **changes)
-        changed = [name for name, (_, of) in _PARTS.items() if not of.isdisjoint(changes)]
-        return other._known_by(self.parts | other._parts_of(changed))
+        changed = {n for n, value in changes.items() if value is not getattr(self, n)}
+        for name, (_, of) in _PARTS.items():
+            if of.isdisjoint(changed):
+                other._has((name,), self)
+        if "scene" not in changed:
+            other._has("opened", self)
+        return other
 
-    def opened_by(self, spec: str) -> Shot:
+    def opened_by(self, spec: str) -> Self:
         """The same shot, whose scene workers open by its spec."""
         return dataclasses.replace(self, scene=spec)._known_by(self.parts)
 
-    def _parts_of(self, names: Iterable[str]) -> dict[str, Any]:
-        return {name: _PARTS[name][0](self) for name in names}
+    def setting(self, role: by_name.Role) -> Any:
+        """What `viscache.render` takes for the integrator, the rays or the visibility."""
+        return by_name.setting(role, getattr(self, role), _DEFAULTS.get(role))
 
-    def _known_by(self, parts: dict[str, Any]) -> Shot:
-        self._made.get("parts", lambda: parts)
+    def _has(self, what: Any, other: BareShot) -> None:
+        """Take over what another shot has made already."""
+        if what in other._made:
+            self._made.get(what, lambda: other._made.get(what, dict))
+
+    def _known_by(self, parts: Mapping[str, Any]) -> Self:
+        for name in _PARTS:
+            self._made.get((name,), partial(parts.__getitem__, name))
         return self
 
+    def __eq__(self, other: object) -> bool:
+        return self.key == other.key if isinstance(other, BareShot) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
     def __reduce__(self) -> tuple[Any, ...]:
-        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return _sent, (given, self.parts)
+        return _sent, (type(self), self.arguments, self.parts)
+
+    def __repr__(self) -> str:
+        usual = {f.name: f.default for f in dataclasses.fields(self)} | {"integrator": Direct()}
+        said = [repr(self.scene)]
+        for name, value in self.arguments.items():
+            if name != "scene" and not _same(value, usual[name]):
+                said.append(repr(value) if name == "integrator" else f"{name}={value!r}")
+        return f"Shot({', '.join(said)})"
 
 
-def _sent(given: dict[str, Any], parts: dict[str, Any]) -> Shot:
-    return Shot(**given)._known_by(parts)
+Kind = TypeVar("Kind", bound=BareShot)
+
+
+def _sent(kind: type[Kind], given: dict[str, Any], parts: dict[str, Any]) -> Kind:
+    return kind(**given)._known_by(parts)
+
+
+def _same(value: Any, usual: Any) -> bool:
+    """Whether a value is the default; arrays are none."""
+    return type(value) is type(usual) and bool(value is usual or value == usual)
+
+
+def of_shot(**usual: Any) -> Callable[[Called], Called]:
+    """Decorate a function whose keywords `**shot` are those of a shot: `help` lists them.
+
+    `usual` are defaults that differ from those of `BareShot`.
+    """
+
+    def decorate(called: Called) -> Called:
+        own = inspect.signature(called)
+        named = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        fields = {f.name: f for f in dataclasses.fields(BareShot)}
+        of_shot = [
+            inspect.Parameter(
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=usual.get(name, fields[name].default),
+                annotation=fields[name].type,
+            )
+            for name in ShotArguments.__annotations__
+        ]
+
+        @wraps(called)
+        def filled(*args: Any, **kwargs: Any) -> Any:
+            return called(*args, **{**usual, **kwargs})
+
+        filled.__signature__ = own.replace(  # type: ignore[attr-defined]
+            parameters=[*named, *of_shot]
+        )
+        return filled  # type: ignore[return-value]
+
+    return decorate
 
 
 def require_same(wanted: Any, given: Any, where: str, name: str = "") -> None:
@@ -121,29 +213,70 @@ def require_same(wanted: Any, given: Any, where: str, name: str = "") -> None:
         raise ValueError(f"{name or 'the picture'} must be {wanted!r} {where}, got {given!r}")
 
 
-def _camera(shot: Shot) -> Any:
-    numbers = camera_in_words(find_camera(_scene(shot), shot.camera))
+_SCENE, _LIT = Newest(), Newest()
+
+
+def lit_here(shot: BareShot, scene: Any = None) -> BareShot:
+    """The shot with its scene under its environment, in this process or in a worker.
+
+    A worker keeps the newest scene. Files must be those from which the shot's parts were made.
+    """
+    wanted, spec = shot.parts, shot.scene
+    if scene is None and isinstance(spec, str | os.PathLike):
+        scene = _SCENE.get(spec, lambda: sources.opened(spec))
+        if str(scene.content_hash) != wanted["scene"]:
+            raise ValueError(
+                f"scene {spec} is not the one the work began with (its content differs)"
+            )
+    elif scene is None:  # it travelled, or is a stand-in
+        scene = spec
+    if shot.env is None:
+        return shot.with_(scene=scene)
+
+    def lit() -> Any:
+        env = environment_in_words(shot.env)
+        require_same(wanted["env"], env, "as when the work began", "env")
+        return scene.with_environment(shot.env, threads=shot.threads)
+
+    known = content_key({name: wanted[name] for name in ("scene", "env")})
+    return shot.with_(scene=_LIT.get(known, lit), env=None)
+
+
+def frame_settings(
+    size: tuple[int, int], spp: int, seed: int, threads: int | None
+) -> _core.FrameSettings:
+    """The C++ settings of a frame, checked."""
+    for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
+        whole = is_whole(value) or (name == "threads" and value is None)
+        require(whole, f"{name} must be a whole number", value)
+    require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
+    require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
+    require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
+    frame = _core.FrameSettings()
+    frame.width, frame.height = size
+    frame.spp, frame.seed = spp, seed
+    frame.threads = threads or len(os.sched_getaffinity(0))
+    return frame
+
+
+def _camera(shot: BareShot) -> Any:
+    numbers = camera_in_words(find_camera(shot.opened, shot.camera))
     return {name: value for name, value in numbers.items() if name != "name"}
 
 
-def _size(shot: Shot) -> list[int]:
-    size = frame_size(shot.size, find_camera(_scene(shot), shot.camera))
+def _size(shot: BareShot) -> list[int]:
+    size = frame_size(shot.size, find_camera(shot.opened, shot.camera))
     frame = frame_settings(size, shot.spp, shot.seed, shot.threads)
     return [frame.width, frame.height]
 
 
-def _scene(shot: Shot) -> Any:
-    known = not isinstance(shot.scene, str | os.PathLike)
-    return shot.scene if known else sources.opened(shot.scene)
-
-
-def _setting(role: by_name.Role) -> Callable[[Shot], dict[str, Any]]:
+def _setting(role: by_name.Role) -> Callable[[BareShot], dict[str, Any]]:
     """What makes the part of a setting: its name and its parameters."""
 
-    def part(shot: Shot) -> dict[str, Any]:
-        chosen = getattr(shot, role)
+    def part(shot: BareShot) -> dict[str, Any]:
+        chosen = shot.setting(role)
         if is_written(chosen) or not dataclasses.is_dataclass(chosen):
-            return _own(chosen, role)
+            return object_in_words(chosen, role)
         known = by_name.parameters(chosen)
         if hasattr(chosen, "resolved"):  # what the preset's defaults are in this version
             known |= {"resolved": by_name.plain(chosen.resolved())}
@@ -154,13 +287,13 @@ def _setting(role: by_name.Role) -> Callable[[Shot], dict[str, Any]]:
 
 
 #: Each part with the fields of a shot that decide it.
-_PARTS: dict[str, tuple[Callable[[Shot], Any], frozenset[str]]] = {
-    "scene": (lambda shot: str(_scene(shot).content_hash), frozenset({"scene"})),
+_PARTS: dict[str, tuple[Callable[[BareShot], Any], frozenset[str]]] = {
+    "scene": (lambda shot: str(shot.opened.content_hash), frozenset({"scene"})),
     "integrator": (_setting("integrator"), frozenset({"integrator"})),
     "visibility": (_setting("visibility"), frozenset({"visibility"})),
     "rays": (_setting("rays"), frozenset({"rays"})),
     "use": (
-        lambda shot: use_in_words(shot.use, shot.visibility),
+        lambda shot: use_in_words(shot.use, shot.setting("visibility")),
         frozenset({"use", "visibility"}),
     ),
     "size": (_size, frozenset({"scene", "camera", "size"})),
@@ -169,110 +302,3 @@ _PARTS: dict[str, tuple[Callable[[Shot], Any], frozenset[str]]] = {
     "camera": (_camera, frozenset({"scene", "camera"})),
     "env": (lambda shot: environment_in_words(shot.env), frozenset({"env"})),
 }
-
-
-def environment_in_words(env: Any) -> Any:
-    """An environment by its content: the file's bytes, the pixels, or the numbers.
-
-    Raises
-    ------
-    SceneError
-        There is no such file.
-    ValueError
-        It is no environment.
-    """
-    if env is None or isinstance(env, Sky):
-        return by_value(env, "env")
-    if isinstance(env, str | os.PathLike):
-        return f"file sha256 {bytes_digest(existing_file(env).read_bytes())}"
-    pixels = environment_pixels(env)
-    return array_in_words(pixels) if pixels.ndim == 3 else np.resize(pixels, 3).tolist()
-
-
-def by_value(value: Any, what: str, within: tuple[int, ...] = ()) -> Any:
-    """A value in words, JSON-able and the same in every process.
-
-    Raises
-    ------
-    ValueError
-        An object says nothing of its value, or contains itself.
-    """
-    if isinstance(value, np.generic):
-        value = value.item()
-    elif isinstance(value, np.ndarray) and value.dtype.hasobject:
-        value = value.tolist()
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    try:
-        words = _known(value)
-    except Exception as error:
-        raise ValueError(_unknown(value, what)) from error
-    if words is not None:
-        return words
-    if id(value) in within:
-        raise ValueError(_unknown(value, what))
-    within = (*within, id(value))
-    if isinstance(value, Mapping):
-        named = {n if isinstance(n, str) else repr(by_value(n, what, within)): n for n in value}
-        return {n: by_value(value[key], f"{what}.{n}", within) for n, key in named.items()}
-    if isinstance(value, list | tuple):
-        return [by_value(v, what, within) for v in value]
-    if isinstance(value, set | frozenset):
-        return sorted((by_value(v, what, within) for v in value), key=repr)
-    if dataclasses.is_dataclass(value) and type(value).__module__.startswith("viscache."):
-        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-        return {"name": type(value).__name__, **by_value(fields, what, within)}
-    return by_value(_copied(value, what), what, within)
-
-
-def _copied(value: Any, what: str) -> Any:
-    """How an object would be copied: its class and its state."""
-    try:
-        made = value.__reduce_ex__(4)
-    except Exception as error:
-        raise ValueError(_unknown(value, what)) from error
-    if isinstance(made, str):
-        return made
-    return [list(part) if hasattr(part, "__next__") else part for part in made]
-
-
-def _known(value: Any) -> Any:
-    """Objects whose content has a short name, else None."""
-    if isinstance(value, type | FunctionType):
-        return f"{value.__qualname__} {code_digest(value, warns=False)}"
-    if isinstance(value, VisibilityMapCache):
-        return f"maps sha256 {records_digest(value)}"
-    if isinstance(value, _core.Camera):
-        return camera_in_words(value)
-    if isinstance(value, bytes | bytearray):
-        return f"bytes sha256 {bytes_digest(value)}"
-    if isinstance(value, Path):
-        return str(value)
-    own = getattr(value, "content_hash", None)
-    if isinstance(own, str):
-        return f"{type(value).__name__} {own}"
-    if hasattr(value, "__array__"):
-        array = np.asarray(value)
-        return None if array.dtype.hasobject else array_in_words(array)
-    return None
-
-
-def _own(chosen: Any, role: str) -> dict[str, Any]:
-    """A setting that is not viscache's: its code and what its attributes say."""
-    cls = type(chosen)
-    named = {"name": cls.__qualname__, "code": code_digest(cls)}
-    if isinstance(getattr(chosen, "content_hash", None), str):
-        return named | {"content_hash": chosen.content_hash}
-    fields = dataclasses.fields(chosen) if dataclasses.is_dataclass(chosen) else ()
-    values = {f.name: getattr(chosen, f.name) for f in fields} | getattr(chosen, "__dict__", {})
-    if not values:  # its slots
-        values = {"state": _copied(chosen, role)[2:]}
-    return {**named, **by_value(values, role)}
-
-
-def _unknown(value: Any, what: str) -> str:
-    return (
-        f"{what} must be known by its value, as pictures are told apart by it, got"
-        f" {type(value).__module__}.{type(value).__qualname__}; an attribute content_hash (text)"
-        " of it, or of its oracle, can say what it is"
-    )

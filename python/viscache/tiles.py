@@ -10,20 +10,24 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, as_completed
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from viscache import sources, workers
+from viscache import workers
 from viscache.audited import audit_record, error_warnings, joined
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, Layer
 from viscache.render import render_part
 from viscache.scene import Scene
+from viscache.settings.audit import Audit
 from viscache.settings.checks import is_whole, require
-from viscache.sharing import Newest
-from viscache.shot import Shot, require_same
+from viscache.settings.spelling import spelled
+from viscache.shot import BareShot, ShotArguments, lit_here, of_shot, require_same
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 
@@ -59,15 +63,17 @@ class Part:
         return tile_boxes(self.size, edge, self.number, self.parts)
 
 
+@spelled
+@of_shot()
 def render(
     scene: Scene | str | os.PathLike[str],
-    integrator: Any,
+    integrator: Any = None,
     *,
     executor: Executor | None = None,
     parts: int | None = None,
     show: Callable[[Frame, int, int], None] | None = None,
-    size: tuple[int, int] | None = None,
-    **options: Any,
+    audit: Audit | Literal["pixels", "queries"] | None = None,
+    **shot: Unpack[ShotArguments],
 ) -> Frame:
     """Render a frame in parts; the same bytes as `viscache.render`.
 
@@ -84,11 +90,11 @@ def render(
     show : callable, optional
         Called after each part with the unfinished frame, the number of finished parts and the
         number of parts: a live view.
-    size : (width, height), optional
-        Pixels; the camera's own by default, as everywhere.
-    **options
-        rays, visibility (`Exact` or `Aqvc`), spp, seed, threads, camera, env, audit of
-        `viscache.render`.
+    audit : AuditPixels, AuditQueries, "pixels" or "queries", optional
+        As `viscache.render` takes it.
+    visibility : Exact, Aqvc or Unoccluded
+    use, rays, size, spp, seed, threads, camera, env
+        See `viscache.Shot`.
 
     Returns
     -------
@@ -105,10 +111,11 @@ def render(
     require(is_whole(n) and 1 <= n <= 1 << 16, "parts must be in [1, 65536]", n)
     tasks = [(number, int(n)) for number in range(int(n))]
     done: list[Part | None] = [None] * int(n)
-    given = {**options, "size": size}
-    source = _parts_here(scene, integrator, tasks, given)
-    if executor is not None:
-        source = _parts_there(executor, scene, integrator, tasks, given)
+    wanted = BareShot(scene, integrator, **shot)
+    if executor is None:
+        source = _parts_here(wanted, tasks, audit)
+    else:
+        source = _parts_there(executor, wanted, tasks, audit)
     for finished, part in enumerate(source, 1):
         done[part.number] = part
         if show is not None:
@@ -159,31 +166,19 @@ def tile_boxes(
     ]
 
 
-def _parts_here(
-    scene: Scene | str | os.PathLike[str],
-    integrator: Any,
-    tasks: list[tuple[int, int]],
-    options: dict[str, Any],
-) -> Iterator[Part]:
-    opened = sources.opened(scene)
-    shows = _shows(opened, integrator, options)
-    env = options.pop("env", None)
-    lit = opened if env is None else opened.with_environment(env)
+def _parts_here(shot: BareShot, tasks: list[tuple[int, int]], audit: Any) -> Iterator[Part]:
+    here = lit_here(shot, shot.opened)
     for number, parts in tasks:
-        yield cut(render_part(lit, integrator, (number, parts), **options), number, parts, shows)
+        yield cut(render_part(here, (number, parts), audit=audit), number, parts, shot.parts)
 
 
 def _parts_there(
-    executor: Executor,
-    scene: Any,
-    integrator: Any,
-    tasks: list[tuple[int, int]],
-    options: dict[str, Any],
+    executor: Executor, shot: BareShot, tasks: list[tuple[int, int]], audit: Any
 ) -> Iterator[Part]:
     flying: list[Future[Part]] = []
     try:
         for task in tasks:
-            flying.append(executor.submit(render_in_worker, scene, integrator, task, options))
+            flying.append(executor.submit(render_in_worker, shot, task, audit))
         for future in as_completed(flying):
             yield future.result()
     finally:
@@ -191,25 +186,9 @@ def _parts_there(
             future.cancel()
 
 
-_SCENE = Newest()
-
-
-def render_in_worker(
-    scene: Scene | str | os.PathLike[str],
-    integrator: Any,
-    task: tuple[int, int],
-    options: dict[str, Any],
-) -> Part:
-    """Render one part. The worker keeps the newest scene."""
-    opened = _SCENE.get(scene, lambda: sources.opened(scene))
-    shows = _shows(opened, integrator, options)
-    return cut(render_part(opened, integrator, task, **options), *task, shows)
-
-
-def _shows(scene: Scene, integrator: Any, options: dict[str, Any]) -> dict[str, Any]:
-    known = {f.name for f in fields(Shot)}
-    given = {name: value for name, value in options.items() if name in known}
-    return Shot(scene=scene, integrator=integrator, **given).parts
+def render_in_worker(shot: BareShot, task: tuple[int, int], audit: Any = None) -> Part:
+    """Render one part."""
+    return cut(render_part(lit_here(shot), task, audit=audit), *task, shot.parts)
 
 
 def cut(frame: Frame, number: int, parts: int, shows: dict[str, Any] | None = None) -> Part:

@@ -301,7 +301,7 @@ def test_tuning_costs_less_than_twenty_of_the_frames_it_finds(
 
     def counting(*given: Any, **more: Any) -> vc.Frame:
         made = render_part(*given, **more)
-        spent.append(modelled(made.counters, exact=isinstance(more.get("visibility"), vc.Exact)))
+        spent.append(modelled(made.counters, exact=isinstance(given[0].visibility, vc.Exact)))
         return made
 
     monkeypatch.setattr(samples, "render_part", counting)

@@ -24,6 +24,7 @@ from viscache.oracles.learned import (
     unlearnt,
 )
 from viscache.render import render_part
+from viscache.shot import BareShot
 
 #: Draws of a pixel repeat their turns after so many samples.
 CYCLE = 256
@@ -50,16 +51,16 @@ def hall() -> vc.Scene:
     return vc.Scene.from_description(description)
 
 
+def shot(scene: vc.Scene, size: tuple[int, int], use: vc.Correct) -> BareShot:
+    """Pixels' centres."""
+    return BareShot(scene, vc.Direct(centred=True), size=size, visibility=CACHE, use=use)
+
+
 def frames(scene: vc.Scene, memory: list[PassMemory], size: tuple[int, int], **use: Any) -> Any:
     """Frames of samples 0, 1, ..., all at the pixels' centres."""
     return [
         render_part(
-            scene,
-            vc.Direct(centred=True),
-            (0, 1),
-            size=size,
-            visibility=CACHE,
-            use=vc.Correct(**use),
+            shot(scene, size, use=vc.Correct(**use)),
             first_sample=n,
             memory=m,
         )
@@ -105,12 +106,7 @@ def test_shares_that_change_with_the_draw_are_biased(hall: vc.Scene) -> None:
         memory = PassMemory(_core.KeptLights(), octaves, 3)
         found += [
             render_part(
-                hall,
-                vc.Direct(centred=True),
-                (0, 1),
-                size=size,
-                visibility=CACHE,
-                use=vc.Correct(certain=2.0),
+                shot(hall, size, use=vc.Correct(certain=2.0)),
                 first_sample=n,
                 memory=memory,
             )
@@ -177,21 +173,8 @@ def test_octaves_follow_the_root_of_the_probability() -> None:
 def test_the_layer_of_variance_has_the_variance_as_its_expectation(hall: vc.Scene) -> None:
     """Frames of independent draws: their spread, and the mean of the layer."""
     size, n = (24, 24), 192
-    options: dict[str, Any] = {
-        "size": size,
-        "visibility": CACHE,
-        "use": vc.Correct(certain=1.0),
-    }
-    found = [
-        render_part(
-            hall,
-            vc.Direct(centred=True),
-            (0, 1),
-            memory=PassMemory(_core.KeptLights(), None, e),
-            **options,
-        )
-        for e in range(n)
-    ]
+    asked = shot(hall, size, use=vc.Correct(certain=1.0))
+    found = [render_part(asked, memory=PassMemory(_core.KeptLights(), None, e)) for e in range(n)]
     spread = np.var([f.image.astype(np.float64) for f in found], axis=0, ddof=1).sum()
     layers = np.array([f.layers["variance"].astype(np.float64).sum() for f in found])
     error = layers.std(ddof=1) / np.sqrt(n)

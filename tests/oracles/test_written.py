@@ -239,8 +239,9 @@ def test_what_is_no_oracle_is_refused(room: vc.Scene) -> None:
             vc.render(room, WHITTED, visibility=given, size=SIZE)
     with pytest.raises(ValueError, match="for parts of a frame"):
         from viscache.render import render_part
+        from viscache.shot import BareShot
 
-        render_part(room, WHITTED, (0, 2), visibility=Rays(), size=SIZE)
+        render_part(BareShot(room, WHITTED, visibility=Rays(), size=SIZE), (0, 2))
     with pytest.raises(ValueError, match="product"):
         vc.render(room, vc.Direct(environment="product"), visibility=Rays(), size=SIZE, env=1.0)
 

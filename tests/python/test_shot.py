@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import json
 import os
 import pickle
@@ -18,8 +19,9 @@ import pytest
 
 import viscache as vc
 from viscache import tiles
+from viscache.identity import by_value
 from viscache.scene import SceneError
-from viscache.shot import Shot, by_value, require_same
+from viscache.shot import ShotArguments, require_same
 from viscache.sweeps import work
 
 SIZE = (16, 10)
@@ -36,9 +38,9 @@ def write_sky(path: Path, factor: float = 1.0) -> Path:
     return path
 
 
-def shot(**changes: Any) -> Shot:
+def shot(**changes: Any) -> vc.Shot:
     given: dict[str, Any] = {"scene": "cube_on_plane", "integrator": SKY, "size": SIZE}
-    return Shot(**(given | changes))
+    return vc.Shot(**(given | changes))
 
 
 def picture(**options: Any) -> vc.Progressive:
@@ -53,7 +55,6 @@ from dataclasses import dataclass
 from pathlib import Path
 import numpy as np
 import viscache as vc
-from viscache.shot import Shot
 import own
 
 sky, state, resume = sys.argv[1:4]
@@ -73,7 +74,7 @@ shots = {
     "own": {"visibility": own.Own(table=pixels, sees={"b", "a"}, view=view, keep={"scene": scene})},
     "lights": {"integrator": lights, "visibility": "aqvc", "use": vc.Correct(share=0.5)},
 }
-found = {name: Shot(**(given | more)).key for name, more in shots.items()}
+found = {name: vc.Shot(**(given | more)).key for name, more in shots.items()}
 options = {"visibility": "exact", "size": (16, 10), "threads": 1}
 image = vc.Progressive(scene, light, env=sky, camera=view, **options)
 if resume == "resume":
@@ -288,14 +289,14 @@ def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path: Path) -> None:
     planned = shot(env=str(write_sky(tmp_path / "sky.exr")))
     assert planned.parts["env"].startswith("file sha256 ")
     write_sky(tmp_path / "sky.exr", 2)
-    with pytest.raises(ValueError, match=r"env must be .* as when the sweep began, got"):
+    with pytest.raises(ValueError, match=r"env must be .* as when the work began, got"):
         work.render_task(planned)
 
 
 def test_parts_of_another_picture_are_not_merged(tmp_path: Path) -> None:
     def part(number: int, **options: Any) -> tiles.Part:
         given = {"size": (150, 40)} | options
-        return tiles.render_in_worker("cube_on_plane", SKY, (number, 2), given)
+        return tiles.render_in_worker(shot(**given), (number, 2))
 
     sky = write_sky(tmp_path / "sky.exr")
     first = part(0, env=sky)
@@ -316,5 +317,65 @@ def test_a_shot_travels_with_its_parts() -> None:
         back = pickle.loads(pickle.dumps(sent))
         assert back.parts == sent.parts and back.threads == 2
         assert back.seed == sent.seed and back.scene == sent.scene
-    with pytest.raises(ValueError, match="scene slits is not the one the sweep began with"):
+    with pytest.raises(ValueError, match="scene slits is not the one the work began with"):
         work.render_task(given.opened_by("slits"))
+
+
+def test_a_shot_is_a_value(tmp_path: Path) -> None:
+    made = vc.Shot("cube_on_plane", "direct?n_area=1&n_environment=2", size=SIZE, threads=2)
+    assert made == shot() and hash(made) == hash(shot()) and len({made, shot(), shot(seed=1)}) == 2
+    assert made != shot(seed=1) and made != "cube_on_plane"
+    assert repr(shot(seed=3)) == (
+        "Shot('cube_on_plane', Direct(n_area=1, n_environment=2), size=(16, 10), seed=3)"
+    )
+    assert repr(vc.Shot("slits")) == "Shot('slits')"
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        made.seed = 1  # type: ignore[misc]
+    again = pickle.loads(pickle.dumps(made))
+    assert type(again) is vc.Shot and again == made and again.threads == 2
+
+
+def test_what_changes_after_a_shot_was_made_does_not_change_it() -> None:
+    view, sky = vc.look_at(*EYE), pixels()
+    made = shot(camera=view, env=sky)
+    view.view_height, sky[:] = 9.0, 0
+    assert made.key == shot(camera=vc.look_at(*EYE), env=pixels()).key
+
+
+def test_calls_of_a_shot_are_those_of_the_package() -> None:
+    room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(48, 30), seed=3)
+    given = ("room?triangles=2000", vc.Whitted(n_vpls=16))
+    usual: dict[str, Any] = {"size": (48, 30), "seed": 3}
+    assert room.render().sha256 == vc.render(*given, **usual).sha256
+    cached = room.render(visibility="aqvc?c_e=8", spp=2, audit="pixels")
+    again = vc.render(*given, visibility=vc.Aqvc(c_e=8), spp=2, audit="pixels", **usual)
+    assert cached.sha256 == again.sha256 and "audit" in cached.counters
+    assert room.with_(visibility="aqvc").render().sha256 == room.render(visibility="aqvc").sha256
+    swept = room.sweep(over={"C_E": [4, 8]}, repeats=2)
+    assert dict(swept.sizes) >= {"c_e": 2, "repeat": 2}
+    assert "Aqvc" in str(room.tune(rel_l1=0.2).visibility)
+    picture = room.passes(2)
+    assert picture.n_passes == 2 and picture.visibility != vc.Exact()
+    picture.passes(1)
+    same = vc.Progressive(*given, **usual).passes(3)
+    assert picture.frame.sha256 == same.sha256
+    asked = room.with_(visibility="aqvc").connections()
+    assert asked.frame(asked.answers("exact")).sha256 == room.render().sha256
+    with pytest.raises(TypeError, match="render has no parameter 'sed'"):
+        room.render(sed=3)
+
+
+def test_every_call_lists_the_arguments_of_a_shot() -> None:
+    names = [f.name for f in dataclasses.fields(vc.Shot)]
+    assert names[2:] == list(ShotArguments.__annotations__)
+    for call in (vc.render, vc.sweep, vc.tune, vc.Progressive, vc.connections, vc.tiles.render,
+                 vc.passes_over_time, vc.testing.ExactFrames.__call__):  # fmt: skip
+        listed = inspect.signature(call).parameters
+        assert set(names) <= set(listed), call
+        assert not [p for p in listed.values() if p.kind is p.VAR_KEYWORD], call
+
+
+@pytest.mark.parametrize("text", ["aqvc?", "aqvc?c_e", "aqvc?c_e=8&c_e=9", "aqvc?=8"])
+def test_settings_in_words_that_are_none_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"must be a name, then \?parameter=value"):
+        shot(visibility=text)

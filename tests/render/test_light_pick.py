@@ -19,6 +19,7 @@ from render.mitsuba_scene import Look, Model, ball, box
 from viscache import cli
 from viscache.oracles.points import unpack
 from viscache.render import render_part
+from viscache.shot import BareShot
 from viscache.sweeps.store import Store
 
 Array = npt.NDArray[Any]
@@ -152,7 +153,7 @@ def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -
     frames = [vc.render(scene, whitted(4), threads=n, **options) for n in (1, 2, 5)]
     assert len({f.sha256 for f in frames}) == 1
     assert len({str(f.counters["groups"]) for f in frames}) == 1
-    parts = [render_part(scene, whitted(4), (i, 3), **options).image for i in range(3)]
+    parts = [render_part(BareShot(scene, whitted(4), **options), (i, 3)).image for i in range(3)]
     np.testing.assert_array_equal(np.sum(parts, axis=0), frames[0].image)
     assert vc.render(scene, whitted(4), **{**options, "seed": 4}).sha256 != frames[0].sha256
 

@@ -12,6 +12,7 @@ import pytest
 import viscache as vc
 from viscache import tiles
 from viscache.render import render_part
+from viscache.shot import BareShot
 
 SCENE = "room?triangles=3000"
 #: 16 samples: tiles of 64 × 64 pixels, 3 × 2 of them.
@@ -63,7 +64,9 @@ def test_parts_join_where_only_some_processes_have_the_tree_of_shafts() -> None:
     whitted = vc.Whitted(n_vpls=40)
     for first in (0, 1):
         cut = [
-            tiles.cut(render_part(scenes[(first + i) % 2], whitted, (i, 2), **small), i, 2)
+            tiles.cut(
+                render_part(BareShot(scenes[(first + i) % 2], whitted, **small), (i, 2)), i, 2
+            )
             for i in range(2)
         ]
         joined = tiles.merge(cut)
@@ -87,7 +90,8 @@ def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
 def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refused(
     scene: vc.Scene,
 ) -> None:
-    cut = [tiles.cut(render_part(scene, vc.Direct(), (i, 4), **SIZE), i, 4) for i in range(4)]
+    shot = BareShot(scene, vc.Direct(), **SIZE)
+    cut = [tiles.cut(render_part(shot, (i, 4)), i, 4) for i in range(4)]
     assert_same(tiles.merge(cut), tiles.merge(cut[::-1]))
     assert_same(tiles.merge(cut), vc.render(scene, vc.Direct(), **SIZE))
     for wrong in (cut[:3], [*cut[:3], cut[2]], []):
@@ -135,6 +139,6 @@ def test_a_frame_whose_tiles_depend_on_more_than_themselves_is_refused(
 def test_a_part_out_of_range_is_refused(scene: vc.Scene) -> None:
     for part in ((2, 2), (-1, 2), (0, 0), (0, True)):
         with pytest.raises(ValueError, match=r"parts? must be in"):
-            render_part(scene, vc.Direct(), part, size=(8, 8))
+            render_part(BareShot(scene, vc.Direct(), size=(8, 8)), part)
     with pytest.raises(ValueError, match="parts must be in"):
         tiles.render(scene, vc.Direct(), parts=-1, size=(8, 8))

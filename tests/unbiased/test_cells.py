@@ -20,9 +20,10 @@ import pytest
 
 import viscache as vc
 from viscache import _core, combinations
-from viscache.render import check_settings, frame_settings
+from viscache.frame_plan import check_settings
 from viscache.settings import by_name
 from viscache.settings.integrators import core_settings
+from viscache.shot import frame_settings
 from viscache.testing.unbiased import Bias
 
 Array = npt.NDArray[Any]

@@ -13,6 +13,7 @@ from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Exact
+from viscache.shot import BareShot
 
 __all__ = ["shafts"]
 
@@ -101,7 +102,8 @@ def _frame(case: Case, scene: Scene, engine: Engine, *, coherent: bool) -> Frame
     exact = Exact(engine=engine, order="by_light", coherent=coherent)
     more: dict[str, Any] = {"size": case.size, "spp": case.spp, "threads": 1}
     part = (min(3, case.parts - 1), case.parts)
-    return render_part(scene, Whitted(n_vpls=case.n_vpls), part, visibility=exact, **more)
+    shot = BareShot(scene, Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
+    return render_part(shot, part)
 
 
 def _run(

@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import setting
+from viscache.settings.visibility import VisMaps
 
-__all__ = ["Correct", "in_words"]
+__all__ = ["Correct", "in_words", "use_in_words"]
 
 
 #: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
@@ -89,3 +90,8 @@ class Correct:
 def in_words(use: Any) -> Any:
     """How an approximation is used, as frames and sweeps record it: JSON-able."""
     return {"name": "correct", **asdict(use)} if isinstance(use, Correct) else use
+
+
+def use_in_words(use: Any, visibility: Any) -> Any:
+    """How the approximation is used, with the default of its method, as frames record it."""
+    return in_words(use) or ("correct" if isinstance(visibility, VisMaps) else "replace")

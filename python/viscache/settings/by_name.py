@@ -58,16 +58,28 @@ def name_of(role: Role, settings: Any) -> str:
 
 
 def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
-    """Settings from a name, or from a table `{name = "whitted", n_vpls = 1024}`.
+    """Settings from a name, `whitted?n_vpls=1024`, or a table `{name = "whitted", n_vpls = 1024}`.
 
     A `preset` in the table is a parameter like the others.
     """
-    table = {"name": spec} if isinstance(spec, str) else dict(spec)
+    table = _table(spec) if isinstance(spec, str) else dict(spec)
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
     cls = settings_class(role, name)
     return replaced(cls(), table, role)
+
+
+def _table(spec: str) -> dict[str, Any]:
+    """`aqvc?c_e=8&c_n=4` as a table, as scenes are written."""
+    name, mark, rest = spec.partition("?")
+    table: dict[str, Any] = {"name": name}
+    for pair in rest.split("&") if mark else ():
+        parameter, equals, text = pair.partition("=")
+        if not equals or not parameter or parameter in table:
+            raise ValueError(f"{spec!r} must be a name, then ?parameter=value&..., each once")
+        table[parameter] = literal(text)
+    return table
 
 
 def setting(role: Role, value: Any, default: str | None = None) -> Any:

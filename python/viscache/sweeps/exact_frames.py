@@ -7,25 +7,28 @@ import re
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from viscache import _core, sources
+from viscache import sources
 from viscache.array_digests import content_key
 from viscache.files import inside, write_whole
 from viscache.frame import Frame
 from viscache.progress import Progress
 from viscache.provenance import code_hash, embree_version, isa
-from viscache.render import render
+from viscache.render import render_part
+from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
-from viscache.scene.scene import Env
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
-from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.shot import Shot
+from viscache.settings.visibility import Exact
+from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import positive
 from viscache.sweeps.store import DATABASE_FILES, Store
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["ExactFrames"]
 
@@ -74,19 +77,14 @@ class ExactFrames:
         return f"ExactFrames({None if self.directory is None else str(self.directory)!r})"
 
     @spelled
+    @of_shot(visibility="exact")
     def __call__(
         self,
-        scene: Any,
-        integrator: Integrator | str,
+        scene: Scene | str | os.PathLike[str],
+        integrator: Integrator | str | None = None,
         *,
-        size: tuple[int, int] | None = None,
-        spp: int = 1,
-        seed: int = 0,
-        camera: str | int | _core.Camera | None = None,
-        env: Env | None = None,
-        rays: Rays | str | None = None,
-        threads: int | None = None,
         progress: Progress = False,
+        **shot: Unpack[ShotArguments],
     ) -> Frame:
         """An exact frame; parameters as of `viscache.render`.
 
@@ -98,41 +96,21 @@ class ExactFrames:
         ValueError
             As `viscache.render`.
         """
-        require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
-        opened = sources.opened(scene)
-        shot = Shot(
-            scene=opened,
-            integrator=integrator,
-            rays=rays,
-            camera=camera,
-            env=env,
-            size=frame_size(size, find_camera(opened, camera)),
-            spp=positive("spp", spp),
-            seed=int(seed),
-            threads=threads,
-        )
+        given = BareShot(scene, integrator, **shot)
+        exact = isinstance(given.setting("visibility"), Exact)
+        require(exact, "visibility must be vc.Exact(...)", given.visibility)
+        fits = is_whole(given.seed) and 0 <= given.seed < 1 << 63
+        require(fits, "seed must be in [0, 2^63)", given.seed)
+        lit, spp = sources.opened(given.opened), positive("spp", given.spp)
+        size = frame_size(given.size, find_camera(lit, given.camera))
+        wanted = given.with_(scene=lit, size=size, spp=spp, seed=int(given.seed))
         if self.directory is None:
-            return _rendered(shot, progress)
+            return render_part(wanted, progress=progress)
         with Store(_room(self.directory)) as store:
-            return _once(store, shot, progress)
+            return _once(store, wanted, progress)
 
 
-def _rendered(shot: Shot, progress: Progress) -> Frame:
-    return render(
-        shot.scene,
-        shot.integrator,
-        rays=shot.rays,
-        size=shot.size,
-        spp=shot.spp,
-        seed=shot.seed,
-        threads=shot.threads,
-        camera=shot.camera,
-        env=shot.env,
-        progress=progress,
-    )
-
-
-def _once(store: Store, shot: Shot, progress: Progress) -> Frame:
+def _once(store: Store, shot: BareShot, progress: Progress) -> Frame:
     """The frame of a store; one process renders it, the others wait."""
     key = shot.key
     while (found := _kept(store, key)) is None:
@@ -142,7 +120,7 @@ def _once(store: Store, shot: Shot, progress: Progress) -> Frame:
         try:
             found = _kept(store, key)  # finished by another process before the claim
             if found is None:
-                found = _rendered(shot, progress)
+                found = render_part(shot, progress=progress)
                 with suppress(LostLeaseError):  # another process keeps it: this one has the same
                     store.put(key, shot.parts, found)
             return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -11,7 +12,7 @@ from viscache.provenance import cpu_model, provenance
 from viscache.scene.cameras import camera_in_words
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
-from viscache.shot import Shot
+from viscache.shot import BareShot
 from viscache.sweeps import designs
 
 Over: TypeAlias = "Mapping[str, Any] | Sequence[Mapping[str, Any]]"
@@ -39,8 +40,7 @@ class Plan:
     dims: list[str]
     coords: dict[str, tuple[str, list[Any]]]
     points: list[Point] = field(default_factory=list)
-    tasks: dict[str, Shot] = field(default_factory=dict)
-    specs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    tasks: dict[str, BareShot] = field(default_factory=dict)
     metrics: list[str] = field(default_factory=list)
     repeats: int = 1
     seed: int = 0
@@ -52,17 +52,19 @@ class Plan:
 
 
 def make_plan(
-    scene: Any,
-    resolved: Mapping[str, Any],
-    common: Mapping[str, Any],
+    base: BareShot,
+    source: Any,
     *,
     over: Over,
     repeats: int,
-    seed: int,
     converged: Mapping[str, int] | None,
     metrics: list[str],
 ) -> Plan:
-    """The frames of a sweep with checked settings; renders nothing."""
+    """The frames of a sweep with checked settings; renders nothing.
+
+    Workers open a `source` that is text, and get the scene of `base` otherwise.
+    """
+    resolved: dict[str, Any] = {role: base.setting(role) for role in by_name.ROLES}
     owners, dims, coords, combinations = _grid(over, resolved)
     plan = Plan(
         names=[o[1] for o in owners],
@@ -70,10 +72,17 @@ def make_plan(
         coords=coords,
         metrics=metrics,
         repeats=repeats,
-        seed=seed,
+        seed=base.seed,
     )
+
+    def add(chosen: Mapping[str, Any], **more: int) -> str:
+        """Put a frame on the plan; returns its key."""
+        exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
+        shot = base.with_(**chosen, use=None if exact else base.use, **more)
+        plan.tasks[shot.key] = shot.opened_by(source) if isinstance(source, str) else shot
+        return shot.key
+
     second = _converged(converged)
-    base = Shot(**{**common, **resolved, "scene": scene})
     exact = by_name.make("visibility", "exact")
     for index, values in combinations:
         changed: dict[str, Any] = dict(resolved)
@@ -83,17 +92,17 @@ def make_plan(
         last = None
         if second:
             whole = _of_all_lights(reference)
-            last = _add(plan, base, whole, common, seed=second[0], spp=second[1])
+            last = add(whole, seed=second[0], spp=second[1])
         for repeat in range(repeats):
-            paired = _add(plan, base, reference, common, seed=seed + repeat)
-            key = _add(plan, base, changed, common, seed=seed + repeat)
+            paired = add(reference, seed=base.seed + repeat)
+            key = add(changed, seed=base.seed + repeat)
             row = dict(zip(plan.names, values, strict=True))
             plan.points.append(
                 Point(
                     index=(*index, repeat),
                     values=row,
                     repeat=repeat,
-                    seed=seed + repeat,
+                    seed=base.seed + repeat,
                     key=key,
                     paired=paired,
                     converged=last,
@@ -163,43 +172,20 @@ def _values(name: str, values: Any) -> list[Any]:
     return kept
 
 
-def _add(
-    plan: Plan,
-    base: Shot,
-    chosen: Mapping[str, Any],
-    common: Mapping[str, Any],
-    *,
-    seed: int,
-    spp: int | None = None,
-) -> str:
-    """Put a frame on the plan; returns its key."""
-    exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
-    use = None if exact else common["use"]
-    shot = base.with_(**chosen, use=use, seed=seed, spp=spp or common["spp"])
-    plan.specs[shot.key] = shot.parts
-    source = common["scene"]
-    plan.tasks[shot.key] = shot.opened_by(source) if isinstance(source, str) else shot
-    return shot.key
-
-
 def definition_of(
-    plan: Plan,
-    scene: Any,
-    source: Any,
-    resolved: Mapping[str, Any],
-    common: Mapping[str, Any],
-    converged: Mapping[str, int] | None,
+    plan: Plan, base: BareShot, source: Any, converged: Mapping[str, int] | None
 ) -> dict[str, Any]:
     """The description of a sweep in its store, for tables and reports."""
+    scene = base.opened
     return {
         "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
-        **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
-        "size": list(common["size"]),
-        "spp": common["spp"],
-        "use": in_words(common["use"]),
-        "camera": camera_in_words(common["camera"]),
+        **{r: by_name.described(r, base.setting(r)) for r in by_name.ROLES},
+        "size": list(base.size or ()),
+        "spp": base.spp,
+        "use": in_words(base.use),
+        "camera": camera_in_words(base.camera),
         "seed": plan.seed,
         "repeats": plan.repeats,
         "converged": dict(converged) if converged else None,
@@ -207,19 +193,8 @@ def definition_of(
         "names": plan.names,
         "dims": plan.dims,
         "coords": {name: [dim, values] for name, (dim, values) in plan.coords.items()},
-        "points": [
-            {
-                "index": p.index,
-                "values": p.values,
-                "repeat": p.repeat,
-                "seed": p.seed,
-                "key": p.key,
-                "paired": p.paired,
-                "converged": p.converged,
-            }
-            for p in plan.points
-        ],
-        "provenance": provenance(common["threads"]),
+        "points": [dataclasses.asdict(point) for point in plan.points],
+        "provenance": provenance(base.threads),
         "cpu": cpu_model(),
     }
 

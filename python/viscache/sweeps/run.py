@@ -202,7 +202,7 @@ class Run:
         """
         frame.provenance["alone"] = alone
         self._remember(key, frame)
-        writing = self.writer.submit(self.store.put, key, self.plan.specs[key], frame)
+        writing = self.writer.submit(self.store.put, key, self.plan.tasks[key].parts, frame)
         try:
             self._measure_ahead(key)
         finally:
@@ -304,7 +304,7 @@ class Run:
         if record is not None and not record.changed(frame):
             self.store.replace_picture(key, frame)
         else:  # comparisons with the old picture are void
-            self.store.put(key, self.plan.specs[key], frame)
+            self.store.put(key, self.plan.tasks[key].parts, frame)
             self.void.add(key)
         return frame
 

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from viscache import tiles
 from viscache.metrics import flip_map
 from viscache.render import render_part
-from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
+from viscache.shot import BareShot
 
 __all__ = ["METRICS", "ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
 
@@ -185,13 +185,7 @@ def ratio(over: Sequence[float], under: Sequence[float]) -> tuple[float, tuple[f
 
 
 def samples(
-    scene: Scene,
-    integrator: Any,
-    given: dict[str, Any],
-    seed: int,
-    *,
-    in_parts: bool,
-    metric: ErrorMetric,
+    shot: BareShot, *, in_parts: bool, metric: ErrorMetric
 ) -> tuple[Callable[[], Sample], Callable[[], Sample]]:
     """What the pilots see, and what checks the result: functions that render the exact pictures.
 
@@ -199,8 +193,8 @@ def samples(
 
     Parameters
     ----------
-    given : dict
-        Other arguments of `render_part`.
+    shot : BareShot
+        With a size.
     in_parts : bool
         Whether the settings can render parts of a frame. Else two frames of the same lights and
         different eye samples serve, as they do for FLIP, which looks at the surroundings of pixels.
@@ -208,8 +202,8 @@ def samples(
 
     def rendered(setting: Setting, first: int, part: tuple[int, int]) -> tiles.Part:
         visibility, use = setting
-        how = {"visibility": visibility, "use": use, "seed": seed, "first_sample": first}
-        return tiles.cut(render_part(scene, integrator, part, **how, **given), *part)
+        wanted = shot.with_(visibility=visibility, use=use)
+        return tiles.cut(render_part(wanted, part, first_sample=first), *part)
 
     def sampled(first: int, number: int) -> Callable[[], Sample]:
         return lambda: Sample(
@@ -220,15 +214,14 @@ def samples(
         )
 
     # An empty part costs next to nothing and tells the size of tiles
-    size = typing.cast("tuple[int, int]", given["size"])
-    edge = int(
-        render_part(scene, integrator, (1 << 19, 1 << 20), **given).parameters["tile_edge_px"]
-    )
+    size = typing.cast("tuple[int, int]", shot.size)
+    empty = render_part(shot.with_(visibility=Exact(), use=None), (1 << 19, 1 << 20))
+    edge = int(empty.parameters["tile_edge_px"])
     in_parts = in_parts and metric != "flip"
     parts = _parts(len(tiles.tile_boxes(size, edge, 0, 1))) if in_parts else 1
     if parts < 2:
-        return sampled(OTHER_SAMPLES * given["spp"], 0), sampled(0, 0)
-    rng = np.random.Generator(np.random.Philox(key=[seed, 1]))
+        return sampled(OTHER_SAMPLES * shot.spp, 0), sampled(0, 0)
+    rng = np.random.Generator(np.random.Philox(key=[shot.seed, 1]))
     one, other = (int(number) for number in rng.permutation(parts)[:2])
     return sampled(0, one), sampled(0, other)
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from viscache import _core, sources
 from viscache import metrics as _metrics
+from viscache import sources
 from viscache.oracles.correct import Correct
 from viscache.oracles.written import is_written
 from viscache.progress import Progress
@@ -27,6 +27,7 @@ from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import nearest, spelled
+from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, definition_of, make_plan, positive
 from viscache.sweeps.run import Run
@@ -35,21 +36,19 @@ from viscache.sweeps.table import to_dataset, write_parquet, write_table
 
 if TYPE_CHECKING:
     import xarray
+    from typing_extensions import Unpack
 
 DEFAULT_METRICS = ("rel_l1", "rel_l1_reflected", "rmse", "energy", "flip", "ssim")
 
 
 @spelled
+@of_shot(visibility="aqvc")
 def sweep(
     scene: Any,
-    integrator: Any,
+    integrator: Any = None,
     *,
-    visibility: Any = None,
     over: Over,
     repeats: int = 1,
-    seed: int = 0,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
     converged: Mapping[str, int] | None = None,
     metrics: Iterable[str] = DEFAULT_METRICS,
     directory: str | os.PathLike[str] | None = None,
@@ -57,20 +56,14 @@ def sweep(
     apart: bool | None = None,
     references: str | os.PathLike[str] | None = None,
     progress: Progress = False,
-    threads: int | None = None,
-    rays: Any = None,
-    use: str | Correct | None = None,
-    camera: str | int | _core.Camera | None = None,
-    env: Any = None,
+    **shot: Unpack[ShotArguments],
 ) -> xarray.Dataset:
     """Render every setting of a grid and measure it against its references.
 
     Parameters
     ----------
-    scene : Scene, path or str
-        A string is a file or a built-in name (`room?triangles=200000`).
-    integrator : settings or str
-        `vc.Whitted(...)` or "whitted".
+    scene, integrator, rays, use, size, spp, threads, camera, env
+        What to render: see `viscache.Shot`.
     visibility : settings or str, optional
         The cache whose parameters are swept; `vc.Aqvc()` by default.
     over : mapping of name to values, or a list of points
@@ -82,10 +75,6 @@ def sweep(
     repeats, seed : int
         Repeat i uses seed + i, as the table says, so sweeps whose seeds overlap share frames.
         1 <= repeats.
-    size : (width, height), optional
-        Pixels; the camera's own by default, as everywhere.
-    spp : int
-        Samples per pixel.
     converged : {"spp": ..., "seed": ...}, optional
         Renders the second reference, of all lights also where the integrator picks some.
     metrics : iterable of str
@@ -106,10 +95,6 @@ def sweep(
         A directory of finished references that several sweeps share.
     progress : bool or callable
         A bar with the time left on standard error, or a function of (done, total).
-    threads : int, optional
-        Of each frame.
-    rays, use, camera, env
-        As `viscache.render` takes them.
 
     Returns
     -------
@@ -130,25 +115,9 @@ def sweep(
     KeyboardInterrupt
         Ctrl-C was pressed; finished frames are kept.
     """
-    resolved = {
-        "integrator": by_name.setting("integrator", integrator),
-        "rays": by_name.setting("rays", rays, "embree"),
-        "visibility": by_name.setting("visibility", visibility, "aqvc"),
-    }
-    cache = resolved["visibility"]
+    given = BareShot(scene, integrator, **shot)
+    cache, seed, use = given.setting("visibility"), given.seed, given.use
     require(not is_written(cache) or is_dataclass(cache), "visibility must be a dataclass", cache)
-    scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
-    opened = sources.open_scene(scene) if isinstance(scene, str) else scene
-    size = frame_size(size, find_camera(opened, camera) if size is None else None)
-    common = {
-        "scene": scene,
-        "use": use,
-        "camera": camera,
-        "env": env,
-        "threads": threads,
-        "size": size,
-        "spp": positive("spp", spp),
-    }
     fits = (
         use in (None, "replace", "correct")
         if isinstance(use, str | None)
@@ -156,18 +125,20 @@ def sweep(
     )
     require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
+    source = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
+    opened = given.opened
+    size = frame_size(given.size, find_camera(opened, given.camera) if not given.size else None)
+    base = given.with_(scene=opened, size=size, spp=positive("spp", given.spp), seed=int(seed))
     plan = make_plan(
-        opened,
-        resolved,
-        common,
+        base,
+        source,
         over=over,
         repeats=positive("repeats", repeats),
-        seed=int(seed),
         converged=converged,
         metrics=_metrics.check_names(metrics),
     )
     with Store(directory) as store:
-        store.define(definition_of(plan, opened, scene, resolved, common, converged))
+        store.define(definition_of(plan, base, source, converged))
         with nullcontext() if references is None else Store(references) as shared:
             one_by_one = executor is None if apart is None else bool(apart)
             run = Run(plan, store, opened, progress, apart=one_by_one, references=shared)
@@ -289,27 +260,17 @@ class SweepFile:
             table = {"name": visibility} if isinstance(visibility, str) else dict(visibility)
             visibility = {"preset": self.preset, **table}
         env = None if self.env is None else sources.absolute(self.env, self.folder)
+        given = {name: getattr(self, name) for name in _AS_SWEEP}
         return sweep(
             self._scene(),
-            self.integrator,
-            visibility=visibility,
-            rays=self.rays,
-            use=self.use,
-            over=self.over,
-            repeats=self.repeats,
-            seed=self.seed,
-            size=cast(Any, self.size),
-            spp=self.spp,
-            converged=self.converged,
-            metrics=self.metrics,
+            **given,
+            visibility=cast(Any, visibility),
+            env=env,
             directory=directory,
             executor=executor,
             apart=apart,
             references=references,
             progress=progress,
-            threads=self.threads,
-            camera=self.camera,
-            env=env,
         )
 
     def _scene(self) -> str | Scene:
@@ -319,6 +280,12 @@ class SweepFile:
             return spec
         return sources.open_scene(spec, missing=self.missing, allow_outside=self.allow_outside)
 
+
+#: Keys of a file that `sweep` takes as they are.
+_AS_SWEEP = (
+    "integrator", "rays", "use", "over", "repeats", "seed", "size", "spp", "converged", "metrics",
+    "threads", "camera",
+)  # fmt: skip
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "scene": (str,),

@@ -7,21 +7,19 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from viscache import combinations, sources
+from viscache.frame_plan import check_settings
 from viscache.oracles.correct import Correct
-from viscache.oracles.written import Written
 from viscache.progress import Progress, progress_bar
-from viscache.render import check_settings
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
-from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
-from viscache.settings.rays import Embree
 from viscache.settings.spelling import gone, spelled
-from viscache.settings.visibility import Exact, Visibility, VisMaps
+from viscache.settings.visibility import Exact, VisMaps
+from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.jointly import MOST_MORE, families, jointly
 from viscache.sweeps.light_cells import MOST_TRIALS, with_light_cells
 from viscache.sweeps.samples import METRICS, ErrorMetric, Sample, samples
@@ -29,6 +27,9 @@ from viscache.sweeps.search import MOST_PILOTS, best, search
 from viscache.sweeps.searched import Searched, searched
 from viscache.sweeps.tuned import OWN_SAMPLES, Pilot, Tuned
 from viscache.sweeps.tuned_passes import tuned_passes
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Pilot", "Tuned", "tune"]
 
@@ -40,26 +41,20 @@ T = TypeVar("T")
 
 @gone(metric="the target names its metric, rel_l1_reflected= or rel_l1=")
 @spelled
+@of_shot(visibility="aqvc")
 def tune(
     scene: Scene | str | os.PathLike[str],
-    integrator: Any,
+    integrator: Any = None,
     *,
     rel_l1_reflected: float | None = None,
     rel_l1: float | None = None,
     flip: float | None = None,
     seconds: float | None = None,
-    visibility: Visibility | Written | str | None = None,
     parameter: str | None = None,
     between: tuple[float, float] | None = None,
     passes: bool = False,
-    use: str | Correct | None = None,
-    size: tuple[int, int] | None = None,
-    spp: int = 1,
-    seed: int = 0,
-    threads: int | None = None,
-    camera: Any = None,
-    env: Any = None,
     progress: Progress = False,
+    **shot: Unpack[ShotArguments],
 ) -> Tuned:
     """Settings with a wanted error against exact visibility, or the least error in some time.
 
@@ -70,9 +65,13 @@ def tune(
 
     Parameters
     ----------
-    scene : Scene, path or str
+    scene, use, rays, size, spp, seed, threads, camera, env
+        The frame that will be rendered: see `viscache.Shot`.
     integrator : Direct, Whitted or AmbientOcclusion
         Or its name. Its directions not shared.
+    visibility : Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
+        The cache with its other parameters; `Aqvc()` by default. A C_E per light group stays, and
+        `c_l`, `c_finest` and `bright` that are given.
     rel_l1_reflected : float, optional
         The wanted error, a relative L1 of the light on surfaces; in (0, 1). 0.01 by default, if no
         other target is given.
@@ -85,9 +84,6 @@ def tune(
         Or the seconds of the clock that a frame may take, whose error should be small. If an exact
         frame fits, it is chosen. Times vary, so two calls may choose differently; with another
         target the choice is always the same.
-    visibility : Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        The cache with its other parameters; `Aqvc()` by default. A C_E per light group stays, and
-        `c_l`, `c_finest` and `bright` that are given.
     parameter : str, optional
         The number to search: a parameter of the cache, or "use.share" with `use=vc.Correct(...)`.
         Of other caches than Aqvc their only number by default. With "c_e", C_E alone is searched.
@@ -99,9 +95,6 @@ def tune(
         corrections, or exact ones with `pick=16` or 64 (of an integrator that picks none),
         whichever are cheaper, and how many. The error is then the noise of the picture, not the
         difference to an exact one of the same samples. `Tuned.integrator` has the picks.
-    use, size, spp, seed, threads, camera, env
-        Of the frame that will be rendered, as `viscache.render` takes them; the size is the
-        camera's own by default.
     progress : bool or callable
         True shows a bar; a callable gets (done, total) renderings. The total may shrink.
 
@@ -144,31 +137,31 @@ def tune(
     judged, target = _target(
         rel_l1_reflected=rel_l1_reflected, rel_l1=rel_l1, flip=flip, seconds=seconds
     )
-    integrator = by_name.setting("integrator", integrator)
+    given = BareShot(scene, integrator, **shot)
+    integrator, cache, use = given.setting("integrator"), given.setting("visibility"), given.use
     known = "vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)"
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
     require(fits, f"integrator must be {known}", integrator)
-    cache = by_name.setting("visibility", visibility, "aqvc")
-    require(is_whole(seed) and 0 <= seed < 1 << 62, "seed must be in [0, 2^62)", seed)
+    fits = is_whole(given.seed) and 0 <= given.seed < 1 << 62
+    require(fits, "seed must be in [0, 2^62)", given.seed)
     require(isinstance(passes, bool), "passes must be True or False", passes)
-    lit = sources.opened(scene)
-    check_settings(lit, integrator, Embree(), cache, use, None)
+    lit, rays = sources.opened(given.opened), given.setting("rays")
+    check_settings(lit, integrator, rays, cache, use, None)
+    given = given.with_(scene=lit, seed=int(given.seed))
     if use == "correct" and not isinstance(cache, VisMaps):
         use = Correct()
-    given = {"spp": spp, "threads": threads, "camera": camera}
     if passes:
         alone = parameter is None and between is None and use in (None, Correct())
         require(alone, "parameter, between and use must be left out with passes", parameter or use)
         require(judged == "rel_l1_reflected", "passes are tuned by rel_l1_reflected", judged)
-        given |= {"size": size, "env": env, "seed": int(seed)}
-        by_time = seconds is not None
-        return tuned_passes(lit, integrator, cache, target, by_time, given, progress)
+        return tuned_passes(given, cache, target, seconds is not None, progress)
     wanted = searched(cache, use, parameter, between)
-    in_parts = _works_in_parts(integrator, cache, use)
-    lit = lit if env is None else lit.with_environment(env, threads=threads)
-    given["size"] = frame_size(size, find_camera(lit, camera))
+    in_parts = _works_in_parts(integrator, rays, cache, use)
+    size = frame_size(given.size, find_camera(lit, given.camera))
+    if given.env is not None:
+        lit = lit.with_environment(given.env, threads=given.threads)
     make_pilot, make_check = samples(
-        lit, integrator, given, int(seed), in_parts=in_parts, metric=judged
+        given.with_(scene=lit, env=None, size=size), in_parts=in_parts, metric=judged
     )
     with _steps(progress, wanted) as step:
         pilot = step(make_pilot)
@@ -299,11 +292,9 @@ def _steps(progress: Progress, wanted: Searched) -> Iterator[_Step]:
             report(done, done)
 
 
-def _works_in_parts(integrator: Any, visibility: Any, use: Any) -> bool:
+def _works_in_parts(integrator: Any, rays: Any, visibility: Any, use: Any) -> bool:
     """Whether parts of a frame can be rendered; ValueError if not even the frame can be."""
-    request = combinations.Request(
-        integrator=integrator, rays=Embree(), visibility=visibility, use=use
-    )
+    request = combinations.Request(integrator=integrator, rays=rays, visibility=visibility, use=use)
     combinations.check(request)
     try:
         combinations.check(replace(request, parts=2))

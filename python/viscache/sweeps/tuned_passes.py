@@ -19,9 +19,9 @@ from viscache.emitted_light import light_on_surfaces
 from viscache.exact_cost import SHARED_LIGHTS
 from viscache.progress import Progress, progress_bar
 from viscache.progressive import Progressive
-from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
+from viscache.shot import BareShot
 from viscache.sweeps.samples import ratio
 from viscache.sweeps.tuned import Pilot, Tuned
 
@@ -46,18 +46,13 @@ Light = npt.NDArray[np.float64]
 
 
 def tuned_passes(
-    scene: Scene,
-    integrator: Any,
-    cache: Any,
-    target: float,
-    by_time: bool,
-    given: dict[str, Any],
-    progress: Progress,
+    shot: BareShot, cache: Any, target: float, by_time: bool, progress: Progress
 ) -> Tuned:
     """Whichever passes reach the target for less, or have the least error.
 
     Exact ones, those of the corrected cache, or exact ones with picked lights.
     """
+    integrator = shot.setting("integrator")
     picked = () if integrator_picks(integrator) else PICKS
     total, done = (6 + 2 * len(picked)) * PILOT, 0
     with progress_bar(progress, unit="pass") as report:
@@ -68,26 +63,13 @@ def tuned_passes(
             if report is not None:
                 report(done, total)
 
-        def pair(way: _Way, firsts: tuple[int, int]) -> _Pair:
-            pictures = [
-                Progressive(
-                    scene,
-                    way.integrator,
-                    visibility=way.visibility,
-                    use=way.use,
-                    first_pass=n,
-                    **given,
-                )
-                for n in firsts
-            ]
-            return _Pair(pictures, step)
+        def pair(way: BareShot, firsts: tuple[int, int]) -> _Pair:
+            return _Pair([Progressive(**way.arguments, first_pass=n) for n in firsts], step)
 
-        known = {
-            "exact": _Way(integrator, Exact()),
-            "corrected": _Way(integrator, cache, "correct"),
-        }
+        exact = shot.with_(visibility=Exact(), use=None)
+        known = {"exact": exact, "corrected": shot.with_(visibility=cache, use="correct")}
         for n in picked:
-            known[f"{n} picks"] = _Way(replace(integrator, pick=n), Exact())
+            known[f"{n} picks"] = exact.with_(integrator=replace(integrator, pick=n))
         ways = {name: pair(way, PILOTS) for name, way in known.items()}
         for name in list(ways)[2:]:
             ways[name].chosen_among = ways["exact"].queries
@@ -110,7 +92,7 @@ def tuned_passes(
         visibility=found.visibility,
         use=found.use,
         integrator=found.integrator,
-        also=found.also(integrator),
+        also=_also(found, integrator),
         rel_l1=error * scale,
         rel_l1_reflected=error * scale,
         interval=(interval[0] * scale, interval[1] * scale),
@@ -121,7 +103,7 @@ def tuned_passes(
                 w.error_at(needed[name]),
                 w.reduction,
                 "passes",
-                known[name].also(integrator),
+                _also(known[name], integrator),
                 w.wall(needed[name]),
             )
             for name, w in ways.items()
@@ -135,22 +117,15 @@ def tuned_passes(
     )
 
 
+def _also(way: BareShot, given: Any) -> dict[str, float]:
+    """The picks, if they are not those that were given."""
+    chosen = way.setting("integrator")
+    return {} if chosen == given else {"pick": chosen.pick}
+
+
 def integrator_picks(integrator: Any) -> bool:
     """Whether the integrator has a number of picks already, or cannot pick."""
     return bool(getattr(integrator, "pick", 1))
-
-
-@dataclass(frozen=True)
-class _Way:
-    """What passes are made of."""
-
-    integrator: Any
-    visibility: Any
-    use: Any = None
-
-    def also(self, given: Any) -> dict[str, float]:
-        """The picks, if they are not those that were given."""
-        return {} if self.integrator == given else {"pick": self.integrator.pick}
 
 
 @dataclass
