@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from viscache.connections import Connections, connections
 from viscache.frame import Frame
 from viscache.progressive import Progressive
 from viscache.render import render
+from viscache.settings.spelling import spelled
 from viscache.shot import BareShot
 from viscache.sweeps.plan import Over
 from viscache.sweeps.sweep import sweep
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Shot"]
 
 
+@spelled
 @dataclass(frozen=True, eq=False, repr=False)
 class Shot(BareShot):
     """What to render, said once: scene, integrator, visibility and the rest.
@@ -104,8 +106,8 @@ class Shot(BareShot):
 
     def connections(self, **more: Any) -> Connections:
         """The visibility queries as arrays: `viscache.connections`."""
-        asked = {"visibility": None, "use": None, **more}
-        return connections(**self._with(asked, opened=True))
+        bare = replace(self, visibility=None, use=None)  # answers are asked for later
+        return connections(**bare._with(more, opened=True))
 
     def _with(self, more: dict[str, Any], *, opened: bool = False) -> dict[str, Any]:
         """Arguments of a call; what was not given keeps the call's own default."""

@@ -299,7 +299,7 @@ def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
 
 
 @spelled
-@of_shot()
+@of_shot("visibility", "use")
 def connections(
     scene: Scene | str | os.PathLike[str],
     integrator: Direct | Whitted | AmbientOcclusion | str | None = None,
@@ -333,9 +333,6 @@ def connections(
     """
     given = BareShot(scene, integrator, **shot)
     integrator = given.setting("integrator")
-    for name in ("visibility", "use"):
-        asked = getattr(given, name)
-        require(asked is None, f"{name} must be left out: answers are given later", asked)
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
     require(
         fits,

@@ -122,7 +122,7 @@ def check_settings(
     scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
 ) -> None:
     """Check the type of every argument."""
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    require(isinstance(scene, Scene), "scene must be a Scene, a file or a built-in name", scene)
     known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
     require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
     known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))

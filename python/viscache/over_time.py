@@ -54,7 +54,7 @@ METHODS: dict[str, dict[str, Any]] = {
 
 
 @spelled
-@of_shot()
+@of_shot("visibility", "use", "rays")
 def passes_over_time(
     scene: Scene | str | os.PathLike[str],
     integrator: Any = None,
@@ -137,9 +137,6 @@ def passes_over_time(
     alone = reference is None or reference_passes is None
     require(alone, "reference_passes must be left out with a reference", reference_passes)
     base = BareShot(scene, integrator, **shot)
-    for name in ("visibility", "use", "rays"):
-        given = getattr(base, name)
-        require(given is None, f"{name} must be one of the settings", given)
     base = base.with_(scene=sources.opened(base.opened))
     chosen = {name: _setting(name, one, base) for name, one in _named(settings).items()}
     runs = {name: _Run(Progressive(**one.arguments)) for name, one in chosen.items()}

@@ -171,10 +171,10 @@ def _same(value: Any, usual: Any) -> bool:
     return type(value) is type(usual) and bool(value is usual or value == usual)
 
 
-def of_shot(**usual: Any) -> Callable[[Called], Called]:
+def of_shot(*without: str, **usual: Any) -> Callable[[Called], Called]:
     """Decorate a function whose keywords `**shot` are those of a shot: `help` lists them.
 
-    `usual` are defaults that differ from those of `BareShot`.
+    All but those that it goes `without`; `usual` are defaults that differ from `BareShot`'s.
     """
 
     def decorate(called: Called) -> Called:
@@ -189,6 +189,7 @@ def of_shot(**usual: Any) -> Callable[[Called], Called]:
                 annotation=fields[name].type,
             )
             for name in ShotArguments.__annotations__
+            if name not in without
         ]
 
         @wraps(called)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache.render import render_part
 from viscache.sweeps import exact_frames
 from viscache.sweeps.exact_frames import ExactFrames
 
@@ -26,9 +27,9 @@ def rendered(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     def counted(*arguments: Any, **options: Any) -> vc.Frame:
         calls.append(options)
-        return vc.render(*arguments, **options)
+        return render_part(*arguments, **options)
 
-    monkeypatch.setattr(exact_frames, "render", counted)
+    monkeypatch.setattr(exact_frames, "render_part", counted)
     return calls
 
 
@@ -181,7 +182,7 @@ def test_an_interrupted_frame_is_not_kept(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(exact_frames, "render", interrupted)
+        patched.setattr(exact_frames, "render_part", interrupted)
         with pytest.raises(KeyboardInterrupt):
             exact(scene, vc.Direct(), size=SIZE)
     exact(scene, vc.Direct(), size=SIZE)  # the claim was given back
@@ -196,9 +197,9 @@ from viscache.sweeps import exact_frames
 def slow(*arguments, **options):
     pathlib.Path(sys.argv[1], f"rendered-{time.time_ns()}").touch()
     time.sleep(1)
-    return vc.render(*arguments, **options)
+    return whole(*arguments, **options)
 
-exact_frames.render = slow
+whole, exact_frames.render_part = exact_frames.render_part, slow
 exact = exact_frames.ExactFrames(sys.argv[1] + "/frames")
 print(exact("cube_on_plane", "direct", size=(24, 16)).sha256)
 """
@@ -216,6 +217,7 @@ def test_a_frame_whose_renderer_was_killed_is_rendered_by_another(tmp_path: Path
     command = [sys.executable, "-c", RENDER.replace("sleep(1)", "sleep(60)"), str(tmp_path)]
     with subprocess.Popen(command) as process:
         while not list(tmp_path.glob("rendered-*")):
+            assert process.poll() is None
             time.sleep(0.02)
         process.kill()
     began = time.monotonic()

@@ -16,6 +16,7 @@ from fake_renderer import FakeScene
 from viscache import metrics
 from viscache.frame import Frame
 from viscache.settings import by_name
+from viscache.shot import BareShot
 from viscache.sweeps import work
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import SweepFile, sweep
@@ -317,19 +318,10 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
     from viscache.sweeps.plan import make_plan
 
     loaded = SweepFile.load(path)
-    roles = {r: by_name.make(r, getattr(loaded, r)) for r in by_name.ROLES}
-    common = {
-        "scene": loaded.scene,
-        "use": None,
-        "camera": None,
-        "env": None,
-        "threads": None,
-        "size": (640, 400),
-        "spp": loaded.spp,
-    }
-
+    roles = {r: getattr(loaded, r) for r in by_name.ROLES}
+    shot = BareShot(FakeScene(), **roles, size=(640, 400), spp=loaded.spp)
     asked = {name: getattr(loaded, name) for name in ("over", "repeats", "converged")}
-    plan = make_plan(FakeScene(), roles, common, seed=0, metrics=list(loaded.metrics), **asked)
+    plan = make_plan(shot, loaded.scene, metrics=list(loaded.metrics), **asked)
     assert len(plan.points) >= 9
 
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "viscache/render/eye_samples.h"
 #include "viscache/render/glossy_sums.h"
@@ -10,6 +11,7 @@ namespace viscache {
 
 namespace {
 
+constexpr double kMost = std::numeric_limits<float>::max();
 constexpr size_t kBlock = 32;  // columns whose sum tells whether a point lies among them
 
 /// Sum of a block in four running sums.
@@ -45,7 +47,9 @@ bool pick_columns(std::span<const float> contributions, size_t most, double u,
         for (size_t k = first; k < first + size && next_lies_before(after); ++k) {
             sum += double(c[k]);
             if (!next_lies_before(sum)) continue;
-            out.push_back({uint32_t(k), float(std::max(1.0, distance / double(c[k])))});
+            // Finite, so that the weight of the least contributions brings light and no NaN
+            const double weight = std::clamp(distance / double(c[k]), 1.0, kMost);
+            out.push_back({uint32_t(k), float(weight)});
             while (next_lies_before(sum)) ++points;
         }
         before = after;

@@ -62,7 +62,7 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
 
     A `preset` in the table is a parameter like the others.
     """
-    table = _table(spec) if isinstance(spec, str) else dict(spec)
+    table = _table(role, spec) if isinstance(spec, str) else dict(spec)
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
@@ -70,14 +70,16 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
     return replaced(cls(), table, role)
 
 
-def _table(spec: str) -> dict[str, Any]:
+def _table(role: Role, spec: str) -> dict[str, Any]:
     """`aqvc?c_e=8&c_n=4` as a table, as scenes are written."""
     name, mark, rest = spec.partition("?")
     table: dict[str, Any] = {"name": name}
     for pair in rest.split("&") if mark else ():
         parameter, equals, text = pair.partition("=")
         if not equals or not parameter or parameter in table:
-            raise ValueError(f"{spec!r} must be a name, then ?parameter=value&..., each once")
+            raise ValueError(
+                f"{role} must be a name, then ?parameter=value&..., each once, got {spec!r}"
+            )
         table[parameter] = literal(text)
     return table
 

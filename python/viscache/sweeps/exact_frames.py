@@ -21,7 +21,6 @@ from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Exact
 from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import positive
@@ -77,7 +76,7 @@ class ExactFrames:
         return f"ExactFrames({None if self.directory is None else str(self.directory)!r})"
 
     @spelled
-    @of_shot(visibility="exact")
+    @of_shot("visibility", "use")
     def __call__(
         self,
         scene: Scene | str | os.PathLike[str],
@@ -97,8 +96,6 @@ class ExactFrames:
             As `viscache.render`.
         """
         given = BareShot(scene, integrator, **shot)
-        exact = isinstance(given.setting("visibility"), Exact)
-        require(exact, "visibility must be vc.Exact(...)", given.visibility)
         fits = is_whole(given.seed) and 0 <= given.seed < 1 << 63
         require(fits, "seed must be in [0, 2^63)", given.seed)
         lit, spp = sources.opened(given.opened), positive("spp", given.spp)
