@@ -24,11 +24,10 @@ size_t group_named(const char* parameter, const std::string& name) {
 // Values by light group: mappings of the groups that have their own.
 template <>
 struct PythonValue<std::array<double, kLightGroups>> {
-    using Given = py::object;
     using Values = std::array<double, kLightGroups>;
 
-    static std::map<std::string, double> read(const auto&, const Values& values) {
-        std::map<std::string, double> own;
+    static py::object read(const auto&, const Values& values) {
+        py::dict own;
         for (size_t g = 0; g < values.size(); ++g)
             if (values[g] > 0) own[kLightGroupNames[g]] = values[g];
         return own;
@@ -42,33 +41,34 @@ struct PythonValue<std::array<double, kLightGroups>> {
     static std::string kind(const Range&) { return "mapping of light group to float > 0"; }
 };
 
+/// One choice for all light groups, or a mapping of groups; the others have "auto".
 template <>
-struct PythonValue<std::array<std::optional<Refinement>, kLightGroups>> {
-    using Given = py::object;
-    using Values = std::array<std::optional<Refinement>, kLightGroups>;
-
-    static std::map<std::string, std::string> read(const auto&, const Values& values) {
-        std::map<std::string, std::string> own;
+struct PythonValue<RefinementByGroup> {
+    static py::object read(const auto&, const RefinementByGroup& values) {
+        const auto word = [](Refinement r) { return py::str(kNames<Refinement>[size_t(r)]); };
+        if (std::ranges::count(values, values[0]) == kLightGroups) return word(values[0]);
+        py::dict own;
         for (size_t g = 0; g < values.size(); ++g)
-            if (values[g]) own[kLightGroupNames[g]] = kNames<Refinement>[size_t(*values[g])];
+            if (values[g] != Refinement::kAuto) own[kLightGroupNames[g]] = word(values[g]);
         return own;
     }
-    static Values write(const auto& row, const py::object& given) {
-        Values values{};
-        for (const auto& [group, name] : py::dict(given).cast<std::map<std::string, std::string>>())
-            values[group_named(row.name, group)] = named<Refinement>(row.name, name);
+    static RefinementByGroup write(const auto& row, const py::object& given) {
+        RefinementByGroup values{};
+        if (py::isinstance<py::str>(given))
+            values.fill(named<Refinement>(row.name, py::str(given)));
+        else
+            for (const auto& [group, name] : py::dict(given).cast<std::map<std::string, std::string>>())
+                values[group_named(row.name, group)] = named<Refinement>(row.name, name);
         return values;
     }
     static std::string kind(const Range&) {
-        return "mapping of light group to " + PythonValue<Refinement>::kind({});
+        return PythonValue<Refinement>::kind({}) + " or mapping of light group to these";
     }
 };
 
 /// A set of light groups: their names in the order of the groups, or "auto".
 template <>
 struct PythonValue<std::optional<LightGroupSet>> {
-    using Given = py::object;
-
     static py::object read(const auto&, const std::optional<LightGroupSet>& groups) {
         if (!groups) return py::str("auto");
         py::list names;

@@ -8,7 +8,7 @@ import os
 import time
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, cast
 
 from viscache import _core, sources
 from viscache.aqvc_rows import AqvcRows
@@ -29,15 +29,16 @@ from viscache.scene.about import lit_coats
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import audit as audits
 from viscache.settings import by_name
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import checked_threads, is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
     Bdpt,
     Integrator,
-    core_settings,
     described,
+    eye_settings,
 )
 from viscache.settings.rays import Rays, Vlf, check_rays
+from viscache.settings.registry import classes, is_setting
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
@@ -81,10 +82,10 @@ def render(
         names too.
     rays : Embree, Bsp or Vlf, optional
         The ray caster that traces all rays of the frame. "embree", "bsp" or "vlf".
-    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        The method that answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
-        "nee_plus_plus" or "vismap". An object with a method `block(eyes, lamps, wanted)` is an
-        oracle of your own (docs/howto/own-cache.md).
+    visibility : Exact, Aqvc, ... or your own, optional
+        The method that answers "does x see y?"; exact by default. `viscache params` lists names. An
+        object with a method `block(eyes, lamps, wanted)` is an oracle of your own
+        (docs/howto/own-cache.md).
     use : {"replace", "correct"} or Correct, optional
         How an approximation is used. "replace": in place of visibility; the default, but not of
         VisMaps. "correct": as a control variate, which is unbiased; rays for a random share of the
@@ -245,10 +246,10 @@ def render_part(
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
     build_s = time.perf_counter() - start
-    core = integrator.core() if isinstance(integrator, Bdpt) else core_settings(integrator)
+    core = integrator.core() if isinstance(integrator, Bdpt) else eye_settings(integrator)
     batch = None
     if isinstance(visibility, Exact) and not isinstance(core, _core.BdptSettings):
-        batch = _sky_batch(scene, geometry, core, visibility)
+        batch = _sky_batch(scene, geometry, request.environment, visibility)
     check(replace(request, batch=batch is not None))
     with ExitStack() as stack:
         report = stack.enter_context(progress_bar(progress))
@@ -303,7 +304,7 @@ def render_part(
                 core,
                 frame,
                 source,
-                batch=_batch_for(scene, integrator, core, frame),
+                batch=_batch_for(scene, integrator, frame),
                 field=_field_for(scene, integrator, frame),
                 lights=memory.lights if memory else None,
                 progress=report,
@@ -364,12 +365,11 @@ def check_settings(
 ) -> None:
     """Check the type of every argument."""
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
-    known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
-    require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
-    known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
+    known = f"integrator must be {classes('integrator')}"
+    require(is_setting("integrator", integrator), known, integrator)
     require(
-        isinstance(visibility, get_args(Visibility)) or is_written(visibility),
-        f"visibility must be {known} or an object with a method block",
+        is_setting("visibility", visibility) or is_written(visibility),
+        f"visibility must be {classes('visibility')}, or an object with a method block",
         visibility,
     )
     check_rays(rays)
@@ -422,16 +422,13 @@ def _checked_first(first_sample: int, spp: int) -> int:
 
 
 def _batch_for(
-    scene: Scene,
-    integrator: Integrator,
-    core: _core.IntegratorSettings,
-    frame: _core.FrameSettings,
+    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for ambient occlusion along shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     n_points = frame.width * frame.height * frame.spp
-    t_max = core.ambient_max_distance or math.inf
+    t_max = integrator.core().max_distance or math.inf
     hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene._core, n_points, t_max)
     none = integrator.engine in ("embree", "field") or hopeless
     return None if none else scene.aligned_batch()
@@ -449,11 +446,11 @@ def _field_for(
 
 
 def _sky_batch(
-    scene: Scene, geometry: Scene, core: _core.IntegratorSettings, visibility: Exact
+    scene: Scene, geometry: Scene, environment: str, visibility: Exact
 ) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for shared directions of lights, or None."""
     kinds = {light["kind"] for light in scene.lights}
-    sky = core.environment == _core.EnvironmentSampling.SHARED
+    sky = environment == "shared"
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))
     if visibility.sky_engine == "embree" or not shared:
         return None
@@ -480,14 +477,6 @@ def frame_settings(
     size: tuple[int, int], spp: int, seed: int, threads: int | None
 ) -> _core.FrameSettings:
     """The C++ settings of a frame, checked."""
-    for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
-        whole = is_whole(value) or (name == "threads" and value is None)
-        require(whole, f"{name} must be a whole number", value)
-    require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
-    require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
-    require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
-    frame = _core.FrameSettings()
-    frame.width, frame.height = size
-    frame.spp, frame.seed = spp, seed
-    frame.threads = threads or len(os.sched_getaffinity(0))
-    return frame
+    width, height = size
+    cores = checked_threads(threads) or len(os.sched_getaffinity(0))
+    return _core.FrameSettings(width=width, height=height, spp=spp, seed=seed, threads=cores)

@@ -20,7 +20,7 @@ from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.settings.rays import Embree
-from viscache.settings.spelling import gone, spelled
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Exact, Visibility, VisMaps
 from viscache.sweeps.jointly import MOST_MORE, families, jointly
 from viscache.sweeps.light_cells import MOST_TRIALS, with_light_cells
@@ -38,7 +38,6 @@ BELOW = 0.95
 T = TypeVar("T")
 
 
-@gone(metric="the target names its metric, rel_l1_reflected= or rel_l1=")
 @spelled
 def tune(
     scene: Scene | str | os.PathLike[str],
