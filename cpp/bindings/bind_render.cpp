@@ -42,10 +42,10 @@ template <>
 struct PythonValue<std::shared_ptr<const std::vector<Vpl>>> {
     using Values = std::shared_ptr<const std::vector<Vpl>>;
 
-    static py::object read(const auto&, const Values& vpls) {
+    static py::object read(const Range&, const Values& vpls) {
         return vpls ? py::object(py::int_(vpls->size())) : py::none();
     }
-    static Values write(const auto&, const py::object& given) {
+    static Values write(const char*, const Range&, const py::object& given) {
         if (given.is_none()) return nullptr;
         const auto array = [&](const char* name) { return given.attr(name).cast<FloatArray>(); };
         const FloatArray positions = array("positions"), normals = array("normals"), flux = array("flux");
@@ -65,16 +65,16 @@ template <>
 struct PythonValue<Reach> {
     static constexpr Range kRange{.low = 0, .above = true};
 
-    static py::object read(const auto&, Reach reach) {
+    static py::object read(const Range&, Reach reach) {
         if (reach.distance == Reach::kAuto) return py::str("auto");
         return reach.distance > 0 ? py::object(py::float_(reach.distance)) : py::none();
     }
-    static Reach write(const auto& row, const py::object& given) {
+    static Reach write(const char* parameter, const Range&, const py::object& given) {
         if (given.is_none()) return {0};
         if (py::isinstance<py::str>(given) && std::string(py::str(given)) == "auto") return {};
         const bool number = py::isinstance<py::float_>(given) || py::isinstance<py::int_>(given);
         if (!number || !kRange.holds(given.cast<double>()))
-            throw py::value_error(std::string(row.name) + " must be > 0, \"auto\", or None for no limit" +
+            throw py::value_error(std::string(parameter) + " must be > 0, \"auto\", or None for no limit" +
                                   got(given));
         return {given.cast<double>()};
     }

@@ -51,15 +51,13 @@ Enum named(const char* parameter, const std::string& name, double last = Range::
 /// open value. Numbers out of range are refused.
 template <class Value>
 struct PythonValue {
-    static py::object read(const auto& row, Value value) {
-        const Range& range = row.range;
+    static py::object read(const Range& range, Value value) {
         if (!range.open || double(value) != *range.open) return py::cast(value);
         return range.open_word ? py::object(py::str(range.open_word)) : py::none();
     }
-    static Value write(const auto& row, const py::object& given) {
-        const Range& range = row.range;
+    static Value write(const char* parameter, const Range& range, const py::object& given) {
         if (range.open && is_open(range, given)) return Value(*range.open);
-        const std::string name = std::string(row.name) + " must be ";
+        const std::string name = std::string(parameter) + " must be ";
         const char* kind = std::is_floating_point_v<Value> ? "a number" : "a whole number";
         if (py::isinstance<py::bool_>(given) || py::isinstance<py::str>(given))
             throw py::value_error(name + kind + got(given));
@@ -69,7 +67,9 @@ struct PythonValue {
         } catch (const py::cast_error&) {
             throw py::value_error(name + kind + got(given));
         }
-        if (!range.holds(number)) throw py::value_error(row.must(number) + got(given));
+        if (!range.holds(number))
+            throw py::value_error(name + range.text_for(number, std::is_floating_point_v<Value>) +
+                                  got(given));
         try {
             return given.cast<Value>();
         } catch (const py::cast_error&) {
@@ -95,12 +95,12 @@ private:
 
 template <>
 struct PythonValue<bool> {
-    static py::object read(const auto&, bool value) { return py::bool_(value); }
-    static bool write(const auto& row, const py::object& given) {
+    static py::object read(const Range&, bool value) { return py::bool_(value); }
+    static bool write(const char* parameter, const Range&, const py::object& given) {
         try {
             return given.cast<bool>();
         } catch (const py::cast_error&) {
-            throw py::value_error(std::string(row.name) + " must be true or false" + got(given));
+            throw py::value_error(std::string(parameter) + " must be true or false" + got(given));
         }
     }
     static std::string kind(const Range&) { return "bool"; }
@@ -110,9 +110,9 @@ struct PythonValue<bool> {
 template <class Enum>
     requires std::is_enum_v<Enum>
 struct PythonValue<Enum> {
-    static py::object read(const auto&, Enum value) { return py::str(kNames<Enum>[size_t(value)]); }
-    static Enum write(const auto& row, const py::object& given) {
-        return named<Enum>(row.name, py::str(given), row.range.high);
+    static py::object read(const Range&, Enum value) { return py::str(kNames<Enum>[size_t(value)]); }
+    static Enum write(const char* parameter, const Range& range, const py::object& given) {
+        return named<Enum>(parameter, py::str(given), range.high);
     }
     static std::string kind(const Range& range) {
         std::string all;
@@ -132,7 +132,7 @@ bool set_value(Struct& s, const Table& table, const std::string& name, const py:
     for_each_row(table, [&]<class Row>(const Row& row) {
         if (name != row.name) return;
         known = true;
-        s.*row.member = PythonValue<ValueOf<Row, Struct>>::write(row, given);
+        s.*row.member = PythonValue<ValueOf<Row, Struct>>::write(row.name, row.range, given);
     });
     return known;
 }
@@ -174,7 +174,7 @@ void bind_rows(py::class_<Struct, Options...>& c, const Table& table) {
         for_each_row(table, [&]<class Row>(const Row& row) {
             if (name != row.name) return;
             known = true;
-            found = py::object(PythonValue<ValueOf<Row, Struct>>::read(row, s.*row.member));
+            found = py::object(PythonValue<ValueOf<Row, Struct>>::read(row.range, s.*row.member));
         });
         if (!known) throw py::attribute_error(unknown + name);
         return found;

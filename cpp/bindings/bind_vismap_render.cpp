@@ -14,12 +14,12 @@ struct PythonValue<AlphaChoice> {
          {"one", {AlphaMode::kFixed, 1}},
          {"zero", {AlphaMode::kFixed, 0}}}};
 
-    static py::object read(const auto&, const AlphaChoice& alpha) {
+    static py::object read(const Range&, const AlphaChoice& alpha) {
         for (const auto& [word, choice] : kWords)
             if (choice.mode == alpha.mode && choice.value == alpha.value) return py::str(word);
         return py::float_(alpha.value);
     }
-    static AlphaChoice write(const auto& row, const py::object& given) {
+    static AlphaChoice write(const char* parameter, const Range&, const py::object& given) {
         if (py::isinstance<py::str>(given)) {
             for (const auto& [word, choice] : kWords)
                 if (given.equal(py::str(word))) return choice;
@@ -27,7 +27,7 @@ struct PythonValue<AlphaChoice> {
             const double value = py::float_(given);
             if (std::isfinite(value)) return {AlphaMode::kFixed, value};
         }
-        throw py::value_error(std::string(row.name) + " must be one of " + words() + " or a finite number" +
+        throw py::value_error(std::string(parameter) + " must be one of " + words() + " or a finite number" +
                               got(given));
     }
     static std::string kind(const Range&) { return "{" + words() + "} or float"; }
