@@ -24,65 +24,66 @@ size_t group_named(const char* parameter, const std::string& name) {
 // Values by light group: mappings of the groups that have their own.
 template <>
 struct PythonValue<std::array<double, kLightGroups>> {
-    using Given = py::object;
     using Values = std::array<double, kLightGroups>;
 
-    static std::map<std::string, double> read(const auto&, const Values& values) {
-        std::map<std::string, double> own;
+    static py::object read(const Range&, const Values& values) {
+        py::dict own;
         for (size_t g = 0; g < values.size(); ++g)
             if (values[g] > 0) own[kLightGroupNames[g]] = values[g];
         return own;
     }
-    static Values write(const auto& row, const py::object& given) {
+    static Values write(const char* parameter, const Range&, const py::object& given) {
         Values values{};
         for (const auto& [group, c_e] : py::dict(given).cast<std::map<std::string, double>>())
-            values[group_named(row.name, group)] = c_e;
+            values[group_named(parameter, group)] = c_e;
         return values;
     }
     static std::string kind(const Range&) { return "mapping of light group to float > 0"; }
 };
 
+/// One choice for all light groups, or a mapping of groups; the others have "auto".
 template <>
-struct PythonValue<std::array<std::optional<Refinement>, kLightGroups>> {
-    using Given = py::object;
-    using Values = std::array<std::optional<Refinement>, kLightGroups>;
-
-    static std::map<std::string, std::string> read(const auto&, const Values& values) {
-        std::map<std::string, std::string> own;
+struct PythonValue<RefinementByGroup> {
+    static py::object read(const Range&, const RefinementByGroup& values) {
+        const auto word = [](Refinement r) { return py::str(kNames<Refinement>[size_t(r)]); };
+        if (std::ranges::count(values, values[0]) == kLightGroups) return word(values[0]);
+        py::dict own;
         for (size_t g = 0; g < values.size(); ++g)
-            if (values[g]) own[kLightGroupNames[g]] = kNames<Refinement>[size_t(*values[g])];
+            if (values[g] != Refinement::kAuto) own[kLightGroupNames[g]] = word(values[g]);
         return own;
     }
-    static Values write(const auto& row, const py::object& given) {
-        Values values{};
-        for (const auto& [group, name] : py::dict(given).cast<std::map<std::string, std::string>>())
-            values[group_named(row.name, group)] = named<Refinement>(row.name, name);
+    static RefinementByGroup write(const char* parameter, const Range&, const py::object& given) {
+        RefinementByGroup values{};
+        if (py::isinstance<py::str>(given))
+            values.fill(named<Refinement>(parameter, py::str(given)));
+        else
+            for (const auto& [group, name] : py::dict(given).cast<std::map<std::string, std::string>>())
+                values[group_named(parameter, group)] = named<Refinement>(parameter, name);
         return values;
     }
     static std::string kind(const Range&) {
-        return "mapping of light group to " + PythonValue<Refinement>::kind({});
+        return PythonValue<Refinement>::kind({}) + " or mapping of light group to these";
     }
 };
 
 /// A set of light groups: their names in the order of the groups, or "auto".
 template <>
 struct PythonValue<std::optional<LightGroupSet>> {
-    using Given = py::object;
-
-    static py::object read(const auto&, const std::optional<LightGroupSet>& groups) {
+    static py::object read(const Range&, const std::optional<LightGroupSet>& groups) {
         if (!groups) return py::str("auto");
         py::list names;
         for (size_t g = 0; g < groups->size(); ++g)
             if (groups->test(g)) names.append(kLightGroupNames[g]);
         return py::tuple(names);
     }
-    static std::optional<LightGroupSet> write(const auto& row, const py::object& given) {
+    static std::optional<LightGroupSet> write(const char* parameter, const Range&, const py::object& given) {
         if (py::isinstance<py::str>(given) && given.cast<std::string>() == "auto") return std::nullopt;
         if (py::isinstance<py::str>(given))
-            throw py::value_error(std::string(row.name) + " must be \"auto\" or a set of light groups, got " +
+            throw py::value_error(std::string(parameter) +
+                                  " must be \"auto\" or a set of light groups, got " +
                                   given.cast<std::string>());
         LightGroupSet groups;
-        for (const py::handle name : given) groups.set(group_named(row.name, name.cast<std::string>()));
+        for (const py::handle name : given) groups.set(group_named(parameter, name.cast<std::string>()));
         return groups;
     }
     static std::string kind(const Range&) { return "set of light groups or \"auto\""; }

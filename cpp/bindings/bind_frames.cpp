@@ -18,10 +18,9 @@ namespace {
 /// The engines for the shared directions of ambient occlusion. Empty if the integrator has none.
 std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const IntegratorSettings& integrator,
                                               const AlignedBatch* batch, const VisibilityField* field) {
-    if (!integrator.ambient || !integrator.ambient_aligned) return std::nullopt;
-    if (integrator.n_ambient < 0 || !is_direction_count(uint64_t(integrator.n_ambient)))
-        throw py::value_error("n_ambient must be a number of directions, got " +
-                              std::to_string(integrator.n_ambient));
+    if (!integrator.ambient || integrator.ambient_directions == AmbientDirections::kOwn) return std::nullopt;
+    detail::require(is_direction_count(uint64_t(std::max(0, integrator.n_ambient))),
+                    "n_samples must be a number of directions", integrator.n_ambient);
     if ((integrator.ambient_engine == AmbientEngine::kField) != (field != nullptr))
         throw py::value_error("a field must be given if and only if the integrator asks for it");
     const auto* embree = dynamic_cast<const EmbreeCaster*>(&caster);
@@ -35,21 +34,27 @@ const T* pointer(const py::object& given) {
     return given.is_none() ? nullptr : given.cast<const T*>();
 }
 
-void check_maps(const Scene& scene, const IntegratorSettings& integrator) {
+/// The integrator with product samples of the environment, as visibility maps need them.
+IntegratorSettings with_product(const Scene& scene, IntegratorSettings integrator, const VisMapSettings& s) {
     if (!scene.environment())
         throw py::value_error("scene must have an environment light for visibility maps");
-    if (integrator.environment != EnvironmentSampling::kProduct || integrator.n_environment < 1)
-        throw py::value_error("integrator must sample the environment by its product, n_environment >= 1");
+    if (!integrator.direct || integrator.n_environment < 1)
+        throw py::value_error("integrator must sample the environment's light, n_environment >= 1");
+    if (s.alpha.mode == AlphaMode::kLeaveOneOut && integrator.points != PointSet::kIndependent)
+        throw py::value_error("points must be \"independent\" with alpha=\"loo\", got even");
+    integrator.environment = EnvironmentSampling::kProduct;
+    return integrator;
 }
 
 py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                      const IntegratorSettings& integrator, const FrameSettings& frame, OracleSource& source,
-                      const py::typing::Optional<FrameMaps>& given_maps,
+                      const IntegratorSettings& given_integrator, const FrameSettings& frame,
+                      OracleSource& source, const py::typing::Optional<FrameMaps>& given_maps,
                       const py::typing::Optional<AlignedBatch>& batch,
                       const py::typing::Optional<VisibilityField>& field,
                       const py::typing::Optional<KeptLights>& kept_lights, const py::object& progress) {
     const auto* maps = pointer<FrameMaps>(given_maps);
-    if (maps) check_maps(scene, integrator);
+    const IntegratorSettings integrator =
+        maps ? with_product(scene, given_integrator, maps->maps.settings) : given_integrator;
     KeptLights* lights = kept_lights.is_none() ? nullptr : kept_lights.cast<KeptLights*>();
     const auto engines =
         aligned_engines(caster, integrator, pointer<AlignedBatch>(batch), pointer<VisibilityField>(field));
@@ -83,6 +88,14 @@ void bind_frames(py::module_& m) {
                            "The shared lights of a frame, for frames of the same scene, integrator, size "
                            "and seed.")
         .def(py::init<>());
+    m.def(
+        "counter_rows",
+        [] {
+            py::dict docs;
+            for_each_counter([&](const auto& row) { docs[row.name] = row.doc; });
+            return docs;
+        },
+        "What each counter of a frame counts, by name.");
     m.def("render_frame", &render_tiles, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("integrator"), py::arg("frame"), py::arg("source"), py::kw_only(),
           py::arg("maps") = py::none(), py::arg("batch") = py::none(), py::arg("field") = py::none(),

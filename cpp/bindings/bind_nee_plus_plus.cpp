@@ -1,6 +1,7 @@
 // Next Event Estimation++: its settings, and its voxel map kept between frames.
 
 #include "arrays.h"
+#include "bind_rows.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/kept_voxels.h"
 
@@ -40,18 +41,8 @@ void restore(KeptVoxels& kept, const Scene& scene, const NeePlusPlusSettings& se
 }  // namespace
 
 void bind_nee_plus_plus(py::module_& m) {
-    py::class_<NeePlusPlusSettings>(m, "NeePlusPlusSettings", "See viscache.NeePlusPlus.")
-        .def(py::init<>())
-        .def_readwrite("n_voxels", &NeePlusPlusSettings::n_voxels)
-        .def_readwrite("n_directions", &NeePlusPlusSettings::n_directions)
-        .def_readwrite("learn_pixels", &NeePlusPlusSettings::learn_pixels)
-        .def_readwrite("relearn_pixels", &NeePlusPlusSettings::relearn_pixels)
-        .def_readwrite("min_probability", &NeePlusPlusSettings::min_probability)
-        .def_readwrite("exponent", &NeePlusPlusSettings::exponent)
-        .def_readwrite("certain", &NeePlusPlusSettings::certain)
-        .def_readwrite("symmetric", &NeePlusPlusSettings::symmetric)
-        .def_readwrite("max_bytes", &NeePlusPlusSettings::max_bytes)
-        .def("validate", &NeePlusPlusSettings::validate);
+    py::class_<NeePlusPlusSettings> settings(m, "NeePlusPlusSettings", "See viscache.NeePlusPlus.");
+    bind_rows(settings, kNeePlusPlusRows);
     py::class_<KeptVoxels>(m, "KeptVoxels", "See viscache.VoxelCounts.")
         .def(py::init<>())
         .def_property_readonly("frames", &KeptVoxels::frames)

@@ -15,10 +15,11 @@ namespace viscache::bindings {
 namespace {
 
 std::unique_ptr<Relighting> trace(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                                  const IntegratorSettings& integrator, const FrameSettings& frame,
-                                  const MapCache& cache, const FloatArray& d_max, const FloatArray& footprint,
-                                  const py::object& progress) {
+                                  const FrameSettings& frame, const MapCache& cache, const FloatArray& d_max,
+                                  const FloatArray& footprint, const py::object& progress) {
     check_camera(camera);
+    WhittedSettings integrator;
+    integrator.centred = true;  // J has no noise
     const MapSource maps = pixel_maps(cache, frame, d_max, footprint);
     const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height), integrator,
                                frame};
@@ -61,9 +62,8 @@ void bind_relighting(py::module_& m) {
           "Radiance × solid angle of the cells of a map, (3, 4^m), in Z order.");
     py::class_<Relighting>(v, "Relighting", "See viscache.Relighting.")
         .def_static(
-            "trace", &trace, py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"),
-            py::arg("frame"), py::arg("cache"), py::arg("d_max"), py::arg("footprint"),
-            py::arg("progress") = py::none(),
+            "trace", &trace, py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("frame"),
+            py::arg("cache"), py::arg("d_max"), py::arg("footprint"), py::arg("progress") = py::none(),
             "Compute all that does not depend on the light. d_max and footprint belong to the centres of "
             "the pixels, (H·W,).")
         .def("image", &image, py::arg("light"), py::arg("threads") = 0,

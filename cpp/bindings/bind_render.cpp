@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "arrays.h"
+#include "bind_rows.h"
 #include "checked_rows.h"
 #include "real_numbers.h"
 #include "viscache/render/settings.h"
@@ -36,28 +37,51 @@ Camera camera_of(const CameraState& state) {
 
 }  // namespace
 
+/// Lights of the caller's own: an object with positions, normals and flux, see viscache.Vpls.
+template <>
+struct PythonValue<std::shared_ptr<const std::vector<Vpl>>> {
+    using Values = std::shared_ptr<const std::vector<Vpl>>;
+
+    static py::object read(const Range&, const Values& vpls) {
+        return vpls ? py::object(py::int_(vpls->size())) : py::none();
+    }
+    static Values write(const char*, const Range&, const py::object& given) {
+        if (given.is_none()) return nullptr;
+        const auto array = [&](const char* name) { return given.attr(name).cast<FloatArray>(); };
+        const FloatArray positions = array("positions"), normals = array("normals"), flux = array("flux");
+        const auto p = usable(positions, "positions"), n = units(normals, "normals"),
+                   f = usable(flux, "flux");
+        if (n.size() != p.size() || f.size() != p.size())
+            throw py::value_error("positions, normals and flux must have equal numbers of rows");
+        std::vector<Vpl> vpls;
+        for (size_t i = 0; i < p.size(); ++i) vpls.push_back({p[i], n[i], f[i]});
+        return std::make_shared<const std::vector<Vpl>>(std::move(vpls));
+    }
+    static std::string kind(const Range&) { return "Vpls, optional"; }
+};
+
+/// A number > 0, "auto", or None for no limit.
+template <>
+struct PythonValue<Reach> {
+    static constexpr Range kRange{.low = 0, .above = true};
+
+    static py::object read(const Range&, Reach reach) {
+        if (reach.distance == Reach::kAuto) return py::str("auto");
+        return reach.distance > 0 ? py::object(py::float_(reach.distance)) : py::none();
+    }
+    static Reach write(const char* parameter, const Range&, const py::object& given) {
+        if (given.is_none()) return {0};
+        if (py::isinstance<py::str>(given) && std::string(py::str(given)) == "auto") return {};
+        const bool number = py::isinstance<py::float_>(given) || py::isinstance<py::int_>(given);
+        if (!number || !kRange.holds(given.cast<double>()))
+            throw py::value_error(std::string(parameter) + " must be > 0, \"auto\", or None for no limit" +
+                                  got(given));
+        return {given.cast<double>()};
+    }
+    static std::string kind(const Range&) { return "float > 0, \"auto\" or None"; }
+};
+
 void bind_render(py::module_& m) {
-    py::native_enum<PMode>(m, "PMode", "enum.Enum", "Where the density of an eye point comes from.")
-        .value("LAST_VERTEX", PMode::kLastVertex)
-        .value("FOOTPRINT", PMode::kFootprint)
-        .finalize();
-    py::native_enum<LightChoice>(m, "LightChoice", "enum.Enum", "How one of several area lights is chosen.")
-        .value("CONTRIBUTION", LightChoice::kContribution)
-        .value("POWER", LightChoice::kPower)
-        .finalize();
-    py::native_enum<EnvironmentSampling>(m, "EnvironmentSampling", "enum.Enum",
-                                         "How the environment is sampled.")
-        .value("MIS", EnvironmentSampling::kMis)
-        .value("PRODUCT", EnvironmentSampling::kProduct)
-        .value("SHARED", EnvironmentSampling::kShared)
-        .finalize();
-    py::native_enum<AmbientEngine>(m, "AmbientEngine", "enum.Enum",
-                                   "The engine that traces shared directions.")
-        .value("AUTO", AmbientEngine::kAuto)
-        .value("BATCH", AmbientEngine::kBatch)
-        .value("EMBREE", AmbientEngine::kEmbree)
-        .value("FIELD", AmbientEngine::kField)
-        .finalize();
     py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Point sets on the unit square.")
         .value("INDEPENDENT", PointSet::kIndependent)
         .value("ZERO_TWO", PointSet::kZeroTwo)
@@ -67,61 +91,18 @@ void bind_render(py::module_& m) {
         .value("BY_PIXEL", PacketOrder::kByPixel)
         .finalize();
 
-    py::class_<IntegratorSettings>(m, "IntegratorSettings")
-        .def(py::init<>())
-        .def_readwrite("direct", &IntegratorSettings::direct)
-        .def_readwrite("ambient", &IntegratorSettings::ambient)
-        .def_readwrite("n_vpls", &IntegratorSettings::n_vpls)
-        .def_readwrite("max_depth", &IntegratorSettings::max_depth)
-        .def_readwrite("shade_after_specular", &IntegratorSettings::shade_after_specular)
-        .def_readwrite("n_area", &IntegratorSettings::n_area)
-        .def_readwrite("light_choice", &IntegratorSettings::light_choice)
-        .def_readwrite("n_environment", &IntegratorSettings::n_environment)
-        .def_readwrite("n_brdf", &IntegratorSettings::n_brdf)
-        .def_readwrite("environment", &IntegratorSettings::environment)
-        .def_readwrite("passes", &IntegratorSettings::passes)
-        .def_readwrite("points", &IntegratorSettings::points)
-        .def_readwrite("centred", &IntegratorSettings::centred)
-        .def_readwrite("n_ambient", &IntegratorSettings::n_ambient)
-        .def_readwrite("ambient_cosine", &IntegratorSettings::ambient_cosine)
-        .def_readwrite("ambient_max_distance", &IntegratorSettings::ambient_max_distance)
-        .def_readwrite("ambient_aligned", &IntegratorSettings::ambient_aligned)
-        .def_readwrite("ambient_engine", &IntegratorSettings::ambient_engine)
-        .def(
-            "set_vpls",
-            [](IntegratorSettings& s, const FloatArray& positions, const FloatArray& normals,
-               const FloatArray& flux) {
-                const auto p = usable(positions, "positions"), n = units(normals, "normals"),
-                           f = usable(flux, "flux");
-                if (n.size() != p.size() || f.size() != p.size())
-                    throw py::value_error("positions, normals and flux must have equal numbers of rows");
-                auto vpls = std::make_shared<std::vector<Vpl>>();
-                for (size_t i = 0; i < p.size(); ++i) vpls->push_back({p[i], n[i], f[i]});
-                s.vpls = vpls;
-            },
-            py::arg("positions"), py::arg("normals"), py::arg("flux"),
-            "Set the virtual point lights of the caller.")
-        .def_readwrite("vpl_max_depth", &IntegratorSettings::vpl_max_depth)
-        .def_readwrite("vpl_candidates", &IntegratorSettings::vpl_candidates)
-        .def_readwrite("vpl_eye_points", &IntegratorSettings::vpl_eye_points)
-        .def_readwrite("vpl_bound", &IntegratorSettings::vpl_bound)
-        .def_readwrite("interleave", &IntegratorSettings::interleave)
-        .def_readwrite("pick", &IntegratorSettings::pick)
-        .def_readwrite("p_mode", &IntegratorSettings::p_mode)
-        .def_readwrite("cosmin", &IntegratorSettings::cosmin);
-    py::class_<FrameSettings>(m, "FrameSettings")
-        .def(py::init<>())
-        .def_readwrite("width", &FrameSettings::width)
-        .def_readwrite("height", &FrameSettings::height)
-        .def_readwrite("spp", &FrameSettings::spp)
-        .def_readwrite("seed", &FrameSettings::seed)
-        .def_readwrite("first_sample", &FrameSettings::first_sample)
-        .def_readwrite("threads", &FrameSettings::threads)
-        .def_readwrite("part", &FrameSettings::part)
-        .def_readwrite("parts", &FrameSettings::parts)
-        .def_readwrite("audit_pixels", &FrameSettings::audit_pixels)
-        .def_readwrite("audit_share", &FrameSettings::audit_share)
-        .def_readwrite("audit_above", &FrameSettings::audit_above);
+    py::class_<IntegratorSettings>(m, "IntegratorSettings", "Of integrators that shade eye points.");
+    py::class_<DirectSettings, IntegratorSettings> direct(m, "DirectSettings", "See viscache.Direct.");
+    bind_rows(direct, kDirectRows);
+    py::class_<WhittedSettings, IntegratorSettings> whitted(m, "WhittedSettings", "See viscache.Whitted.");
+    bind_rows(whitted, kWhittedRows);
+    py::class_<AmbientSettings, IntegratorSettings> ambient(m, "AmbientSettings",
+                                                            "See viscache.AmbientOcclusion.");
+    bind_rows(ambient, kAmbientRows);
+    py::class_<BdptSettings> bdpt(m, "BdptSettings", "See viscache.Bdpt.");
+    bind_rows(bdpt, kBdptRows);
+    py::class_<FrameSettings> frame(m, "FrameSettings", "Size, samples, seed and threads of a frame.");
+    bind_rows(frame, kFrameRows);
     py::class_<Camera>(m, "Camera",
                        "A camera; made by `viscache.look_at`, `viscache.orthographic` or a scene file.")
         .def_readwrite("name", &Camera::name, "Its name in the scene file.")

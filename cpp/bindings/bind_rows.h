@@ -12,13 +12,37 @@ namespace viscache::bindings {
 
 namespace py = pybind11;
 
+/// A value of any type; stubs say typing.Any.
+class AnyValue : public py::object {
+    PYBIND11_OBJECT_DEFAULT(AnyValue, py::object, PyObject_Type)
+    using py::object::object;
+};
+
+}  // namespace viscache::bindings
+
+template <>
+struct pybind11::detail::handle_type_name<viscache::bindings::AnyValue> {
+    static constexpr auto name = const_name("typing.Any");
+};
+
+namespace viscache::bindings {
+
+inline std::string got(const py::handle& given) { return ", got " + std::string(py::repr(given)); }
+
+/// The first names of a closed set, up to the enumerator `last`.
+template <class Enum>
+std::span<const char* const> names_up_to(double last) {
+    return std::span(kNames<Enum>).first(size_t(std::min(last + 1, double(kNames<Enum>.size()))));
+}
+
 /// The member of a closed set that has this name.
 template <class Enum>
-Enum named(const char* parameter, const std::string& name) {
+Enum named(const char* parameter, const std::string& name, double last = Range::kAny) {
     std::string all;
-    for (size_t i = 0; i < kNames<Enum>.size(); ++i) {
-        if (name == kNames<Enum>[i]) return Enum(i);
-        all += (i ? ", " : "") + std::string(kNames<Enum>[i]);
+    const auto names = names_up_to<Enum>(last);
+    for (size_t i = 0; i < names.size(); ++i) {
+        if (name == names[i]) return Enum(i);
+        all += (i ? ", " : "") + std::string(names[i]);
     }
     throw py::value_error(std::string(parameter) + " must be one of " + all + ", got " + name);
 }
@@ -27,33 +51,31 @@ Enum named(const char* parameter, const std::string& name) {
 /// open value. Numbers out of range are refused.
 template <class Value>
 struct PythonValue {
-    using Given = py::object;
-
-    static py::object read(const auto& row, Value value) {
-        const Range& range = row.range;
+    static py::object read(const Range& range, Value value) {
         if (!range.open || double(value) != *range.open) return py::cast(value);
         return range.open_word ? py::object(py::str(range.open_word)) : py::none();
     }
-    static Value write(const auto& row, const py::object& given) {
-        const Range& range = row.range;
+    static Value write(const char* parameter, const Range& range, const py::object& given) {
         if (range.open && is_open(range, given)) return Value(*range.open);
-        const std::string got = ", got " + std::string(py::repr(given));
+        const std::string name = std::string(parameter) + " must be ";
+        const char* kind = std::is_floating_point_v<Value> ? "a number" : "a whole number";
+        if (py::isinstance<py::bool_>(given) || py::isinstance<py::str>(given))
+            throw py::value_error(name + kind + got(given));
         double number = 0;
         try {
             number = given.cast<double>();
         } catch (const py::cast_error&) {
-            throw py::value_error(std::string(row.name) + " must be a number" + got);
+            throw py::value_error(name + kind + got(given));
         }
-        if (!range.holds(number)) throw py::value_error(row.must(number) + got);
+        if (!range.holds(number))
+            throw py::value_error(name + range.text_for(number, std::is_floating_point_v<Value>) +
+                                  got(given));
         try {
             return given.cast<Value>();
         } catch (const py::cast_error&) {
-            const bool whole = number == std::floor(number);
-            throw py::value_error(
-                std::string(row.name) + " must be " +
-                (whole ? "< " + Range::number(std::ldexp(1.0, std::numeric_limits<Value>::digits))
-                       : "a whole number") +
-                got);
+            if (number != std::floor(number)) throw py::value_error(name + kind + got(given));
+            throw py::value_error(name + "in [" + Range::number(range.low) + ", 2^" +
+                                  std::to_string(std::numeric_limits<Value>::digits) + ")" + got(given));
         }
     }
     static std::string kind(const Range& range) {
@@ -73,10 +95,14 @@ private:
 
 template <>
 struct PythonValue<bool> {
-    using Given = bool;
-
-    static bool read(const auto&, bool value) { return value; }
-    static bool write(const auto&, bool given) { return given; }
+    static py::object read(const Range&, bool value) { return py::bool_(value); }
+    static bool write(const char* parameter, const Range&, const py::object& given) {
+        try {
+            return given.cast<bool>();
+        } catch (const py::cast_error&) {
+            throw py::value_error(std::string(parameter) + " must be true or false" + got(given));
+        }
+    }
     static std::string kind(const Range&) { return "bool"; }
 };
 
@@ -84,64 +110,77 @@ struct PythonValue<bool> {
 template <class Enum>
     requires std::is_enum_v<Enum>
 struct PythonValue<Enum> {
-    using Given = std::string;
-
-    static const char* read(const auto&, Enum value) { return kNames<Enum>[size_t(value)]; }
-    static Enum write(const auto& row, const std::string& given) { return named<Enum>(row.name, given); }
-    static std::string kind(const Range&) {
+    static py::object read(const Range&, Enum value) { return py::str(kNames<Enum>[size_t(value)]); }
+    static Enum write(const char* parameter, const Range& range, const py::object& given) {
+        return named<Enum>(parameter, py::str(given), range.high);
+    }
+    static std::string kind(const Range& range) {
         std::string all;
-        for (const char* name : kNames<Enum>) all += (all.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+        for (const char* name : names_up_to<Enum>(range.high))
+            all += (all.empty() ? "\"" : ", \"") + std::string(name) + "\"";
         return "{" + all + "}";
     }
 };
 
-template <class Struct, class Value>
-void bind_row(py::class_<Struct>& c, const ParameterRow<Struct, Value>& row) {
-    using Written = PythonValue<Value>;
-    c.def_property(
-        row.name, [row](const Struct& s) { return Written::read(row, s.*row.member); },
-        [row](Struct& s, const typename Written::Given& given) {
-            s.*row.member = Written::write(row, given);
-        });
+template <class Row, class Struct>
+using ValueOf = std::remove_cvref_t<decltype(std::declval<Struct>().*std::declval<Row>().member)>;
+
+/// Sets the parameter of this name; false if there is none.
+template <class Struct, class Table>
+bool set_value(Struct& s, const Table& table, const std::string& name, const py::object& given) {
+    bool known = false;
+    for_each_row(table, [&]<class Row>(const Row& row) {
+        if (name != row.name) return;
+        known = true;
+        s.*row.member = PythonValue<ValueOf<Row, Struct>>::write(row.name, row.range, given);
+    });
+    return known;
 }
 
 /// Name, kind, range, uses and doc of every row.
-template <class Struct, class... Values>
-py::list row_dicts(const std::tuple<ParameterRow<Struct, Values>...>& table) {
+template <class Struct, class Table>
+py::list row_dicts(const Table& table) {
     using namespace py::literals;
     py::list rows;
-    const auto add = [&]<class Value>(const ParameterRow<Struct, Value>& row) {
-        rows.append(py::dict("name"_a = row.name, "kind"_a = PythonValue<Value>::kind(row.range),
-                             "low"_a = row.range.low, "high"_a = row.range.high, "above"_a = row.range.above,
-                             "keyed"_a = bool(row.use & kKeyed), "paper"_a = bool(row.use & kPaper),
-                             "doc"_a = row.doc));
-    };
-    for_each_row(table, add);
+    for_each_row(table, [&]<class Row>(const Row& row) {
+        rows.append(py::dict(
+            "name"_a = row.name, "kind"_a = PythonValue<ValueOf<Row, Struct>>::kind(row.range),
+            "low"_a = row.range.low, "high"_a = row.range.high, "above"_a = row.range.above,
+            "keyed"_a = bool(row.use & kKeyed), "paper"_a = bool(row.use & kPaper), "doc"_a = row.doc));
+    });
     return rows;
 }
 
-/// Constructor by keywords, one attribute per row, `validate` and `parameter_rows`.
-template <class Struct, class... Values>
-void bind_rows(py::class_<Struct>& c, const std::tuple<ParameterRow<Struct, Values>...>& table) {
-    c.def(py::init([&table](const py::kwargs& keywords) {
+/// Constructor by keywords, one attribute per row and `parameter_rows`. Rows have no bindings of their own,
+/// so that a new one needs no other change.
+template <class Struct, class... Options, class Table>
+void bind_rows(py::class_<Struct, Options...>& c, const Table& table) {
+    const std::string unknown = std::string(py::str(c.attr("__name__"))) + " has no parameter ";
+    c.def(py::init([&table, unknown](const py::kwargs& keywords) {
         Struct made;
-        const py::object self = py::cast(&made, py::return_value_policy::reference);
-        for (auto [name, value] : keywords) {
-            const auto given = py::cast<std::string>(name);
-            bool known = false;
-            for_each_row(table, [&](const auto& row) { known |= given == row.name; });
-            if (!known)
-                throw py::value_error(std::string(py::str(py::type::of(self).attr("__name__"))) +
-                                      " has no parameter " + given);
-            py::setattr(self, name, value);
-        }
+        for (auto [key, value] : keywords)
+            if (const std::string name = py::str(key);
+                !set_value(made, table, name, py::reinterpret_borrow<py::object>(value)))
+                throw py::value_error(unknown + name);
         made.validate();
         return made;
     }));
-    for_each_row(table, [&](const auto& row) { bind_row(c, row); });
-    c.def("validate", &Struct::validate);
+    c.def("__setattr__", [&table, unknown](Struct& s, const std::string& name, const AnyValue& value) {
+        if (!set_value(s, table, name, value)) throw py::attribute_error(unknown + name);
+    });
+    c.def("__getattr__", [&table, unknown](const Struct& s, const std::string& name) {
+        AnyValue found;
+        bool known = false;
+        for_each_row(table, [&]<class Row>(const Row& row) {
+            if (name != row.name) return;
+            known = true;
+            found = py::object(PythonValue<ValueOf<Row, Struct>>::read(row.range, s.*row.member));
+        });
+        if (!known) throw py::attribute_error(unknown + name);
+        return found;
+    });
     c.def_static(
-        "parameter_rows", [&table] { return row_dicts(table); },
+        "parameter_rows", [&table] { return row_dicts<Struct>(table); },
         "Name, kind, range, uses and doc of every parameter, as the C++ table has them.");
 }
 

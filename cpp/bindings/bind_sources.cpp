@@ -1,8 +1,10 @@
 // Sources of oracles.
 
 #include "arrays.h"
+#include "bind_rows.h"
 #include "real_numbers.h"
 #include "viscache/aqvc/aqvc_source.h"
+#include "viscache/visibility/correct_settings.h"
 #include "viscache/visibility/exact_source.h"
 #include "viscache/visibility/kept_voxels.h"
 #include "viscache/visibility/residual_source.h"
@@ -70,6 +72,8 @@ void bind_sources(py::module_& m) {
              scene, caster, py::arg("parameters"), py::arg("rows"), py::kw_only(), py::arg("spp"),
              py::arg("exact") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 5>(),
              py::keep_alive<1, 7>());
+    py::class_<ShadowMapSettings> maps(m, "ShadowMapSettings", "See viscache.ShadowMap.");
+    bind_rows(maps, kShadowMapRows);
     py::class_<ShadowMapSource, OracleSource>(m, "ShadowMapSource", "See viscache.ShadowMap.")
         .def(py::init<const Scene&, const RayCaster&, const ShadowMapSettings&>(), scene, caster,
              py::arg("settings"), KeepScene(), KeepCaster());
@@ -95,6 +99,8 @@ void bind_sources(py::module_& m) {
             py::arg("share") = py::none(), py::arg("certain"), py::arg("seed"), py::arg("lasting_seed") = 0,
             py::arg("weighted") = true, py::arg("keep") = py::none(), py::keep_alive<0, 1>(),
             py::keep_alive<0, 2>(), py::keep_alive<0, 9>());
+    py::class_<CorrectSettings> correct(m, "CorrectSettings", "See viscache.Correct.");
+    bind_rows(correct, kCorrectRows);
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
         .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
                          double certain, uint64_t seed, uint64_t lasting_seed, const ClassOctaves& octaves,

@@ -1,40 +1,55 @@
 // Visibility maps for the environment light of frames.
+#include "bind_rows.h"
 #include "frame_maps.h"
 #include "pixel_maps.h"
 
 namespace viscache::bindings {
 
-namespace {
+/// α: one of the ways to choose it, or a number.
+template <>
+struct PythonValue<AlphaChoice> {
+    static constexpr std::array<std::pair<const char*, AlphaChoice>, 4> kWords{
+        {{"previous_pass", {AlphaMode::kPreviousPass, 1}},
+         {"loo", {AlphaMode::kLeaveOneOut, 1}},
+         {"one", {AlphaMode::kFixed, 1}},
+         {"zero", {AlphaMode::kFixed, 0}}}};
 
-VisMapSettings settings_of(AlphaMode alpha, double alpha_value, bool pilot_alpha, const std::string& sampling,
-                           double eta, bool replace, PointSet points) {
-    if (!(eta > 0 && eta <= 1)) throw py::value_error("eta must be in (0, 1], got " + std::to_string(eta));
-    if (!std::isfinite(alpha_value)) throw py::value_error("alpha must be finite");
-    if (alpha == AlphaMode::kLeaveOneOut && points != PointSet::kIndependent)
-        throw py::value_error("alpha \"loo\" needs independent points");
-    VisMapSettings s{
-        .alpha = {alpha, alpha_value}, .pilot_alpha = pilot_alpha, .eta = eta, .replace = replace};
-    if (sampling == "product" || eta == 1)
-        s.sampling = DensityChoice::kProduct;
-    else if (sampling == "guided")
-        s.sampling = DensityChoice::kGuided;
-    else if (sampling != "auto")
-        throw py::value_error("sampling must be product, guided or auto, got " + sampling);
-    return s;
-}
+    static py::object read(const Range&, const AlphaChoice& alpha) {
+        for (const auto& [word, choice] : kWords)
+            if (choice.mode == alpha.mode && choice.value == alpha.value) return py::str(word);
+        return py::float_(alpha.value);
+    }
+    static AlphaChoice write(const char* parameter, const Range&, const py::object& given) {
+        if (py::isinstance<py::str>(given)) {
+            for (const auto& [word, choice] : kWords)
+                if (given.equal(py::str(word))) return choice;
+        } else if (!py::isinstance<py::bool_>(given) && PyNumber_Check(given.ptr())) {
+            const double value = py::float_(given);
+            if (std::isfinite(value)) return {AlphaMode::kFixed, value};
+        }
+        throw py::value_error(std::string(parameter) + " must be one of " + words() + " or a finite number" +
+                              got(given));
+    }
+    static std::string kind(const Range&) { return "{" + words() + "} or float"; }
 
-}  // namespace
+private:
+    static std::string words() {
+        std::string all;
+        for (const auto& [word, choice] : kWords)
+            all += (all.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+        return all;
+    }
+};
 
 void bind_vismap_render(py::module_& m) {
-    py::class_<VisMapSettings>(m, "VisMapSettings", "See viscache.VisMaps.")
-        .def(py::init(&settings_of), py::kw_only(), py::arg("alpha"), py::arg("alpha_value"),
-             py::arg("pilot_alpha"), py::arg("sampling"), py::arg("eta"), py::arg("replace"),
-             py::arg("points"));
+    py::class_<VisMapSettings> settings(m, "VisMapSettings", "See viscache.VisMaps.");
+    bind_rows(settings, kVisMapRows);
     py::class_<FrameMaps>(m, "FrameMaps", "Visibility maps for the environment light of one frame.");
     m.def(
         "cache_maps",
-        [](const VisMapSettings& settings, MapCache& cache, const FrameSettings& frame,
-           const FloatArray& d_max, const FloatArray& footprint, bool count_misses, uint32_t cache_frame) {
+        [](VisMapSettings settings, MapCache& cache, const FrameSettings& frame, const FloatArray& d_max,
+           const FloatArray& footprint, bool replace, bool count_misses, uint32_t cache_frame) {
+            settings.replace = replace;
             FrameMaps made{
                 {pixel_maps(cache, frame, d_max, footprint), settings}, {}, py::make_tuple(d_max, footprint)};
             if (count_misses) made.maps.source.records = cache.size();
@@ -44,7 +59,8 @@ void bind_vismap_render(py::module_& m) {
             return made;
         },
         py::arg("settings"), py::arg("cache"), py::arg("frame"), py::arg("d_max"), py::arg("footprint"),
-        py::kw_only(), py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
+        py::kw_only(), py::arg("replace") = false, py::arg("count_misses") = false,
+        py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
         "The maps of a cache, which must not change while the frame is rendered. d_max and footprint belong "
         "to the centres of the pixels, (H·W,).");
 }

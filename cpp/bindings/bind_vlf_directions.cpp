@@ -32,7 +32,6 @@ py::array_t<float> frames(uint32_t n_directions) {
 
 void bind_vlf_directions(py::module_& m) {
     py::module_ v = m.def_submodule("vlf", "The visibility field.");
-    v.def("is_direction_count", &is_direction_count, py::arg("n"));
     v.def(
         "directions",
         [](uint32_t n) {

@@ -72,48 +72,24 @@ py::dict counters_of(const FrameResult& f) {
                          py::arg("rays") = c.groups[g].rays);
     std::vector<uint64_t> levels(c.rays_per_level.begin(), c.rays_per_level.end());
     while (!levels.empty() && levels.back() == 0) levels.pop_back();
-    uint64_t occluded = 0;
-    for (const auto& g : c.groups) occluded += g.occluded;
     py::dict d;
     d["queries"] = c.queries();
-    d["occluded"] = occluded;
+    d["occluded"] = c.occluded();
     d["rays"] = c.rays();
     d["ray_reduction"] = c.rays() ? double(c.queries()) / double(c.rays()) : 0.0;
     d["groups"] = groups;
-    d["camera_rays"] = c.camera_rays;
-    d["light_rays"] = c.light_rays;
-    d["lost_throughput"] = c.lost_throughput / (double(f.width) * f.height * f.spp);
     d["rays_per_level"] = levels;
-    d["leftover_rays"] = c.leftover_rays;
-    d["lookups"] = c.lookups;
-    d["hits"] = c.hits;
-    d["neighbour_probes"] = c.neighbour_probes;
-    d["nil_neighbours"] = c.nil_neighbours;
-    d["evictions"] = c.evictions;
-    d["bypassed"] = c.bypassed;
-    d["clamped_low"] = c.clamped_low;
-    d["clamped_high"] = c.clamped_high;
-    d["clamped_nan"] = c.clamped_nan;
-    d["boundary_queries"] = c.boundary_queries;
-    d["cells"] = c.cells;
-    d["table_writes"] = c.table_writes;
-    d["table_slots"] = c.table_slots;
-    if (c.table_occupied) {
-        d["table_occupied"] = c.table_occupied;
-        d["duplicates"] = c.duplicates;
+    d["lost_throughput"] = c.lost_throughput / (double(f.width) * f.height * f.spp);
+    for_each_counter([&]<class Value>(const CounterRow<Value>& row) {
+        const bool shown = row.shown == Shown::kAlways ||
+                           (row.shown == Shown::kProduct && c.product_points) ||
+                           (row.shown == Shown::kFrameTable && c.table_occupied);
+        if constexpr (std::is_arithmetic_v<Value>)
+            if (shown) d[row.name] = c.*row.member;
+    });
+    if (c.table_occupied)
         d["occupancy"] = c.table_slots ? double(c.table_occupied) / double(c.table_slots) : 0.0;
-    }
-    d["expected_false_hits"] = c.expected_false_hits;
-    d["non_finite"] = c.non_finite;
     d["vpls"] = f.n_vpls;
-    if (c.product_points) {
-        d["product_points"] = c.product_points;
-        d["product_dark"] = c.product_dark;
-        d["product_guided"] = c.product_guided;
-        d["product_without_record"] = c.product_without_record;
-        d["greatest_ratio"] = c.greatest_ratio;
-        d["pilot_rays"] = c.pilot_rays;
-    }
     if (const py::dict classes = classes_of(f); !classes.empty()) d["share_by_class"] = classes;
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;

@@ -8,7 +8,6 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
 void bind_ask(py::module_& m);
-void bind_bdpt(py::module_& m);
 void bind_bsp(py::module_& m);
 void bind_correlation_pairs(py::module_& m);
 void bind_correlation_rows(py::module_& m);
@@ -28,7 +27,6 @@ void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
 void bind_sky(py::module_& m);
 void bind_sources(py::module_& m);
-void bind_shadow_map(py::module_& m);
 void bind_shafts(py::module_& m);
 void bind_taps(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
@@ -59,9 +57,7 @@ PYBIND11_MODULE(_core, m) {
     bind_scene_info(m);
     bind_bsp(m);
     bind_render(m);
-    bind_shadow_map(m);
     bind_kept_table(m);
-    bind_bdpt(m);
     bind_nee_plus_plus(m);
     bind_eye_paths(m);
     bind_vismap_product(m);

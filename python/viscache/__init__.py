@@ -31,11 +31,13 @@ from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
 from viscache.scene.cameras import look_at, orthographic
+from viscache.settings import integrators as _integrators
+from viscache.settings import rays as _rays
+from viscache.settings import visibility as _visibility
 from viscache.settings.audit import AuditPixels, AuditQueries
-from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
-from viscache.settings.nee_plus_plus import NeePlusPlus
-from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap, Unoccluded
+from viscache.settings.integrators import *  # noqa: F403
+from viscache.settings.rays import *  # noqa: F403
+from viscache.settings.visibility import *  # noqa: F403
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.front import pareto
@@ -47,7 +49,6 @@ from viscache.vismap import (
     MapSettings,
     Relighting,
     VisibilityMapCache,
-    VisMaps,
     cached_ambient_occlusion,
 )
 from viscache.vlf import aligned_occlusion
@@ -57,42 +58,28 @@ from viscache.voxel_counts import VoxelCounts
 __version__ = VERSION
 
 __all__ = [
-    "AmbientOcclusion",
-    "Aqvc",
     "AqvcRows",
     "AqvcTable",
     "AuditPixels",
     "AuditQueries",
-    "Bdpt",
-    "Bsp",
     "Connections",
     "Correct",
-    "Direct",
-    "Embree",
-    "Exact",
     "EyePoints",
     "FarEnds",
     "Frame",
     "Intersection",
     "MapSettings",
-    "NeePlusPlus",
-    "PaperForm",
     "Progressive",
     "Relighting",
     "Scene",
     "SceneDescription",
     "SceneError",
-    "ShadowMap",
     "Shot",
     "Sky",
-    "Unoccluded",
-    "VisMaps",
     "VisibilityField",
     "VisibilityMapCache",
-    "Vlf",
     "VoxelCounts",
     "Vpls",
-    "Whitted",
     "__version__",
     "aligned_occlusion",
     "cached_ambient_occlusion",
@@ -120,6 +107,7 @@ __all__ = [
     "vismap",
     "vlf",
 ]
+__all__ += _integrators.__all__ + _rays.__all__ + _visibility.__all__
 
 # Scenes know neither the renderer nor built-in names, so what needs these is set here
 Scene._picture = staticmethod(_thumbnail)

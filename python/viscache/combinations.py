@@ -9,7 +9,8 @@ from typing import Any
 from viscache.settings.audit import AuditQueries
 from viscache.settings.integrators import Bdpt, Direct, Whitted
 from viscache.settings.rays import is_robust
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Unoccluded, VisMaps
+from viscache.settings.registry import classes, works
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
 
@@ -69,7 +70,7 @@ class Request:
         """Whether frames have the expectation of exact ones, whatever the oracle answers."""
         if isinstance(self.visibility, VisMaps):
             return bool(self.use != "replace")  # a control variate
-        return bool(self.corrects) or isinstance(self.visibility, Exact | NeePlusPlus)
+        return self.corrects or works(self.visibility).unbiased
 
 
 @dataclass(frozen=True)
@@ -98,21 +99,34 @@ RULES: tuple[Rule, ...] = (
          'environment must not be "shared" with visibility maps',
          lambda r: isinstance(r.visibility, VisMaps) and r.environment == "shared",
          lambda r: "shared"),
+    Rule("`VisMaps`", "`n_environment=0`", "`n_environment=16`",
+         "integrator must sample the environment's light, n_environment >= 1",
+         lambda r: (isinstance(r.visibility, VisMaps)
+                    and getattr(r.integrator, "n_environment", 1) < 1),
+         lambda r: r.integrator.n_environment),
+    Rule('`VisMaps(alpha="loo")`', "points that depend on each other",
+         '`Direct(points="independent")`',
+         'points must be "independent" with alpha="loo"',
+         lambda r: (isinstance(r.visibility, VisMaps) and r.visibility.alpha == "loo"
+                    and getattr(r.integrator, "points", "even") == "even"),
+         lambda r: "even"),
     Rule("`ShadowMap`", "`Bdpt`, whose connections have no map", "`Aqvc`, `NeePlusPlus`",
-         "visibility must be vc.Exact(...), vc.Aqvc(...), vc.NeePlusPlus(...) or an oracle of your"
-         " own with Bdpt",
-         lambda r: isinstance(r.integrator, Bdpt) and isinstance(r.visibility, ShadowMap)),
+         f"visibility must be {classes('visibility', bdpt=True)}, or an oracle of your own"
+         " with Bdpt",
+         lambda r: (isinstance(r.integrator, Bdpt) and not works(r.visibility).bdpt
+                    and not isinstance(r.visibility, VisMaps))),
     Rule('`PaperForm(storage="shared")`', "`Direct`, `Whitted`, `AmbientOcclusion`",
          '`storage="table"`',
          'storage must be "table", "exact" or "paper_tiles" without Bdpt',
          lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.paper.storage == "shared"
                     and not isinstance(r.integrator, Bdpt)),
          lambda r: r.visibility.paper.storage),
-    Rule("`Aqvc`, `NeePlusPlus`, `Unoccluded`, an oracle of your own, `use=\"correct\"`",
+    Rule("other visibility than `Exact`, `VisMaps`, `ShadowMap`; `use=\"correct\"`",
          '`environment="product"`', '`environment="mis"`',
-         'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
+         f"visibility must be {classes('visibility', product=True)} with"
+         ' environment="product", without use="correct"',
          lambda r: (isinstance(r.integrator, Direct) and r.environment == "product"
-                    and (not isinstance(r.visibility, Exact | ShadowMap | VisMaps) or r.corrects))),
+                    and (not works(r.visibility).product or r.corrects))),
     Rule("`Direct(passes=…)`", 'other than `environment="product"`', "`spp=…`",
          'passes must be 1 without environment="product"',
          lambda r: (isinstance(r.integrator, Direct) and not isinstance(r.visibility, VisMaps)
@@ -166,10 +180,10 @@ RULES: tuple[Rule, ...] = (
          "keep must be left out for parts of a frame",
          lambda r: r.parts > 1 and r.keep,
          lambda r: "rows" if r.keeps_rows else "counts" if r.keeps_voxels else "a table"),
-    Rule("frames in parts", "`ShadowMap`, `NeePlusPlus`, `VisMaps`, an oracle of your own",
+    Rule("frames in parts", "other visibility than `Exact`, `Aqvc`, `Unoccluded`",
          "one machine",
-         "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.Unoccluded() for parts of a frame",
-         lambda r: r.parts > 1 and not isinstance(r.visibility, Exact | Aqvc | Unoccluded)),
+         f"visibility must be {classes('visibility', parts=True)} for parts of a frame",
+         lambda r: r.parts > 1 and not works(r.visibility).parts),
     Rule("frames in parts", "`Bdpt`, shared directions of ambient occlusion", "one machine",
          "integrator must not be Bdpt nor share directions for parts of a frame",
          lambda r: r.parts > 1 and (isinstance(r.integrator, Bdpt) or r.shares_directions),
@@ -185,7 +199,7 @@ RULES: tuple[Rule, ...] = (
          lambda r: r.parts > 1 and r.batch),
     Rule("`audit=…`", "`Exact`, `VisMaps`", "`Aqvc`, ...",
          "visibility must be an approximation other than visibility maps with audit",
-         lambda r: r.audit is not None and isinstance(r.visibility, Exact | VisMaps)),
+         lambda r: r.audit is not None and not works(r.visibility).audit),
     Rule("`audit=…`", '`use="correct"`, whose counters tell the share of wrong answers',
          '`use="replace"`',
          'use must be "replace" with audit',
@@ -203,7 +217,7 @@ RULES: tuple[Rule, ...] = (
     Rule("`audit=AuditQueries(...)`", "`NeePlusPlus`, whose answers have weights",
          "`AuditPixels`",
          "audit must be vc.AuditPixels(...) with vc.NeePlusPlus(...)",
-         lambda r: isinstance(r.audit, AuditQueries) and isinstance(r.visibility, NeePlusPlus),
+         lambda r: isinstance(r.audit, AuditQueries) and works(r.visibility).weighted,
          lambda r: r.audit),
 )  # fmt: skip
 

@@ -22,8 +22,8 @@ from viscache.settings.integrators import (
     AmbientOcclusion,
     Direct,
     Whitted,
-    core_settings,
     described,
+    eye_settings,
 )
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
@@ -88,7 +88,7 @@ class Connections:
     ) -> None:
         self._scene, self._integrator, self._rays = scene, integrator, rays
         self._frame, self._camera = frame, camera
-        self._core = core_settings(integrator)
+        self._core = eye_settings(integrator)
         self._caster = scene.caster(rays, threads=frame.threads)
         self._taps = _core.FrameTaps(scene._core, self._caster, camera, self._core, frame)
         tiles = self._taps.tiles()

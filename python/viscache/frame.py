@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache import tonemap
+from viscache import _core, tonemap
 from viscache.array_digests import changed_layers, layer_digests, pixels_digest
 from viscache.array_output import ArrayOutput
 from viscache.audit_result import PixelErrors, QueryErrors, result
@@ -23,6 +23,7 @@ from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
 from viscache.real_numbers import real_array
 from viscache.settings.checks import require
+from viscache.settings.parameter_rows import fill
 from viscache.settings.spelling import spelled
 
 Layer = npt.NDArray[np.float32]
@@ -64,7 +65,12 @@ class Frame(ArrayOutput):
     layers : dict of str to (H, W, C) float32
         Scene-linear; the colour layer is named "color" and comes first. (H, W) becomes (H, W, 1).
     counters : dict
-        Plain Python numbers; nested dicts per light group, lists per level.
+        Plain Python numbers; nested dicts per light group, lists per level. "queries", "occluded"
+        and "rays" are sums over light groups, "ray_reduction" is queries per ray, and "vpls" counts
+        virtual point lights. Those of tables of the whole frame, kept tables, corrections and
+        product samples are there where a frame has such.
+
+        {counters}
     timings : dict of str to float
         Seconds. Names that end in "cpu_s" are CPU seconds, summed over threads. All others are wall
         seconds: "total_s", "build_s" (the ray caster), "lights_s", "tiles_s", ... "visibility_s"
@@ -265,6 +271,9 @@ class Frame(ArrayOutput):
 
     def _array(self) -> Layer:
         return self.image
+
+
+fill(Frame, "counters", [(f'"{name}"', doc) for name, doc in _core.counter_rows().items()])
 
 
 def count_broken_pixels(frame: Frame) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from viscache import _core
 from viscache.aqvc_rows import AqvcRows
@@ -17,9 +17,10 @@ from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import audit as audits
 from viscache.settings.checks import is_whole, require
-from viscache.settings.integrators import AmbientOcclusion, Bdpt, Integrator, core_settings
+from viscache.settings.integrators import AmbientOcclusion, Bdpt, eye_settings
 from viscache.settings.rays import check_rays
-from viscache.settings.visibility import Aqvc, Visibility, VisMaps
+from viscache.settings.registry import classes, is_setting
+from viscache.settings.visibility import Aqvc, VisMaps
 from viscache.shot import BareShot, frame_settings
 from viscache.voxel_counts import VoxelCounts
 
@@ -114,7 +115,7 @@ def planned(
         audit=audit,
         view=view,
         frame=frame,
-        core=integrator.core() if isinstance(integrator, Bdpt) else core_settings(integrator),
+        core=integrator.core() if isinstance(integrator, Bdpt) else eye_settings(integrator),
     )
 
 
@@ -123,12 +124,11 @@ def check_settings(
 ) -> None:
     """Check the type of every argument."""
     require(isinstance(scene, Scene), "scene must be a Scene, a file or a built-in name", scene)
-    known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
-    require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
-    known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
+    known = f"integrator must be {classes('integrator')}"
+    require(is_setting("integrator", integrator), known, integrator)
     require(
-        isinstance(visibility, get_args(Visibility)) or is_written(visibility),
-        f"visibility must be {known} or an object with a method block",
+        is_setting("visibility", visibility) or is_written(visibility),
+        f"visibility must be {classes('visibility')}, or an object with a method block",
         visibility,
     )
     check_rays(rays)

@@ -220,7 +220,7 @@ def _traced(
         plan.core,
         frame,
         source,
-        batch=_batch_for(scene, request.integrator, plan.core, frame),
+        batch=_batch_for(scene, request.integrator, frame),
         field=_field_for(scene, request.integrator, frame),
         lights=lights,
         progress=report,
@@ -291,16 +291,13 @@ def seed_of(seed: int, purpose: str, number: int) -> int:
 
 
 def _batch_for(
-    scene: Scene,
-    integrator: Integrator,
-    core: _core.IntegratorSettings,
-    frame: _core.FrameSettings,
+    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for ambient occlusion along shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     n_points = frame.width * frame.height * frame.spp
-    t_max = core.ambient_max_distance or math.inf
+    t_max = integrator.core().max_distance or math.inf
     hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene._core, n_points, t_max)
     none = integrator.engine in ("embree", "field") or hopeless
     return None if none else scene.aligned_batch()
@@ -319,11 +316,11 @@ def _field_for(
 
 def _sky_batch(plan: FramePlan) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for shared directions of lights, or None."""
-    core, scene, visibility = plan.core, plan.scene, plan.request.visibility
-    if not isinstance(visibility, Exact) or isinstance(core, _core.BdptSettings):
+    request, scene, visibility = plan.request, plan.scene, plan.request.visibility
+    if not isinstance(visibility, Exact) or isinstance(request.integrator, Bdpt):
         return None
     kinds = {light["kind"] for light in scene.lights}
-    sky = core.environment == _core.EnvironmentSampling.SHARED
+    sky = request.environment == "shared"
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))
     if visibility.sky_engine == "embree" or not shared:
         return None

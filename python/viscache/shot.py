@@ -23,7 +23,7 @@ from viscache.provenance import VERSION
 from viscache.scene import Env
 from viscache.scene.cameras import camera_in_words, find_camera, frame_size
 from viscache.settings import by_name
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import checked_threads
 from viscache.settings.integrators import Direct, Integrator
 from viscache.settings.not_given import NotGiven
 from viscache.settings.rays import Rays
@@ -247,17 +247,9 @@ def frame_settings(
     size: tuple[int, int], spp: int, seed: int, threads: int | None
 ) -> _core.FrameSettings:
     """The C++ settings of a frame, checked."""
-    for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
-        whole = is_whole(value) or (name == "threads" and value is None)
-        require(whole, f"{name} must be a whole number", value)
-    require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
-    require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
-    require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
-    frame = _core.FrameSettings()
-    frame.width, frame.height = size
-    frame.spp, frame.seed = spp, seed
-    frame.threads = threads or len(os.sched_getaffinity(0))
-    return frame
+    width, height = size
+    cores = checked_threads(threads) or len(os.sched_getaffinity(0))
+    return _core.FrameSettings(width=width, height=height, spp=spp, seed=seed, threads=cores)
 
 
 def _camera(shot: BareShot) -> Any:

@@ -150,20 +150,6 @@ def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero(
     np.testing.assert_array_equal(visible, one_slot.block(far, wanted, exact=True)[0])
 
 
-@pytest.mark.parametrize("kind", ["area", "vpl"])
-def test_equation_6_answers_blocks_and_pairs_alike(kind):
-    """Eq. 6 couples both ends: blocks go through the table."""
-    eyes, far = tiles.eye_points(), tiles.lights(kind, 40)
-    wanted = tiles.facing(eyes, far)
-    options = {"c_e": 8, "res_rule": "eq6", "vpl_key": "surface", "refinement": "off"}
-    run = tiles.tile_run(eyes, storage="exact", **options)
-    visible, c = run.block(far, wanted)
-    by_pairs = tiles.tile_run(eyes, storage="exact", form="pairs", **options)
-    np.testing.assert_array_equal(visible, by_pairs.block(far, wanted)[0])
-    assert 0 < c["rays"] < wanted.sum()
-    assert c["table_writes"] == c["rays"]
-
-
 def test_refined_area_samples_trace_more_and_err_less():
     """Alg. 2 on light cells of surfaces: refinement on demand."""
     eyes = tiles.eye_points()

@@ -16,7 +16,7 @@ from reference.aqvc_postponed import postponed
 from viscache import _core
 
 QUEUES = [(64, 31), (64, 33), (64, 1), (16, 5), (6, 2), (2, 1)]
-PAPER: dict[str, Any] = {"c_z": 8.0, "level_rule": "log2", "level_step": 2.0, "refinement": "on"}
+PAPER: dict[str, Any] = {"c_z": 8.0, "c_finest": "log2", "level_step": 2.0, "refinement": "on"}
 
 
 def runs_of(run: Any) -> list[list[int]]:

@@ -300,15 +300,15 @@ def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
 
 
 def test_refinement_can_be_set_for_single_light_groups():
-    """A group's own setting wins, and "auto" gives it back to the rule."""
+    """Groups without a setting of their own follow the rule."""
     own = {"point": "off", "area": "on", "vpl": "auto"}
-    p = _core.aqvc.AqvcParameters(c_e=16, refinement_groups=own)
+    p = _core.aqvc.AqvcParameters(c_e=16, refinement=own)
     assert [len(p.level_list(g)) for g in range(8)] == [1, 2, 2, 1, 2, 1, 1, 1]
-    assert p.refinement_groups == own
-    q = _core.aqvc.AqvcParameters(c_e=16, refinement="on", refinement_groups=own)
-    assert [len(q.level_list(g)) for g in range(8)] == [1, 2, 2, 2, 2, 2, 2, 2]
-    with pytest.raises(ValueError, match="refinement_groups must be one of auto, on, off, got yes"):
-        p.refinement_groups = {"point": "yes"}
+    assert p.refinement == {"point": "off", "area": "on"}
+    q = _core.aqvc.AqvcParameters(c_e=16, refinement="on")
+    assert [len(q.level_list(g)) for g in range(8)] == [2] * 8 and q.refinement == "on"
+    with pytest.raises(ValueError, match="refinement must be one of auto, on, off, got yes"):
+        p.refinement = {"point": "yes"}
     with pytest.raises(ValueError, match="c_e_groups must be of light groups, got lamp"):
         p.c_e_groups = {"lamp": 3}
 
@@ -350,7 +350,7 @@ def test_many_levels_leave_out_the_coarsest_but_the_first():
 @pytest.mark.parametrize(("c_e", "count"), [(1, 1), (2, 1), (4, 2), (12, 4), (16, 4), (17, 5)])
 def test_the_papers_levels_number_log2_c_e(c_e, count):
     """Alg. 2: C_MSR = max(1, ⌈log2 C_E⌉); the finest cell spans 1 to 2 samples."""
-    p = _core.aqvc.AqvcParameters(c_e=c_e, level_rule="log2", level_step=2)
+    p = _core.aqvc.AqvcParameters(c_e=c_e, c_finest="log2", level_step=2)
     levels = p.level_list(0)
     assert len(levels) == count and (c_e <= 1 or 1 < levels[-1] <= 2)
 

@@ -15,10 +15,9 @@ namespace {
 constexpr py::ssize_t kMostPicks = LightsAt::kMostPicks;
 
 ChoiceWay way_named(const std::string& name) {
-    if (name == "power") return ChoiceWay::kPower;
     if (name == "each") return ChoiceWay::kEach;
     if (name == "tree") return ChoiceWay::kTree;
-    throw py::value_error("way must be power, each or tree, got " + name);
+    throw py::value_error("way must be each or tree, got " + name);
 }
 
 /// Receivers of a scene with area lights.
@@ -75,6 +74,13 @@ py::array_t<double> probabilities(const Scene& scene, const std::string& way, co
     return pmf;
 }
 
+py::array_t<double> shares_of_power(const Scene& scene) {
+    const AreaLights& lights = scene.area_lights();
+    py::array_t<double> share(py::ssize_t(lights.size()));
+    for (size_t k = 0; k < lights.size(); ++k) share.mutable_data()[k] = lights.choice.pmf(k);
+    return share;
+}
+
 std::tuple<py::array_t<int64_t>, py::array_t<float>> nearest(const Scene& scene, const FloatArray& origins,
                                                              const FloatArray& directions) {
     const auto o = usable(origins, "origins"), d = units(directions, "directions");
@@ -112,6 +118,8 @@ void bind_light_choice(py::module_& t) {
           "Lights are counted over triangles, then spheres; -1: none contributes.");
     t.def("light_probabilities", &probabilities, py::arg("scene"), py::arg("way"), py::arg("positions"),
           py::arg("normals"), "Probabilities (N, lights) of the choice at points with shading normals.");
+    t.def("shares_of_power", &shares_of_power, py::arg("scene"),
+          "Each light's share (lights,) of the power.");
     t.def("pick_columns", &picked, py::arg("contributions"), py::arg("most"), py::arg("u"),
           "Weights (N, M) of the columns that are picked with the offsets u (N,); 0: not picked. All 1 where "
           "every column counts.");

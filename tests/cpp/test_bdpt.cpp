@@ -53,8 +53,7 @@ struct Setup {
 AqvcParameters parameters(Storage storage) {
     AqvcParameters p;
     p.storage = storage;
-    p.res_rule = ResolutionRule::kEq6;
-    p.refinement = Refinement::kOff;
+    p.refinement.fill(Refinement::kOff);
     p.table_bytes = 1 << 14;
     return p;
 }

@@ -159,7 +159,7 @@ std::pair<double, double> corrected_mean(Setup& setup, bool weighted) {
     AqvcParameters p;
     p.exact_groups = LightGroupSet{};
     p.c_e = 60;
-    p.refinement = Refinement::kOff;
+    p.refinement.fill(Refinement::kOff);
     double sum = 0, squares = 0;
     constexpr int kSeeds = 40;
     for (int seed = 0; seed < kSeeds; ++seed) {

@@ -19,7 +19,7 @@ from viscache import _core as core
 from viscache.sweeps.flip_maps import kept
 
 SIZE = (6, 5)
-QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1, vpl_eye_points=4)
+QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1)
 DIRECT = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
 
 

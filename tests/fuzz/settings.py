@@ -28,7 +28,6 @@ MOST = {
     "spp": 3,
     "n_voxels": 12,
     "learn_pixels": 256,
-    "vpl_eye_points": 16,
     "n_startup": 60,
     "head_room": 100,
     "max_depth": 20,

@@ -23,6 +23,8 @@ class Own:
 BROKEN: list[dict[str, Any]] = [
     {"integrator": vc.Bdpt(), "visibility": vc.VisMaps()},
     {"integrator": vc.Direct(environment="shared"), "visibility": vc.VisMaps()},
+    {"integrator": vc.Direct(n_environment=0), "visibility": vc.VisMaps()},
+    {"visibility": vc.VisMaps(alpha="loo")},
     {"integrator": vc.Bdpt(), "visibility": vc.ShadowMap()},
     {"visibility": vc.Aqvc(paper=vc.PaperForm(storage="shared"))},
     {"integrator": vc.Direct(environment="product"), "visibility": Own()},

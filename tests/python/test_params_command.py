@@ -31,7 +31,7 @@ def test_params_prints_symbol_default_range_and_meaning(
     text = capsys.readouterr().out
     assert text.startswith("aqvc: visibility, vc.Aqvc")
     assert "c_e = 12.0   (float > 0, default 12.0)" in text
-    assert "level_rule = " in text  # of PaperForm
+    assert "vpl_key = " in text  # of PaperForm
     assert cli.main(["params", "aqvc", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     c_n = next(p for p in told["parameters"] if p["name"] == "c_n")

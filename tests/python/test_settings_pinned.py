@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
 from typing import Any
 
@@ -11,165 +10,22 @@ import pytest
 
 import viscache as vc
 from viscache import _core
-from viscache.settings.integrators import core_settings
-
-#: Python name → C++ name, where a part of the struct has a class of its own.
-AMBIENT = {
-    "n_samples": "n_ambient",
-    "distribution": "ambient_cosine",
-    "max_distance": "ambient_max_distance",
-    "directions": "ambient_aligned",
-    "engine": "ambient_engine",
-}
-#: What is chosen by taking one class or the other.
-CHOSEN_BY_CLASS = {"direct", "ambient", "n_vpls", "max_depth", "shade_after_specular"}
 
 
-def values(struct: Any) -> dict[str, Any]:
-    """Every public attribute of a bound C++ struct that is no function."""
-    names = (n for n in dir(struct) if not n.startswith("_"))
-    return {n: getattr(struct, n) for n in names if not callable(getattr(struct, n))}
-
-
-def test_every_field_of_the_integrator_struct_is_a_parameter_in_python() -> None:
-    named = {
-        AMBIENT.get(f.name, f.name)
-        for cls in (vc.Direct, vc.Whitted, vc.AmbientOcclusion)
-        for f in dataclasses.fields(cls)
-    }
-    # Lights of the caller's own are arrays, handed over by set_vpls
-    assert named - {"vpls"} == set(values(_core.IntegratorSettings())) - {
-        "direct",
-        "ambient",
-        "shade_after_specular",
-    }
-
-
-@pytest.mark.parametrize("cls", [vc.Direct, vc.Whitted, vc.AmbientOcclusion])
-def test_an_integrator_of_defaults_is_the_struct_of_defaults(cls: type[Any]) -> None:
-    unlimited = {"max_distance": None} if cls is vc.AmbientOcclusion else {}
-    struct, made = values(_core.IntegratorSettings()), values(core_settings(cls(**unlimited)))
-    differ = {n for n in struct if made[n] != struct[n]}
-    assert differ <= CHOSEN_BY_CLASS
-    assert (made["direct"], made["ambient"]) == (
-        (False, True) if cls is vc.AmbientOcclusion else (True, False)
-    )
-
-
-def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
-    changed = {
-        "n_vpls": 3,
-        "max_depth": 5,
-        "vpl_max_depth": 7,
-        "vpl_candidates": 9,
-        "vpl_eye_points": 11,
-        "vpl_bound": 0.5,
-        "n_area": 2,
-        "n_environment": 4,
-        "n_brdf": 6,
-        "pick": 8,
-        "cosmin": 0.25,
-    }
-    plain = values(core_settings(vc.Whitted()))
-    for name, value in changed.items():
-        made = values(core_settings(dataclasses.replace(vc.Whitted(), **{name: value})))
-        assert {n: v for n, v in made.items() if v != plain[n]} == {name: value}
-    by_power = values(core_settings(vc.Whitted(light_choice="power")))
-    assert {n: v for n, v in by_power.items() if v != plain[n]} == {
-        "light_choice": _core.LightChoice.POWER
-    }
-    footprint = core_settings(vc.Whitted(p_mode="footprint"))
-    assert footprint.p_mode == _core.PMode.FOOTPRINT
-    ambient = core_settings(
-        vc.AmbientOcclusion(n_samples=5, distribution="uniform", max_distance=2.5)
-    )
-    assert (ambient.n_ambient, ambient.ambient_cosine, ambient.ambient_max_distance) == (
-        5,
-        False,
-        2.5,
-    )
-    shared = core_settings(
-        vc.AmbientOcclusion(n_samples=129, max_distance=None, directions="shared", engine="batch")
-    )
-    assert (shared.n_ambient, shared.ambient_aligned) == (129, True)
-    assert shared.ambient_engine == _core.AmbientEngine.BATCH
-
-
-def test_bidirectional_path_tracing_has_the_names_and_defaults_of_its_struct() -> None:
-    struct = values(_core.BdptSettings())
-    assert {f.name for f in dataclasses.fields(vc.Bdpt)} == set(struct)
-    assert values(vc.Bdpt().core()) == struct
-    changed = values(vc.Bdpt(max_depth=3, camera_connections="off", cosmin=0.5).core())
-    assert changed == {
-        "max_depth": 3,
-        "camera_connections": _core.CameraConnections.OFF,
-        "cosmin": 0.5,
-    }
+def test_whitted_lights_of_its_own_reach_the_core() -> None:
+    own = vc.Vpls([(0, 3, 0)] * 3, [(0, -1, 0)] * 3, [1, 2, 3])
+    assert vc.Whitted(vpls=own).core().vpls == 3 and vc.Whitted().core().vpls is None
 
 
 def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
-    struct = values(_core.aqvc.AqvcParameters())
-    resolved = vc.Aqvc().resolved()
-    assert resolved == struct | {"preset": "default"}
-
-
-def test_shadow_maps_have_the_names_and_defaults_of_their_struct() -> None:
-    struct = values(_core.ShadowMapSettings())
-    assert {f.name for f in dataclasses.fields(vc.ShadowMap)} == set(struct)
-    assert values(vc.ShadowMap().core()) == struct
-    changed = {"resolution": 7, "bias": 0.5, "slope_bias": 3.0, "vpls": True, "max_bytes": 9}
-    assert values(vc.ShadowMap(**changed).core()) == changed  # type: ignore[arg-type]
-
-
-def test_nee_plus_plus_has_the_names_and_defaults_of_its_struct() -> None:
-    struct = values(_core.NeePlusPlusSettings())
-    assert {f.name for f in dataclasses.fields(vc.NeePlusPlus)} == set(struct)
-    assert values(vc.NeePlusPlus().core()) == struct
-    changed = {
-        "n_voxels": 7,
-        "n_directions": 9,
-        "learn_pixels": 3,
-        "relearn_pixels": 5,
-        "min_probability": 0.25,
-        "exponent": 0.5,
-        "certain": 3.0,
-        "symmetric": False,
-        "max_bytes": 9,
-    }
-    assert values(vc.NeePlusPlus(**changed).core()) == changed  # type: ignore[arg-type]
-
-
-def test_the_bsp_passes_its_settings_on() -> None:
-    changed = {"max_depth": 9, "leaf_size": 2, "kernel": "wald", "max_bytes": 10**6}
-    assert values(vc.Bsp(**changed).core()) == changed  # type: ignore[arg-type]
-
-
-def test_the_visibility_field_passes_each_of_its_settings_on() -> None:
-    struct = values(_core.vlf.FieldSettings())
-    changed = {
-        "n_directions": 33,
-        "n_tiles": 7,
-        "bsp_depth": 2,
-        "leaf_target": 9,
-        "split": "object",
-        "walk": "stack",
-        "tile_ranges": False,
-        "fit": "psf_box",
-        "kernel": "wald",
-        "head_room": 1.5,
-        "lazy": True,
-        "snap": True,
-        "max_bytes": 10**6,
-        "max_build_s": 2.5,
-    }
-    assert set(changed) == set(struct)
-    for name, value in changed.items():
-        made = values(vc.Vlf(**{name: value}).core())
-        assert {n: v for n, v in made.items() if v != struct[n]} == {name: value}
+    struct = _core.aqvc.AqvcParameters()
+    rows = {row["name"]: getattr(struct, row["name"]) for row in struct.parameter_rows()}
+    assert vc.Aqvc().resolved() == rows | {"preset": "default"}
 
 
 def test_render_has_the_defaults_of_the_frame_struct() -> None:
-    struct = values(_core.FrameSettings())
+    rows = _core.FrameSettings.parameter_rows()
+    struct = {r["name"]: getattr(_core.FrameSettings(), r["name"]) for r in rows}
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
     same = ("spp", "seed", "first_sample")
     audit = {"audit_pixels": 0, "audit_share": 0}  # none; the classes have their own defaults
@@ -189,7 +45,19 @@ BAD = [
     (vc.Whitted, {"n_vpls": None}, "n_vpls must be a whole number, got None"),
     (vc.Whitted, {"vpl_bound": float("nan")}, "vpl_bound must be a finite number, got nan"),
     (vc.Whitted, {"vpl_bound": "0"}, "vpl_bound must be a finite number, got '0'"),
-    (vc.Direct, {"p_mode": "last"}, "p_mode must be"),
+    (vc.Direct, {"points": "last"}, "points must be"),
+    (vc.Direct, {"interleave": 2}, 'interleave must be 1 without environment="shared", got 2'),
+    (vc.Whitted, {"environment": "shared", "interleave": 17}, "at most n_environment, got 17"),
+    (vc.Whitted, {"environment": "product"}, 'environment must be "mis" or "shared"'),
+    (vc.Whitted, {"n_vpls": (1 << 20) + 1}, r"n_vpls must be in \[0, 2\^20\], got 1048577"),
+    (vc.Whitted, {"vpls": [1]}, r"vpls must be vc.Vpls\(...\)"),
+    (vc.AmbientOcclusion, {"n_samples": 64, "directions": "shared"}, "e.g. 513, with shared"),
+    (vc.Bdpt, {"max_depth": 65}, r"max_depth must be in \[1, 64\], got 65"),
+    (vc.ShadowMap, {"max_bytes": 0}, "max_bytes must be >= 1, got 0"),
+    (vc.ShadowMap, {"max_bytes": 1 << 64}, r"max_bytes must be in \[1, 2\^64\), got 18446744073"),
+    (vc.NeePlusPlus, {"certain": 0}, "certain must be > 0 and finite, got 0.0"),
+    (vc.VisMaps, {"alpha": "two"}, "alpha must be one of"),
+    (vc.VisMaps, {"eta": 0}, r"eta must be in \(0, 1\], got 0.0"),
     (vc.Direct, {"n_area": "4"}, "n_area must be a whole number"),
     (vc.AmbientOcclusion, {"distribution": 1}, "distribution must be"),
     (vc.AmbientOcclusion, {"max_distance": 0}, "max_distance must be > 0, .* None for no limit"),
@@ -222,9 +90,10 @@ BAD = [
     (vc.Aqvc, {"paper": "pairs"}, r"paper must be vc.PaperForm\(...\)"),
     (vc.Aqvc, {"c_e_groups": 3}, "c_e_groups must map"),
     (vc.Aqvc, {"c_e_groups": {"vpl": "x"}}, "c_e_groups"),
-    (vc.Aqvc, {"refinement_groups": "on"}, "refinement_groups must map"),
-    (vc.Aqvc, {"refinement_groups": {"lamp": "on"}}, "refinement_groups must name point"),
-    (vc.Aqvc, {"refinement_groups": {"vpl": "no"}}, "refinement_groups.'vpl'. must be"),
+    (vc.Aqvc, {"refinement": 3}, 'refinement must be "auto", "on" or "off", or map'),
+    (vc.Aqvc, {"refinement": "no"}, "refinement must be one of .'auto', 'on', 'off'."),
+    (vc.Aqvc, {"refinement": {"lamp": "on"}}, "refinement must name point"),
+    (vc.Aqvc, {"refinement": {"vpl": "no"}}, "refinement.'vpl'. must be"),
 ]
 
 

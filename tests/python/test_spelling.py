@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache.settings.spelling import nearest, renamed, spelled
+from viscache.settings import by_name
+from viscache.settings.spelling import GONE, nearest, renamed, spelled
 
 #: Made by the library, from C++ or by hand without keywords: nothing to misspell.
 NOT_CONSTRUCTED = (tuple, dict, BaseException)
@@ -165,3 +166,20 @@ def test_what_keeps_work_is_called_directory() -> None:
     for function in (vc.sweep, vc.correlation.measure, vc.correlation.correlate):
         parameters = inspect.signature(function).parameters
         assert "directory" in parameters and "store" not in parameters
+
+
+@pytest.mark.parametrize("name", GONE)
+def test_a_parameter_that_went_says_what_there_is_instead(name: str) -> None:
+    whose, _, parameter = name.partition(".")
+    with pytest.raises(TypeError, match=f"has no parameter '{parameter}': ") as caught:
+        getattr(vc, whose)(**{parameter: 1})
+    assert str(caught.value).endswith(GONE[name])
+    made = getattr(vc, whose)
+    if inspect.isclass(made):
+        assert parameter not in inspect.signature(made).parameters
+        settings = vc.Aqvc() if made is vc.PaperForm else made()
+        role: by_name.Role = "visibility" if isinstance(settings, vc.Aqvc) else "integrator"
+        for spelled_as in (parameter, f"{role}.{parameter}"):
+            with pytest.raises(ValueError, match=f"{whose} has no parameter .*: ") as refused:
+                by_name.assign({role: settings}, [f"{spelled_as}=1"], bare=(role,))
+            assert str(refused.value).endswith(GONE[name])

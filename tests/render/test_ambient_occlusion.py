@@ -122,8 +122,6 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
         {"max_distance": float("nan")},
         {"max_distance": 0.0},
         {"max_distance": "near"},
-        {"cosmin": 0.0},
-        {"p_mode": "none"},
     ],
     ids=str,
 )

@@ -138,18 +138,6 @@ def test_larger_clusters_trace_less_and_err_more() -> None:
     assert abs(energy(frames[1].image, exact(spp=8).image)) < 0.01
 
 
-@pytest.mark.slow
-@pytest.mark.stat
-def test_equation_6_errs_less_than_equation_7_at_equal_rays() -> None:
-    """Light vertices at random; light patches of Eq. 7 hold one sample of a frame."""
-    eq6 = cached(spp=64, c_e=12)
-    eq7 = cached(spp=64, c_e=30, res_rule="eq7")
-    reduction = [f.counters["ray_reduction"] for f in (eq6, eq7)]
-    errors = [rel_l1(f.image, exact(spp=64).image) for f in (eq6, eq7)]
-    assert reduction[1] == pytest.approx(reduction[0], rel=0.1)
-    assert errors[1] > 1.5 * errors[0]
-
-
 def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -> None:
     """See deviation A27."""
     bypassing = cached(vc.Bdpt(max_depth=4, camera_connections="bypass"))
@@ -184,10 +172,10 @@ def test_mirrors_and_glass_lie_between_clusters() -> None:
 
 def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
     used = vc.render(room(), PLAIN, visibility=vc.Aqvc(), size=SIZE).parameters["visibility"]
-    assert (used["res_rule"], used["refinement"], used["c_r"]) == ("eq6", "off", 2)
+    assert (used["refinement"], used["c_r"]) == ("off", 2)
     assert used["table_bytes"] == 256 * MIB
-    paper = vc.Aqvc(preset="paper", paper=vc.PaperForm(res_rule="eq7")).for_frame_table().resolved()
-    assert (paper["res_rule"], paper["refinement"]) == ("eq7", "off")
+    paper = vc.Aqvc(preset="paper").for_frame_table().resolved()
+    assert paper["refinement"] == "off"
     assert (paper["c_z"], paper["c_r"]) == (8, pytest.approx(1.2))
     assert vc.Aqvc(c_r=1.5).for_frame_table().c_r == 1.5
 

@@ -15,7 +15,7 @@ from core import testing
 from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
-from viscache.settings.integrators import core_settings
+from viscache.settings.integrators import eye_settings
 from viscache.variance import variance_ratio
 from vismap.worlds import dilations
 
@@ -101,8 +101,8 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     frame = _core.FrameSettings()
     frame.width, frame.height, frame.seed, frame.threads = *SIZE, seed, 1
     integrator = direct(passes=2)
-    settings = vc.VisMaps(sampling="guided").estimate(False, _core.PointSet.ZERO_TWO)
-    core, caster = core_settings(integrator), scene.caster()
+    settings = vc.VisMaps(sampling="guided").estimate()
+    core, caster = eye_settings(integrator), scene.caster()
     given = testing.given_maps(settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
     made = _core.render_frame(
         scene._core,

@@ -21,7 +21,6 @@ FORMS: dict[str, vc.Aqvc] = {
     "one at a time": vc.Aqvc(c_e=8, preset="paper"),
     "queue": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", queue=64)),
     "paper tiles": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", storage="paper_tiles")),
-    "Eq. 6": vc.Aqvc(c_e=8, paper=vc.PaperForm(res_rule="eq6")),
 }
 
 

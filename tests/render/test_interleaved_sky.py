@@ -179,7 +179,7 @@ def test_whitted_and_passes_take_sets() -> None:
     ("arguments", "message"),
     [
         ({"interleave": 2}, 'interleave must be 1 without environment="shared", got 2'),
-        ({"environment": "shared", "interleave": 0}, "interleave must be >= 1 .* got 0"),
+        ({"environment": "shared", "interleave": 0}, "interleave must be in .* got 0"),
         (
             {"environment": "shared", "n_environment": 8, "interleave": 9},
             "interleave must be >= 1 and at most n_environment, got 9",

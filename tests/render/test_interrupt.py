@@ -24,8 +24,8 @@ from render.busy import busy_scene
 import viscache as vc
 
 SIZE = (2048, 2048)
-many = vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1)
-some = vc.Whitted(n_vpls=1024, vpl_candidates=1, vpl_eye_points=1)
+many = vc.Whitted(n_vpls=1 << 13)
+some = vc.Whitted(n_vpls=1024)
 scene = busy_scene()
 scene.caster()
 small = vc.render(scene, vc.Direct(), size=(8, 8)).sha256

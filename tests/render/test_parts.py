@@ -50,7 +50,7 @@ def assert_same(a: vc.Frame, b: vc.Frame) -> None:
 def test_any_number_of_parts_gives_the_same_bytes(
     scene: vc.Scene, visibility: Any, parts: int
 ) -> None:
-    whitted = vc.Whitted(n_vpls=8, vpl_candidates=2)
+    whitted = vc.Whitted(n_vpls=8)
     whole = in_one_piece(scene, whitted, visibility)
     found = tiles.render(scene, whitted, visibility=visibility, parts=parts, **SIZE)
     assert_same(whole, found)

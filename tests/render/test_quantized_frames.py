@@ -87,7 +87,7 @@ def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
     """Level 0 traces what it traces without refinement."""
     options = {"c_e": 16, **q.FORMS[form]} | ({"batch": 1} if form != "waves" else {})
     plain = q.render(q.lit_box(), refinement="off", **options).counters
-    refined = q.render(q.lit_box(), level_rule="log2", level_step=2, **options).counters
+    refined = q.render(q.lit_box(), c_finest="log2", level_step=2, **options).counters
     assert len(plain["rays_per_level"]) == 1 and len(refined["rays_per_level"]) == 4
     # A lossy table may drop a key before its next query
     slack = 0.01 if form == "pairs-table" else 0
@@ -119,7 +119,7 @@ def test_the_error_rises_with_c_e(form):
 @pytest.mark.stat
 def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
     """C_E = 2^m with m levels."""
-    table = errors(q.scene("slats"), (1, 2, 4, 8), 8, level_rule="log2", level_step=2)
+    table = errors(q.scene("slats"), (1, 2, 4, 8), 8, c_finest="log2", level_step=2)
     assert rises(table)
 
 
@@ -302,7 +302,7 @@ def test_a_thin_wall_does_not_leak(form):
 
 
 @pytest.mark.figure
-@pytest.mark.parametrize("options", [{"level_rule": "log2", "level_step": 2}, {}], ids=str)
+@pytest.mark.parametrize("options", [{"c_finest": "log2", "level_step": 2}, {}], ids=str)
 def test_refinement_halves_the_error_of_hard_shadows(options):
     """Fig. 3 in small: stairs in the sun, C_E = 16; the default stops at 4 eye samples."""
     scene, size = q.scene("stairs"), (400, 250)

@@ -84,14 +84,11 @@ def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_p
 @pytest.mark.slow
 @pytest.mark.stat
 def test_resampling_does_not_change_the_expectation() -> None:
-    """Few of many, many of few, judged by one camera point or by a hundred."""
     scene = model("point").to_viscache()
     many = indirect(scene, 32)
     for kwargs in (
-        {"n_vpls": 2048, "vpl_candidates": 1},
-        {"n_vpls": 64, "vpl_candidates": 64},
-        {"n_vpls": 512, "vpl_candidates": 8, "vpl_eye_points": 1},
-        {"n_vpls": 512, "vpl_candidates": 8, "vpl_eye_points": 100},
+        {"n_vpls": 64},
+        {"n_vpls": 512},
     ):
         found = compare(indirect(scene, 24, **kwargs), many, tolerance=1e-4)
         assert found.same, (kwargs, found)

@@ -22,7 +22,7 @@ import viscache as vc
 from viscache import _core, combinations
 from viscache.frame_plan import check_settings
 from viscache.settings import by_name
-from viscache.settings.integrators import core_settings
+from viscache.settings.integrators import eye_settings
 from viscache.shot import frame_settings
 from viscache.testing.unbiased import Bias
 
@@ -279,7 +279,7 @@ def rendered(cell: Cell, source: Callable[[vc.Scene, Any, int], Any]) -> Callabl
     def image(seed: int) -> Array:
         lit = cell.scene
         caster = lit.caster(vc.Embree())
-        parts = (lit._core, caster, lit.cameras[0], core_settings(cell.settings))
+        parts = (lit._core, caster, lit.cameras[0], eye_settings(cell.settings))
         made = _core.render_frame(
             *parts, frame_settings(SIZE, 1, seed, 1), source(lit, caster, seed)
         )

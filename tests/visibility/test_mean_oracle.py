@@ -12,7 +12,7 @@ import viscache as vc
 from reference.built import built
 from render.test_determinism import INTEGRATORS, ROOM, signature
 from viscache import _core
-from viscache.settings.integrators import core_settings
+from viscache.settings.integrators import eye_settings
 from visibility.test_roulette_oracle import COARSE, SIZE, SKY, paired, stack
 
 LIGHTS = vc.Whitted(n_vpls=64)
@@ -40,7 +40,7 @@ def corrected(
     camera = _core.scene_cameras(scene._core)[0]
     paths = isinstance(integrator, vc.Bdpt)
     render: Any = _core.render_bdpt if paths else _core.render_frame
-    settings = integrator.core() if paths else core_settings(integrator)
+    settings = integrator.core() if paths else eye_settings(integrator)
     caster = scene.caster()
     images = []
     for frame.seed in seeds:
@@ -248,7 +248,7 @@ def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
     [
         ({"certain": 0.0}, "certain must be > 0 and finite, got 0"),
         ({"certain": float("inf")}, "certain must be"),
-        ({"relearn_pixels": -1}, r"relearn_pixels must be in \[0, 1073741824\], got -1"),
+        ({"relearn_pixels": -1}, r"relearn_pixels must be in \[0, 2\^30\], got -1"),
     ],
 )
 def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:

@@ -284,7 +284,7 @@ def test_the_command_line_renders_with_shadow_maps(
         ({"slope_bias": -1.0}, "slope_bias must be"),
         ({"vpls": 1}, "vpls must be true or false"),
         ({"max_bytes": 0}, "max_bytes must be"),
-        ({"max_bytes": 1 << 63}, "max_bytes must be"),
+        ({"max_bytes": 1 << 64}, "max_bytes must be"),
     ],
 )
 def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:

@@ -9,7 +9,6 @@ import pytest
 import viscache as vc
 from viscache import _core
 from viscache._core import sampling
-from viscache.settings.integrators import core_settings
 from viscache.vismap.relighting import reduced, rotation
 from vismap.scenes import SIZE, made, view
 
@@ -27,8 +26,7 @@ def eye_points(scene: vc.Scene, threads: int = 1) -> dict[str, Floats]:
     frame = _core.FrameSettings()
     frame.width, frame.height = SIZE
     frame.threads = threads
-    integrator = core_settings(vc.Whitted())
-    integrator.centred = True
+    integrator = vc.Direct(centred=True).core()  # no mirrors in the scene
     found = _core.trace_eye_points(scene._core, scene.caster(), view(), integrator, frame)
     return {name: np.asarray(value) for name, value in found.items()}
 

@@ -172,8 +172,8 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     const CellGrid& grid = *c.tile.grid;
     const std::vector<double>& levels = c.levels[q.group];
     const Semantic s = key_semantic(q.semantic, q.group, c.parameters);
-    if (s == Semantic::kSurface && c.parameters.res_rule == ResolutionRule::kEq6) {
-        // Both ends use the resolution of the pair, so both keys change with the level.
+    if (s == Semantic::kSurface && frame_table_) {
+        // Eq. 6: both ends use the resolution of the pair, so both keys change with the level.
         paired_cells_.levels.clear();
         fars_.clear();
         paired_cells_.anchor = c.tile.anchor[q.eye];

@@ -19,12 +19,10 @@
 namespace viscache {
 
 enum class NormalMode { kRound, kFloor, kOctahedral, kSingle };
-enum class ResolutionRule { kEq7, kEq6 };
 enum class EnvironmentRule { kDerived, kPrinted };
 enum class CellDensity { kLight, kMixture };
 enum class VplKey { kPoint, kSurface };
 enum class Refinement { kAuto, kOn, kOff };
-enum class LevelRule { kFinest, kLog2 };
 enum class HashScheme { kScheme2, kScheme1, kScheme1Mixed };
 enum class PixelOrder { kHaltonMorton, kScanline, kRandom };
 enum class Form { kWaves, kPairs };
@@ -33,8 +31,6 @@ enum class Storage { kTable, kExact, kShared, kPaperTiles };
 template <>
 inline constexpr std::array kNames<NormalMode>{"round", "floor", "octahedral", "single"};
 template <>
-inline constexpr std::array kNames<ResolutionRule>{"eq7", "eq6"};
-template <>
 inline constexpr std::array kNames<EnvironmentRule>{"derived", "printed"};
 template <>
 inline constexpr std::array kNames<CellDensity>{"light", "mixture"};
@@ -42,8 +38,6 @@ template <>
 inline constexpr std::array kNames<VplKey>{"point", "surface"};
 template <>
 inline constexpr std::array kNames<Refinement>{"auto", "on", "off"};
-template <>
-inline constexpr std::array kNames<LevelRule>{"finest", "log2"};
 template <>
 inline constexpr std::array kNames<HashScheme>{"scheme2", "scheme1", "scheme1_mixed"};
 template <>
@@ -54,6 +48,7 @@ template <>
 inline constexpr std::array kNames<Storage>{"table", "exact", "shared", "paper_tiles"};
 
 using LightGroupSet = std::bitset<kLightGroups>;
+using RefinementByGroup = std::array<Refinement, kLightGroups>;
 
 /// Meaning and range of each parameter, and whether keys depend on it: see kAqvcRows.
 struct AqvcParameters {
@@ -65,11 +60,10 @@ struct AqvcParameters {
     double c_r = 1.2;
     bool scale_free = false;
     uint32_t grid_seed = 0;
-    Refinement refinement = Refinement::kAuto;
-    std::array<std::optional<Refinement>, kLightGroups> refinement_groups{};
+    RefinementByGroup refinement{};               ///< auto
     std::optional<LightGroupSet> exact_groups{};  ///< empty: auto
     double level_step = 4;
-    double c_finest = 4;
+    double c_finest = 4;  ///< 0: the levels of the paper
     bool by_contribution = false;
     double bright = 0;
     uint64_t table_bytes = uint64_t{4} << 20;
@@ -85,11 +79,9 @@ struct AqvcParameters {
     NormalMode normal_mode = NormalMode::kRound;
     bool grid_offset = true;
     bool tangent_neighbours = true;
-    ResolutionRule res_rule = ResolutionRule::kEq7;
     EnvironmentRule env_rule = EnvironmentRule::kDerived;
     CellDensity cell_density = CellDensity::kMixture;
     VplKey vpl_key = VplKey::kPoint;
-    LevelRule level_rule = LevelRule::kFinest;
 
     double group_c_e(int group) const {
         const double own = c_e_groups[size_t(group)];
@@ -111,8 +103,8 @@ inline constexpr std::tuple kAqvcRows{
     row("c_l", &AqvcParameters::c_l, kKeyed, {.low = 1e-3, .high = 1e3},
         "C_L: the far end of a cluster spans about C_L × C_L light samples (Eq. 7 and 9) if it is a "
         "surface or the sky. The paper uses 1. A value below 1 makes light cells finer, for errors of the "
-        "sky or of area lights that do not fall with C_E. No effect where res_rule is \"eq6\", whose C_E "
-        "holds for both ends."),
+        "sky or of area lights that do not fall with C_E. No effect with "
+        "`Bdpt`, where C_E holds for both ends (Eq. 6)."),
     row("c_n", &AqvcParameters::c_n, kKeyed, {.low = 1, .high = 64, .by_side = true},
         "C_N: number of normal bins per axis (Eq. 4)."),
     row("c_z", &AqvcParameters::c_z, kKeyed, {.low = 0.01, .high = 1024},
@@ -128,10 +120,9 @@ inline constexpr std::tuple kAqvcRows{
         "Seed of the shift of the grids and of the random processing order."),
     row("refinement", &AqvcParameters::refinement, kPlain,
         "Alg. 2: if a cell disagrees with a neighbour, its queries are repeated with smaller cells. "
-        "\"auto\" is on for the groups point, directional and vpl unless C_E² <= spp and C_E <= c_finest. "
-        "`Bdpt` uses \"off\" unless a value is given."),
-    row("refinement_groups", &AqvcParameters::refinement_groups, kPlain,
-        "`refinement` of single light groups, with the names of `c_e_groups`."),
+        "\"auto\" is on for the groups point, directional and vpl unless C_E² <= spp and C_E <= c_finest. A "
+        "mapping has the names of `c_e_groups`; other groups have \"auto\". `Bdpt` uses \"off\" unless a value "
+        "is given."),
     row("exact_groups", &AqvcParameters::exact_groups, kPlain,
         "Light groups whose queries all get a ray, as with `Exact`. \"auto\": samples of area lights and of "
         "the sky where they are each eye point's own, and groups of at most 8 lights that all share "
@@ -139,9 +130,11 @@ inline constexpr std::tuple kAqvcRows{
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
         "Ratio between the C_E of one refinement level and that of the next. The first level, C_E itself, "
         "may lie nearer to the second."),
-    row("c_finest", &AqvcParameters::c_finest, kPlain, {.low = 0, .above = true},
+    row("c_finest", &AqvcParameters::c_finest, kPlain,
+        {.low = 0, .above = true, .open = 0, .open_word = "log2"},
         "C_E of the finest refinement level. Levels go up from it by level_step as far as they are below "
-        "C_E, which is the first level."),
+        "C_E, which is the first level. \"log2\": C_E, C_E/level_step, …, as in the paper max(1, ceil(log2 "
+        "C_E)) of them."),
     row("by_contribution", &AqvcParameters::by_contribution, kPlain,
         "C_E of each connection depends on its unoccluded contribution f: C_E·(mean f / f)^(1/2.5), at "
         "most 2·C_E. Needs refinement and the form \"waves\"; without effect elsewhere."),
@@ -188,9 +181,6 @@ inline constexpr std::tuple kAqvcRows{
         "Shift the grids by irrational amounts, so that no plane lies on a cell face."),
     row("tangent_neighbours", &AqvcParameters::tangent_neighbours, kPaper,
         "Neighbour cells follow the tangent plane instead of keeping v_z."),
-    row("res_rule", &AqvcParameters::res_rule, kKeyed | kPaper,
-        "Resolution of connections between two surfaces: by Eq. 7 or Eq. 6. `Bdpt` uses Eq. 6 unless a "
-        "value is given."),
     row("env_rule", &AqvcParameters::env_rule, kKeyed | kPaper,
         "Eq. 9 with 4π on the right side, or as printed."),
     row("cell_density", &AqvcParameters::cell_density, kKeyed | kPaper,
@@ -199,9 +189,6 @@ inline constexpr std::tuple kAqvcRows{
         "only, so all pixels have the same cells, with fewer rays and a larger error."),
     row("vpl_key", &AqvcParameters::vpl_key, kKeyed | kPaper,
         "One column per VPL, or VPLs quantized as surface points."),
-    row("level_rule", &AqvcParameters::level_rule, kPaper,
-        "Levels: C_E, and below it c_finest times powers of level_step; or C_E, C_E/level_step, …, as in "
-        "the paper max(1, ceil(log2 C_E)) of them."),
 };
 // clang-format on
 
@@ -216,12 +203,12 @@ inline void AqvcParameters::validate() const {
 // Differs (A48): AQVC does not refine clusters that are smaller than a pixel. With 64 samples, C_E 8 would
 // then err twice as much as C_E 9.
 inline bool refines(const AqvcParameters& p, int group, int spp) {
-    const Refinement chosen = p.refinement_groups[size_t(group)].value_or(p.refinement);
+    const Refinement chosen = p.refinement[size_t(group)];
     if (chosen != Refinement::kAuto) return chosen == Refinement::kOn;
     const auto g = LightGroup(group);
     const bool shared = g == LightGroup::kPoint || g == LightGroup::kDirectional || g == LightGroup::kVpl;
     const double c_e = p.group_c_e(group);
-    return shared && (c_e > p.c_finest || c_e * c_e > spp);
+    return shared && ((p.c_finest > 0 && c_e > p.c_finest) || c_e * c_e > spp);
 }
 
 /// The parameters themselves, when they are valid.
@@ -257,14 +244,14 @@ inline bool answers_own_exactly(const AqvcParameters& p, int group) {
 /// c_finest and its products with powers of level_step, as far as they lie below the first. So a larger C_E
 /// only puts coarser levels in front: its cells trace fewer rays and err more, and neither turns back.
 // Differs (A12): AQVC halves C_E down to 1–2 eye samples. The default stops at 4 with steps of 4, which
-// traces fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper, which
-// gains a level at each power of 2.
+// traces fewer rays for a larger error. c_finest 0 with level_step 2 gives the list of the paper, which gains
+// a level at each power of 2.
 inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp, double lift = 1) {
     const double first = lift * p.group_c_e(group);
     std::vector<double> levels = {first};
     if (!refines(p, group, spp)) return levels;
     const size_t limit = size_t(kMaxLevels);
-    if (p.level_rule == LevelRule::kLog2) {
+    if (p.c_finest <= 0) {
         for (double power = 2; power < first && levels.size() < limit; power *= 2)
             levels.push_back(levels.back() / p.level_step);
     } else {

@@ -120,10 +120,7 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
     if (exact_.answers(lights)) return exact_.oracle().block(eyes, lights, wanted, visible, counters);
     make_anchors(eyes);
-    // Under Eq. 6 the key depends on both ends at once, so it does not factor into rows and columns.
-    const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
-    const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
-    if (parameters_.form == Form::kPairs || coupled)
+    if (parameters_.form == Form::kPairs)
         block_by_pairs(eyes, lights, wanted, visible, counters);
     else
         block_by_waves(eyes, lights, wanted, visible, counters);
@@ -286,14 +283,6 @@ void QuantizedCache::cached_pairs(const EyeBlock& eyes, std::span<const ShadowQu
     }
 }
 
-/// True if samples use bit rows. They use the table if the form is pairs, if the frame has one table, or if
-/// Eq. 6 couples both ends.
-bool QuantizedCache::has_sample_rows(int group) const {
-    const bool coupled =
-        LightGroup(group) == LightGroup::kArea && parameters_.res_rule == ResolutionRule::kEq6;
-    return parameters_.form != Form::kPairs && !shares_ && !coupled;
-}
-
 void QuantizedCache::begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters) {
     if (sample_group_ == group) return;
     make_anchors(eyes);
@@ -307,7 +296,7 @@ void QuantizedCache::begin_sample_rows(const EyeBlock& eyes, int group, Counters
 
 PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
     if (exact_.answers_own(group)) return {};
-    if (!has_sample_rows(group)) return pair_order(eyes);
+    if (!has_sample_rows()) return pair_order(eyes);
     sample_counters_ = {};
     begin_sample_rows(eyes, group, sample_counters_);
     return {sample_rows_.order(), sample_rows_.run_end()};
@@ -317,7 +306,7 @@ void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, 
                              Counters& counters) {
     if (exact_.answers_own(samples.group)) return exact_.oracle().samples(eyes, samples, visible, counters);
     GroupCounters& group = counters.groups[size_t(samples.group)];
-    if (has_sample_rows(samples.group)) {
+    if (has_sample_rows()) {
         begin_sample_rows(eyes, samples.group, counters);
         counters.merge(std::exchange(sample_counters_, {}));
         ClampCounts clamps;

@@ -74,7 +74,8 @@ private:
                    const std::vector<uint32_t>& run_of_eye, Counters& counters);
     void cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                       Counters& counters);
-    bool has_sample_rows(int group) const;
+    /// True if samples use bit rows. They use the table if the form is pairs, or if the frame has one table.
+    bool has_sample_rows() const { return parameters_.form != Form::kPairs && !shares_; }
     void make_anchors(const EyeBlock& eyes);
     void begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters);
     void samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,

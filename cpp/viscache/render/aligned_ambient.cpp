@@ -119,7 +119,7 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
             append(run.origin, points[tile].origin);
             append(run.normal, points[tile].normal);
         }
-        const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
+        const float t_max = s.ambient_reach.distance > 0 ? float(s.ambient_reach.distance) : kInfinity;
         std::vector<Word> rows(run.origin.size() * words);
         const EngineChoice choice =
             trace(engines, s.ambient_engine, {run.origin, run.normal, directions.frames(), t_max, {}}, rows,

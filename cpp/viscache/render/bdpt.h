@@ -1,7 +1,7 @@
 #pragma once
 // Bidirectional path tracing (Veach 1997, Sec. 10): every eye path of a frame is joined with one light path.
-#include "viscache/render/bdpt_settings.h"
 #include "viscache/render/frame.h"
+#include "viscache/render/settings.h"
 
 namespace viscache {
 

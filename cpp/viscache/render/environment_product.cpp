@@ -33,8 +33,8 @@ void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, Slot& sl
     ++counters.product_points;
     if (point.dark()) ++counters.product_dark;
     if (!c_.maps || point.dark()) return;
-    const bool guide = c_.settings.sampling == DensityChoice::kGuided ||
-                       (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
+    const bool guide = c_.settings.density() == DensityChoice::kGuided ||
+                       (c_.settings.density() == DensityChoice::kAuto && c_.guided);
     slot.maps = read_(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
                       pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
     counters.product_without_record += slot.maps.count == 0;
@@ -280,8 +280,8 @@ Forecast forecast(const ProductContext& c, const EyePathTracer& tracer, OracleSo
     Forecast f;
     if (all.variance[0] > 0) f.variance_ratio = all.variance[1] / all.variance[0];
     f.guided = f.variance_ratio < kGuidedBelow;
-    const bool guided = c.settings.sampling == DensityChoice::kGuided ||
-                        (c.settings.sampling == DensityChoice::kAuto && f.guided);
+    const bool guided = c.settings.density() == DensityChoice::kGuided ||
+                        (c.settings.density() == DensityChoice::kAuto && f.guided);
     if (all.variance_w[guided] > 0)
         f.alpha = std::clamp(all.covariance[guided] / all.variance_w[guided], 0.0, kMostAlpha);
     return f;

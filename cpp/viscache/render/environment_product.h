@@ -11,19 +11,47 @@
 namespace viscache {
 
 /// How the density is chosen.
-enum class DensityChoice {
-    kProduct,  ///< light × reflection, as in the paper
-    kGuided,   ///< shaped by dilated maps
-    kAuto,     ///< guided if a pilot on some pixels predicts less variance
-};
+enum class DensityChoice { kAuto, kProduct, kGuided };
+/// α of the first pass.
+enum class FirstAlpha { kPilot, kOne };
 
+template <>
+inline constexpr std::array kNames<DensityChoice>{"auto", "product", "guided"};
+template <>
+inline constexpr std::array kNames<FirstAlpha>{"pilot", "one"};
+
+/// What each is, and its range: kVisMapRows.
 struct VisMapSettings {
     AlphaChoice alpha;
-    bool pilot_alpha = true;  ///< previous_pass starts with the pilot's α, not with alpha.value
+    FirstAlpha first_alpha = FirstAlpha::kPilot;
     DensityChoice sampling = DensityChoice::kAuto;
-    double eta = 0.25;     ///< lower bound of guided densities
+    double eta = 0.25;
     bool replace = false;  ///< J replaces the estimate; no rays are traced
+
+    /// With the density of product sampling as lower bound, guiding has no effect.
+    DensityChoice density() const { return eta == 1 ? DensityChoice::kProduct : sampling; }
+    void validate() const;
 };
+
+// clang-format off
+inline constexpr std::tuple kVisMapRows{
+    row("alpha", &VisMapSettings::alpha,
+        "Coefficient of the control variate. \"previous_pass\": by regression on the samples of all earlier "
+        "passes of the pixel; in the first pass by `first_alpha`. \"loo\": by regression on the other samples "
+        "of the pass, only for `Direct(points=\"independent\")`. \"one\": 1 as in the paper. \"zero\": product "
+        "sampling alone."),
+    row("first_alpha", &VisMapSettings::first_alpha,
+        "α of the first pass with \"previous_pass\": by regression on the samples of a pilot on some pixels, "
+        "or 1 as in the paper."),
+    row("sampling", &VisMapSettings::sampling,
+        "\"guided\": the dilated maps also shape the density. \"product\": as in the paper. \"auto\": guided if "
+        "a pilot on some pixels predicts at least a tenth less variance."),
+    row("eta", &VisMapSettings::eta, {.low = 0, .high = 1, .above = true},
+        "Minimum of guided densities relative to product sampling; 1 is product sampling."),
+};
+// clang-format on
+
+inline void VisMapSettings::validate() const { check_rows(kVisMapRows, *this); }
 
 /// What all tiles share.
 struct ProductContext {

@@ -10,11 +10,6 @@ namespace {
 constexpr size_t kRaysPerCall = 512;  // small enough that the buffers stay in the cache; a multiple of 16
 constexpr float kWeak = 3e-3f;        // weaker branches play Russian roulette
 
-/// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
-struct Differential {
-    Vec3 origin_x, origin_y, direction_x, direction_y;
-};
-
 /// One branch of an eye path that is still followed.
 struct Branch {
     Ray ray;
@@ -27,57 +22,7 @@ struct Branch {
     float index2 = 1;    ///< squared index of refraction relative to the camera's medium; undoes the
                          ///< compression of radiance
     int depth = 0;
-    Differential d;
 };
-
-/// Moves differentials along the ray to the hit plane.
-void transfer(Differential& d, const Ray& ray, float t, Vec3 normal) {
-    const float dn = dot(ray.d, normal);
-    auto along = [&](Vec3 o, Vec3 dir) {
-        const Vec3 moved = o + dir * t;
-        return dn != 0 ? moved - ray.d * (dot(moved, normal) / dn) : moved;
-    };
-    d.origin_x = along(d.origin_x, d.direction_x);
-    d.origin_y = along(d.origin_y, d.direction_y);
-}
-
-/// Change of the shading normal for a step `dp` on the surface.
-Vec3 normal_change(const SurfacePoint& s, Vec3 dp) {
-    // Change of the barycentric coordinates: least squares along the triangle's edges
-    const float aa = length2(s.edge1), ab = dot(s.edge1, s.edge2), bb = length2(s.edge2);
-    const float det = aa * bb - ab * ab;
-    if (!(det > 0)) return {};
-    const float pa = dot(dp, s.edge1), pb = dot(dp, s.edge2);
-    const Vec3 dn = s.dndu * ((bb * pa - ab * pb) / det) + s.dndv * ((aa * pb - ab * pa) / det);
-    return dn - s.ns * dot(dn, s.ns);
-}
-
-void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n) {
-    const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
-    auto reflected = [&](Vec3 dp, Vec3 dd) {
-        const Vec3 dn = normal_change(s, dp) * sign;
-        const float c = dot(ray.d, n), dc = dot(dd, n) + dot(ray.d, dn);
-        return dd - (n * dc + dn * c) * 2.f;
-    };
-    d.direction_x = reflected(d.origin_x, d.direction_x);
-    d.direction_y = reflected(d.origin_y, d.direction_y);
-}
-
-/// Refraction with relative index eta = n_i/n_t; n points to the incoming side.
-void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta,
-                          Vec3 transmitted) {
-    const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
-    const float cos_i = dot(ray.d, n), cos_t = dot(transmitted, n);
-    const float mu = eta * cos_i - cos_t;
-    const float dmu = cos_t != 0 ? eta - eta * eta * cos_i / cos_t : 0.f;
-    auto refracted = [&](Vec3 dp, Vec3 dd) {
-        const Vec3 dn = normal_change(s, dp) * sign;
-        const float dc = dot(dd, n) + dot(ray.d, dn);
-        return dd * eta - (dn * mu + n * (dmu * dc));
-    };
-    d.direction_x = refracted(d.origin_x, d.direction_x);
-    d.direction_y = refracted(d.origin_y, d.direction_y);
-}
 
 }  // namespace
 
@@ -106,8 +51,7 @@ public:
           counters_(counters),
           inverse_spp_(1.f / tracer.frame.spp),
           first_stream_(tracer.frame.first_sample * uint64_t(tracer.film.width) *
-                        uint64_t(tracer.film.height)),
-          footprint_(tracer.integrator.p_mode == PMode::kFootprint) {}
+                        uint64_t(tracer.film.height)) {}
 
     void run(const Tile& tile, const Control& control) {
         trace_primary(tile, control);
@@ -160,15 +104,6 @@ private:
         Branch b;
         b.ray = {film.origin(x, y), 0, raw / norm, kInfinity};
         b.camera_cos = 1 / norm;
-        if (!footprint_) return b;
-        if (film.camera.is_orthographic()) {
-            b.d.origin_x = film.step_x();
-            b.d.origin_y = film.step_y();
-            return b;
-        }
-        auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
-        b.d.direction_x = unit_change(film.step_x());
-        b.d.direction_y = unit_change(film.step_y());
         return b;
     }
 
@@ -203,7 +138,6 @@ private:
             first.albedo += s.base_color;
         }
         if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
-        if (footprint_) transfer(b.d, b.ray, hit.t, s.ng);
         b.distance += hit.t;
         const Material& material = t_.scene.materials()[size_t(s.material)];
         if (t_.integrator.ambient) {  // only geometry matters: mirrors and glass count as surfaces
@@ -244,11 +178,11 @@ private:
         sp.metal = t_.scene.metal(s.material);
         sp.beckmann = material.has_beckmann();
         sp.mirror = material.coat == CoatKind::kSmooth;
-        const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
+        const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), kLeastCosine);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
         out_.block.origin.push_back(spawn(s.position, ng, t_.scene.offset_extent()));
-        out_.block.density.push_back(density(b, ng, cos_eye));
+        out_.block.density.push_back(density(b, cos_eye));
         out_.block.order_x.push_back(b.order_x);
         out_.block.order_y.push_back(b.order_y);
         const uint64_t sample = (b.stream >> kBranchBits) - first_stream_, spp = uint64_t(t_.frame.spp);
@@ -261,14 +195,8 @@ private:
     }
 
     /// D_e = N_S·P_e: eye samples per unit area at the point.
-    float density(const Branch& b, Vec3 ng, float cos_eye) const {
-        const float spp = float(t_.frame.spp);
-        if (footprint_) {
-            const float area = length(cross(b.d.origin_x, b.d.origin_y));
-            const float bound = std::fabs(dot(ng, b.ray.d)) / cos_eye;  // ≤ 1: the same clamp as below
-            return spp / (area * bound);
-        }
-        return spp * cos_eye / t_.film.pixel_area_at(b.camera_cos, b.distance);
+    float density(const Branch& b, float cos_eye) const {
+        return float(t_.frame.spp) * cos_eye / t_.film.pixel_area_at(b.camera_cos, b.distance);
     }
 
     /// Largest share of the pixel's light that a branch can carry, in any medium.
@@ -284,7 +212,7 @@ private:
         return true;
     }
 
-    /// Continues a branch from the surface with its new throughput, medium and differentials.
+    /// Continues a branch from the surface with its new throughput and medium.
     void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
         if (branch.depth >= t_.integrator.max_depth) return lose(branch);
         branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
@@ -305,7 +233,6 @@ private:
         }
         Branch reflected = b;
         reflected.throughput = b.throughput * factor;
-        if (footprint_) reflect_differential(reflected.d, b.ray, s, n);
         follow(reflected, s, ng, direction, 0);
     }
 
@@ -324,7 +251,6 @@ private:
         through.index2 = b.index2 / (eta * eta);
         const auto transmitted = viscache::refract(-b.ray.d, n, eta);
         if (!transmitted || dot(*transmitted, ng) >= 0) return lose(through);
-        if (footprint_) refract_differential(through.d, b.ray, s, n, eta, *transmitted);
         follow(through, s, -ng, *transmitted, 1);
     }
 
@@ -343,7 +269,6 @@ private:
     Counters& counters_;
     const float inverse_spp_;
     const uint64_t first_stream_;  ///< streams of the frames before this one
-    const bool footprint_;         ///< ray differentials are traced
     std::vector<Branch> branches_, next_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;

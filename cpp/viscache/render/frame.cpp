@@ -180,7 +180,7 @@ private:
                             if (has_lobe(eyes_.shading[eye]))
                                 add_lobe_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
                         });
-        if (s.ambient && !s.ambient_aligned)
+        if (s.ambient && s.ambient_directions == AmbientDirections::kOwn)
             add_batches(Semantic::kSolidAngle, LightGroup::kAmbient, s.n_ambient, counters, stages, clock,
                         control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
@@ -377,8 +377,8 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
 void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleSource& source,
                    Counters& counters, const Control& control, FrameResult& out) {
     VisMapSettings& s = product.settings;
-    const bool for_alpha = s.alpha.mode == AlphaMode::kPreviousPass && s.pilot_alpha;
-    if (s.replace || !(for_alpha || s.sampling == DensityChoice::kAuto)) return;
+    const bool for_alpha = s.alpha.mode == AlphaMode::kPreviousPass && s.first_alpha == FirstAlpha::kPilot;
+    if (s.replace || !(for_alpha || s.density() == DensityChoice::kAuto)) return;
     const double start = wall_seconds();
     out.forecast = forecast(product, tracer, source, tracer.frame.threads, counters, control);
     product.guided = out.forecast->guided;
@@ -439,7 +439,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     if (frame.part > 0) counters = out.counters = {};  // the first part counts the work that all parts repeat
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;
-    if (integrator.ambient && integrator.ambient_aligned) {
+    if (integrator.ambient && integrator.ambient_directions == AmbientDirections::kShared) {
         control.total = size_t(integrator.n_ambient);
         shares.emplace(aligned_ambient(context.tracer, tiles, *aligned, frame.threads, control));
         context.shares = &*shares;

@@ -13,9 +13,8 @@ std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const Fi
                            const IntegratorSettings& integrator, const FrameSettings& frame, Control& control,
                            Counters& counters) {
     const size_t n = size_t(integrator.n_vpls);
-    const auto candidates =
-        trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth, frame.seed,
-                   frame.threads, control, counters);
+    const auto candidates = trace_vpls(scene, caster, n * kVplCandidates, integrator.vpl_max_depth,
+                                       frame.seed, frame.threads, control, counters);
     return resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
 }
 
@@ -62,7 +61,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
                               : make_vpls(scene, caster, film, integrator, frame, control, counters);
         const auto density = vpl_densities(vpls, frame.threads, control);
         SharedLights lights;
-        const float bound = integrator.vpl_bound * scene.bounds().diagonal();
+        const float bound = float(integrator.vpl_bound) * scene.bounds().diagonal();
         lights.bound2 = bound * bound;
         // Nearby lights are stored together, because their rays meet the same triangles
         std::vector<Vec3> places;

@@ -10,16 +10,17 @@ namespace {
 constexpr size_t kLightsPerSample = 16;
 }  // namespace
 
-ChoiceWay choice_way(const AreaLights& lights, LightChoice choice, int n_area) {
-    if (choice == LightChoice::kPower) return ChoiceWay::kPower;
+ChoiceWay choice_way(const AreaLights& lights, int n_area) {
     const size_t few = std::min(kMostLightsEach, kLightsPerSample * size_t(std::max(n_area, 0)));
     return lights.size() <= few ? ChoiceWay::kEach : ChoiceWay::kTree;
 }
 
 LightsAt::LightsAt(const Scene& scene, ChoiceWay way, const Receiver& receiver)
     : lights_(scene.area_lights()), way_(way), receiver_(receiver) {
-    if (way == ChoiceWay::kTree) tree_ = &scene.light_tree();
-    if (way != ChoiceWay::kEach) return;
+    if (way == ChoiceWay::kTree) {
+        tree_ = &scene.light_tree();
+        return;
+    }
     double sum = 0;
     for (size_t i = 0; i < lights_.size(); ++i) {
         sum += estimated_light(lights_, i, receiver_);
@@ -40,10 +41,6 @@ void LightsAt::pick(std::span<const double> u, std::span<LightPick> picks) const
 }
 
 LightPick LightsAt::pick_one(double u) const {
-    if (way_ == ChoiceWay::kPower) {
-        const Pick pick = lights_.choice.sample(u);
-        return {pick.index, pick.pmf};
-    }
     const auto end = sums_.begin() + ptrdiff_t(lights_.size());
     const double total = end[-1];
     if (!(total > 0)) return {};
@@ -56,7 +53,6 @@ LightPick LightsAt::pick_one(double u) const {
 
 double LightsAt::pmf(size_t light) const {
     if (way_ == ChoiceWay::kTree) return tree_->pmf(receiver_, light);
-    if (way_ == ChoiceWay::kPower) return lights_.choice.pmf(light);
     const double total = sums_[lights_.size() - 1];
     if (!(total > 0)) return 0;
     return (sums_[light] - (light ? sums_[light - 1] : 0)) / total;

@@ -1,5 +1,5 @@
 #pragma once
-// Chooses one of the area lights for a sample: by power, or by the contribution to the eye point.
+// Chooses one of the area lights for a sample by the contribution to the eye point.
 #include <array>
 #include <span>
 
@@ -10,13 +10,13 @@
 namespace viscache {
 
 /// How lights are chosen: one by one where they are few, otherwise by the light tree.
-enum class ChoiceWay { kPower, kEach, kTree };
+enum class ChoiceWay { kEach, kTree };
 
 /// At most this many lights are estimated one by one.
 constexpr size_t kMostLightsEach = 256;
 
 /// The way of choice for a scene with area lights, and `n_area` samples per eye point.
-ChoiceWay choice_way(const AreaLights& lights, LightChoice choice, int n_area);
+ChoiceWay choice_way(const AreaLights& lights, int n_area);
 
 /// The choice at one eye point.
 class LightsAt {

@@ -179,10 +179,11 @@ void add_lobe_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
 void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
                          WeightedSamples& out) {
     const EyeSamples samples(seed, Purpose::kAmbient, eyes, eye, settings.n_ambient);
+    const bool by_cosine = settings.ambient_distribution == AmbientDistribution::kCosine;
     const HemisphereSequence sequence{samples.sx, samples.sy, frame_around(eyes.block.normal[eye]),
-                                      settings.ambient_cosine};
+                                      by_cosine};
     const float n = float(settings.n_ambient);
-    out.at.t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
+    out.at.t_max = settings.ambient_reach.distance > 0 ? float(settings.ambient_reach.distance) : kInfinity;
     HemisphereBatch batch;
     for (uint32_t i = 0; i < uint32_t(settings.n_ambient); ++i) {
         const uint32_t k = i % HemisphereBatch::kSize;
@@ -191,8 +192,8 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
                              std::min(uint32_t(settings.n_ambient) - i, HemisphereBatch::kSize), batch);
         const float cosine = batch.cosine[k];
         if (!(cosine > 0)) continue;
-        const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;
-        const float weight = settings.ambient_cosine ? 1.f : 2 * cosine;
+        const float pdf = by_cosine ? cosine / kPi : 0.5f / kPi;
+        const float weight = by_cosine ? 1.f : 2 * cosine;
         const Vec3 wi{batch.x[k], batch.y[k], batch.z[k]};
         out.at.add(wi, n * pdf, n * (0.5f / kPi));
         out.contribution.push_back(eyes.throughput[eye] * (weight / n));

@@ -151,7 +151,7 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
     v.beta = w.beta;
     const double cosine = std::fabs(double(dot(v.surface.ng, w.ray.d))), t = double(hit.t);
     v.forward = w.parallel ? w.pdf * cosine : w.pdf * cosine / (t * t);
-    const double clamped = std::max(cosine, double(c_.settings.cosmin)), d = double(w.distance + hit.t);
+    const double clamped = std::max(cosine, double(kLeastCosine)), d = double(w.distance + hit.t);
     v.density = w.parallel_spread ? w.spread * clamped : w.spread * clamped / (d * d);
     return v;
 }

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "viscache/math/parallel.h"
-#include "viscache/render/bdpt_settings.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/light_sampling.h"
 #include "viscache/render/path_weight.h"
 #include "viscache/render/scatter.h"
+#include "viscache/render/settings.h"
 
 namespace viscache {
 

@@ -249,9 +249,8 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
                                Control& control, Counters& counters) {
     if (candidates.empty() || wanted == 0) return {};
     std::vector<float> albedo;
-    const auto eyes =
-        judging_points(scene, caster, film, settings.vpl_eye_points, frame.seed, albedo, counters);
-    const float bound = settings.vpl_bound * scene.bounds().diagonal();
+    const auto eyes = judging_points(scene, caster, film, kVplEyePoints, frame.seed, albedo, counters);
+    const float bound = float(settings.vpl_bound) * scene.bounds().diagonal();
     // With an unbounded geometry term single pairs would dominate: use the default bound here
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
     const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,

@@ -42,9 +42,6 @@ struct FilmCamera {
         if (camera.is_orthographic()) return pixel_area();
         return pixel_area() * cosine * cosine * cosine * distance * distance;
     }
-    /// Change of `direction` per pixel; of `origin` if orthographic.
-    Vec3 step_x() const { return camera.right * (2 * half_width / width); }
-    Vec3 step_y() const { return camera.up * (-2 * half_height / height); }
 
 private:
     /// `centre` moved in the image plane to pixel coordinates.

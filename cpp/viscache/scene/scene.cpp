@@ -267,10 +267,9 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     const float w = 1 - u - v;
     SurfacePoint s;
     s.position = p[0] * w + p[1] * u + p[2] * v;
-    s.edge1 = p[1] - p[0];
-    s.edge2 = p[2] - p[0];
+    const Vec3 edge1 = p[1] - p[0], edge2 = p[2] - p[0];
     // In double, because the cross product of float edges cancels for thin triangles.
-    const double a[3] = {s.edge1.x, s.edge1.y, s.edge1.z}, b[3] = {s.edge2.x, s.edge2.y, s.edge2.z};
+    const double a[3] = {edge1.x, edge1.y, edge1.z}, b[3] = {edge2.x, edge2.y, edge2.z};
     double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (norm > 0) s.ng = {float(n[0] / norm), float(n[1] / norm), float(n[2] / norm)};
@@ -282,12 +281,8 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
             for (Vec3& q : ns) q = to_world->normal(q);
         const Vec3 blended = ns[0] * w + ns[1] * u + ns[2] * v;
         const float blended_length = length(blended);
-        if (blended_length > 1e-12f && std::isfinite(blended_length)) {
+        if (blended_length > 1e-12f && std::isfinite(blended_length))
             s.ns = facing(blended / blended_length, s.ng);
-            const float sign = dot(blended, s.ng) < 0 ? -1.f : 1.f;
-            s.dndu = (ns[1] - ns[0]) * (sign / blended_length);
-            s.dndv = (ns[2] - ns[0]) * (sign / blended_length);
-        }
     }
     if (!mesh.uvs.empty()) {
         const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};

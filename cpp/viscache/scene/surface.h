@@ -15,8 +15,6 @@ struct SurfacePoint {
     float roughness = 0.1f;  ///< the same
     Rgb emission;            ///< radiance emitted on the side of ng (on both sides when emits_two_sided)
     bool emits_two_sided = false;
-    Vec3 dndu, dndv;  ///< derivative of the (unnormalised) shading normal along edges 1 and 2 of the triangle
-    Vec3 edge1, edge2;  ///< edges of the triangle in world space
 };
 
 }  // namespace viscache

@@ -1,7 +1,11 @@
 #pragma once
-// Counters of a frame. Each work item has its own object; they are merged in a fixed order.
+// Counters of a frame, one row each. Each work item has its own object; they are merged in a fixed order.
+// `merge`, frame_dict and the table of docs/limits.md read the rows.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <tuple>
+#include <type_traits>
 
 namespace viscache {
 
@@ -28,68 +32,53 @@ constexpr size_t kAnswerClasses = 8;
 /// Queries of a class; those whose ray was traced as well; of these, those whose answer the ray contradicts.
 struct ClassCounters {
     uint64_t queries = 0, checked = 0, wrong = 0;
+    void operator+=(const ClassCounters& b) {
+        queries += b.queries;
+        checked += b.checked;
+        wrong += b.wrong;
+    }
 };
 
+/// Visibility tests requested by the renderer; of these, answered "blocked"; shadow rays traced for them.
 struct GroupCounters {
-    uint64_t queries = 0;   ///< visibility tests requested by the renderer
-    uint64_t occluded = 0;  ///< of these, answered "blocked"
-    uint64_t rays = 0;      ///< shadow rays traced for them
+    uint64_t queries = 0, occluded = 0, rays = 0;
+    void operator+=(const GroupCounters& b) {
+        queries += b.queries;
+        occluded += b.occluded;
+        rays += b.rays;
+    }
 };
 
+/// What each counts, and how two are merged: kCounterRows.
 struct Counters {
     std::array<GroupCounters, kLightGroups> groups;
-    uint64_t camera_rays = 0;    ///< rays of eye paths, including mirror and glass branches
-    uint64_t light_rays = 0;     ///< rays of VPL tracing and of resampling
-    double lost_throughput = 0;  ///< throughput of eye paths that were cut off: at max_depth, or refracted to
-                                 ///< the wrong side of the surface; a sum over the eye samples
+    uint64_t camera_rays = 0, light_rays = 0;
+    double lost_throughput = 0;
     // Quantized cache
     std::array<uint64_t, kMaxLevels> rays_per_level{};
-    uint64_t leftover_rays = 0;      ///< waves: bits active for a pixel but not for its representative
-    uint64_t lookups = 0, hits = 0;  ///< lookups of single bits in tables or rows, without neighbour probes
-    uint64_t neighbour_probes = 0, nil_neighbours = 0;
-    uint64_t evictions = 0;     ///< writes that replace another key
-    uint64_t bypassed = 0;      ///< queries traced without the cache (non-finite input, degenerate normal)
-    uint64_t clamped_low = 0;   ///< R < 1
-    uint64_t clamped_high = 0;  ///< R > R_max
-    uint64_t clamped_nan = 0;   ///< R is NaN: finest resolution
-    uint64_t boundary_queries = 0;               ///< cell disagrees with a neighbour at the last level tested
-    uint64_t cells = 0;                          ///< number of eye cells
-    uint64_t table_writes = 0, table_slots = 0;  ///< hash form: expected occupancy 1 − exp(−writes/slots)
-    uint64_t table_occupied = 0;  ///< occupied slots at the end, for a table shared by the whole frame
-    uint64_t duplicates = 0;      ///< rays for a cluster that another thread or work item also traced
+    uint64_t leftover_rays = 0, lookups = 0, hits = 0, neighbour_probes = 0, nil_neighbours = 0;
+    uint64_t evictions = 0, bypassed = 0, clamped_low = 0, clamped_high = 0, clamped_nan = 0;
+    uint64_t boundary_queries = 0, cells = 0, table_writes = 0, table_slots = 0, table_occupied = 0;
+    uint64_t duplicates = 0;
     double expected_false_hits = 0;
-    // A table kept between frames: answers reused without a new ray, by the frame that traced the bit; of
-    // these, answers that were also traced, and those that the ray contradicted
+    // A table kept between frames
     uint64_t reused_kept = 0, reused_fresh = 0, checked_kept = 0, checked_fresh = 0, wrong_kept = 0,
              wrong_fresh = 0;
     // Answers as control variates
-    uint64_t corrections = 0;    ///< queries whose ray was traced as well
-    uint64_t wrong = 0;          ///< of these, those whose answer the ray contradicts
-    uint64_t exact_queries = 0;  ///< queries that are never corrected, as exact rays answer them
-    /// The same by light group and class, for lights that all eye points share
+    uint64_t corrections = 0, wrong = 0, exact_queries = 0;
     std::array<std::array<ClassCounters, kAnswerClasses>, kLightGroups> classes{};
     // Product sampling of the environment
-    uint64_t product_points = 0, product_dark = 0;  ///< eye points; of these, without light or reflection
-    uint64_t product_guided = 0,
-             product_without_record = 0;  ///< of these, with a guided density; without a record
-    uint64_t pilot_rays = 0;              ///< rays of the pilot before the first pass
-    double greatest_ratio = 0;            ///< maximum of B/B̃ over all samples
-    uint64_t non_finite = 0;              ///< contributions dropped because they were not finite
+    uint64_t product_points = 0, product_dark = 0, product_guided = 0, product_without_record = 0,
+             pilot_rays = 0;
+    double greatest_ratio = 0;
+    uint64_t non_finite = 0;
     // Blocks of shared directions for which an engine was chosen
-    uint64_t direction_rays = 0, batch_rays = 0;  ///< all rays; those traced by the aligned batch
-    double batch_ns = 0, embree_ns = 0;           ///< predicted costs, summed over `predicted_rays`
-    uint64_t predicted_rays = 0;
+    uint64_t direction_rays = 0, batch_rays = 0, predicted_rays = 0;
+    double batch_ns = 0, embree_ns = 0;
 
-    uint64_t queries() const {
-        uint64_t n = 0;
-        for (auto& g : groups) n += g.queries;
-        return n;
-    }
-    uint64_t rays() const {
-        uint64_t n = 0;
-        for (auto& g : groups) n += g.rays;
-        return n;
-    }
+    uint64_t queries() const { return sum(&GroupCounters::queries); }
+    uint64_t occluded() const { return sum(&GroupCounters::occluded); }
+    uint64_t rays() const { return sum(&GroupCounters::rays); }
     GroupCounters& group(int i) { return groups[size_t(i)]; }
     /// Adds counts of writes to a table.
     void add_writes(uint64_t writes, uint64_t evicted, uint64_t twice, double false_hits) {
@@ -99,62 +88,136 @@ struct Counters {
         expected_false_hits += false_hits;
     }
     void merge(const Counters& b);
+
+private:
+    uint64_t sum(uint64_t GroupCounters::* count) const {
+        uint64_t n = 0;
+        for (const GroupCounters& g : groups) n += g.*count;
+        return n;
+    }
 };
 
+/// When `Frame.counters` has a counter: always; with product sampling; with one table for the frame; or as
+/// frame_dict and the sources of oracles write it.
+enum class Shown { kAlways, kProduct, kFrameTable, kElsewhere };
+enum class Merge { kSum, kMost };
+
+template <class Value>
+struct CounterRow {
+    const char* name;
+    Value Counters::* member;
+    const char* doc;
+    Shown shown;
+    Merge merge;
+};
+template <class Value>
+constexpr CounterRow<Value> counter(const char* name, Value Counters::* member, const char* doc,
+                                    Shown shown = Shown::kAlways, Merge merge = Merge::kSum) {
+    return {name, member, doc, shown, merge};
+}
+
+// clang-format off
+inline constexpr std::tuple kCounterRows{
+    counter("groups", &Counters::groups,
+        "By light group: queries, those answered \"blocked\", and rays.", Shown::kElsewhere),
+    counter("camera_rays", &Counters::camera_rays,
+        "Rays of eye paths, including mirror and glass branches."),
+    counter("light_rays", &Counters::light_rays,
+        "Rays that trace and resample virtual point lights."),
+    counter("lost_throughput", &Counters::lost_throughput,
+        "Mean throughput of an eye sample that was cut off: at max_depth, or refracted to the wrong side of "
+        "the surface.", Shown::kElsewhere),
+    counter("rays_per_level", &Counters::rays_per_level,
+        "Rays of the quantized cache by level, coarse to fine.", Shown::kElsewhere),
+    counter("leftover_rays", &Counters::leftover_rays,
+        "Waves: rays for queries whose cell's representative does not ask for that light."),
+    counter("lookups", &Counters::lookups,
+        "Look-ups of single bits in tables or rows, without neighbour probes."),
+    counter("hits", &Counters::hits, "Look-ups that found a bit."),
+    counter("neighbour_probes", &Counters::neighbour_probes,
+        "Look-ups in neighbouring cells, by query; in waves by cell."),
+    counter("nil_neighbours", &Counters::nil_neighbours, "Of these, those that found nothing."),
+    counter("evictions", &Counters::evictions, "Writes that replaced another key."),
+    counter("bypassed", &Counters::bypassed,
+        "Queries that were traced without the cache: non-finite input, a degenerate normal."),
+    counter("clamped_low", &Counters::clamped_low, "Resolutions below 1."),
+    counter("clamped_high", &Counters::clamped_high, "Resolutions above the ladder."),
+    counter("clamped_nan", &Counters::clamped_nan, "Resolutions that are no number: the finest is used."),
+    counter("boundary_queries", &Counters::boundary_queries,
+        "Queries whose cell disagrees with a neighbour at the last level tested."),
+    counter("cells", &Counters::cells, "Eye cells."),
+    counter("table_writes", &Counters::table_writes, "Bits written to tables."),
+    counter("table_slots", &Counters::table_slots,
+        "Slots of these tables; the expected occupancy is 1 - exp(-writes/slots)."),
+    counter("table_occupied", &Counters::table_occupied,
+        "Occupied slots of a table of the whole frame at its end.", Shown::kFrameTable),
+    counter("duplicates", &Counters::duplicates,
+        "Rays for a cluster that another thread or work item also traced.", Shown::kFrameTable),
+    counter("expected_false_hits", &Counters::expected_false_hits,
+        "Expected number of hits of another key's bit."),
+    counter("non_finite", &Counters::non_finite, "Contributions that were dropped because they were not finite."),
+    counter("reused_kept", &Counters::reused_kept,
+        "Answers from a kept table whose bit an earlier frame traced.", Shown::kElsewhere),
+    counter("reused_fresh", &Counters::reused_fresh, "The same, traced by this frame.", Shown::kElsewhere),
+    counter("checked_kept", &Counters::checked_kept, "Of reused_kept, those also traced.", Shown::kElsewhere),
+    counter("checked_fresh", &Counters::checked_fresh, "Of reused_fresh, those also traced.", Shown::kElsewhere),
+    counter("wrong_kept", &Counters::wrong_kept, "Of checked_kept, those that the ray contradicts.",
+        Shown::kElsewhere),
+    counter("wrong_fresh", &Counters::wrong_fresh, "Of checked_fresh, those that the ray contradicts.",
+        Shown::kElsewhere),
+    counter("corrections", &Counters::corrections,
+        "With use=\"correct\": answers whose ray was traced as well.", Shown::kElsewhere),
+    counter("wrong", &Counters::wrong, "Of corrections, those that the ray contradicts.", Shown::kElsewhere),
+    counter("exact_queries", &Counters::exact_queries,
+        "Queries that are never corrected, because exact rays answer them.", Shown::kElsewhere),
+    counter("share_by_class", &Counters::classes,
+        "Queries, corrections and wrong answers by light group and class of answers, for lights that all eye "
+        "points share.", Shown::kElsewhere),
+    counter("product_points", &Counters::product_points, "Eye points with product sampling of the environment.",
+        Shown::kProduct),
+    counter("product_dark", &Counters::product_dark, "Of these, without light or reflection.", Shown::kProduct),
+    counter("product_guided", &Counters::product_guided, "With a guided density.", Shown::kProduct),
+    counter("product_without_record", &Counters::product_without_record, "Without a record of the maps.",
+        Shown::kProduct),
+    counter("greatest_ratio", &Counters::greatest_ratio,
+        "Largest ratio of reflected light to its estimate B̃ over all samples.", Shown::kProduct, Merge::kMost),
+    counter("pilot_rays", &Counters::pilot_rays, "Rays of the pilot before the first pass.", Shown::kProduct),
+    counter("direction_rays", &Counters::direction_rays,
+        "Rays along shared directions for which an engine was chosen.", Shown::kElsewhere),
+    counter("batch_rays", &Counters::batch_rays, "Of these, those of the aligned batch.", Shown::kElsewhere),
+    counter("predicted_rays", &Counters::predicted_rays, "Of these, those with a prediction.", Shown::kElsewhere),
+    counter("batch_ns", &Counters::batch_ns, "Predicted cost of a ray of the batch.", Shown::kElsewhere),
+    counter("embree_ns", &Counters::embree_ns, "Predicted cost of a ray of Embree.", Shown::kElsewhere),
+};
+// clang-format on
+
+/// Calls `visit` with every row.
+template <class Visit>
+constexpr void for_each_counter(Visit visit) {
+    std::apply([&](const auto&... rows) { (visit(rows), ...); }, kCounterRows);
+}
+
+namespace detail {
+template <class Value>
+void add_counts(Value& a, const Value& b) {
+    if constexpr (requires { a += b; })
+        a += b;
+    else
+        for (size_t i = 0; i < a.size(); ++i) add_counts(a[i], b[i]);
+}
+}  // namespace detail
+
 inline void Counters::merge(const Counters& b) {
-    for (int i = 0; i < kLightGroups; ++i) {
-        groups[i].queries += b.groups[i].queries;
-        groups[i].occluded += b.groups[i].occluded;
-        groups[i].rays += b.groups[i].rays;
-    }
-    for (int i = 0; i < kMaxLevels; ++i) rays_per_level[i] += b.rays_per_level[i];
-    camera_rays += b.camera_rays;
-    light_rays += b.light_rays;
-    lost_throughput += b.lost_throughput;
-    leftover_rays += b.leftover_rays;
-    lookups += b.lookups;
-    hits += b.hits;
-    neighbour_probes += b.neighbour_probes;
-    nil_neighbours += b.nil_neighbours;
-    evictions += b.evictions;
-    bypassed += b.bypassed;
-    clamped_low += b.clamped_low;
-    clamped_high += b.clamped_high;
-    clamped_nan += b.clamped_nan;
-    boundary_queries += b.boundary_queries;
-    cells += b.cells;
-    table_writes += b.table_writes;
-    table_slots += b.table_slots;
-    table_occupied += b.table_occupied;
-    duplicates += b.duplicates;
-    expected_false_hits += b.expected_false_hits;
-    non_finite += b.non_finite;
-    reused_kept += b.reused_kept;
-    reused_fresh += b.reused_fresh;
-    checked_kept += b.checked_kept;
-    checked_fresh += b.checked_fresh;
-    wrong_kept += b.wrong_kept;
-    wrong_fresh += b.wrong_fresh;
-    corrections += b.corrections;
-    wrong += b.wrong;
-    exact_queries += b.exact_queries;
-    for (size_t g = 0; g < classes.size(); ++g)
-        for (size_t k = 0; k < kAnswerClasses; ++k) {
-            classes[g][k].queries += b.classes[g][k].queries;
-            classes[g][k].checked += b.classes[g][k].checked;
-            classes[g][k].wrong += b.classes[g][k].wrong;
-        }
-    product_points += b.product_points;
-    product_dark += b.product_dark;
-    product_guided += b.product_guided;
-    product_without_record += b.product_without_record;
-    pilot_rays += b.pilot_rays;
-    direction_rays += b.direction_rays;
-    batch_rays += b.batch_rays;
-    batch_ns += b.batch_ns;
-    embree_ns += b.embree_ns;
-    predicted_rays += b.predicted_rays;
-    greatest_ratio = greatest_ratio > b.greatest_ratio ? greatest_ratio : b.greatest_ratio;
+    for_each_counter([&]<class Value>(const CounterRow<Value>& row) {
+        Value& mine = this->*row.member;
+        const Value& other = b.*row.member;
+        if constexpr (std::is_arithmetic_v<Value>)
+            if (row.merge == Merge::kMost) {
+                mine = std::max(mine, other);
+                return;
+            }
+        detail::add_counts(mine, other);
+    });
 }
 
 }  // namespace viscache

@@ -26,7 +26,7 @@ void require(bool holds, const std::string& what, Value given) {
 template <class Enum>
 inline constexpr std::array<const char*, 0> kNames{};
 
-/// The values that a number can have.
+/// The values that a number can have. Of an enumeration only `high` counts: its last enumerator allowed.
 struct Range {
     static constexpr double kAny = std::numeric_limits<double>::infinity();
     double low = -kAny, high = kAny;

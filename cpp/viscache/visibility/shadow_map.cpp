@@ -30,13 +30,6 @@ inline uint32_t texel_of(float u, float resolution) {
 
 }  // namespace
 
-void ShadowMapSettings::validate() const {
-    detail::require(resolution >= 1 && resolution <= 16384, "resolution must be in [1, 16384]", resolution);
-    detail::require(bias >= 0 && bias <= 1, "bias must be in [0, 1]", bias);
-    detail::require(slope_bias >= 0 && slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", slope_bias);
-    detail::require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
-}
-
 ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
                        const ShadowMapSettings& settings, std::span<const FarEnds* const> lights, int threads,
                        Control& control)

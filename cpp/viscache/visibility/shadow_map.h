@@ -14,19 +14,39 @@
 #include "viscache/math/frame.h"
 #include "viscache/math/parallel.h"
 #include "viscache/visibility/oracle.h"
+#include "viscache/visibility/parameter_row.h"
 #include "viscache/visibility/ray_caster.h"
 
 namespace viscache {
 
+/// What each is, and its range: kShadowMapRows.
 struct ShadowMapSettings {
-    int resolution = 1024;  ///< texels along an edge of a square map
-    double bias = 1e-4;     ///< relative to the diameter of the bounding sphere of the scene
-    double slope_bias = 1;  ///< relative to the depth difference of the tangent plane, see above
-    bool vpls = false;      ///< also trace maps for virtual point lights
+    int resolution = 1024;
+    double bias = 1e-4;
+    double slope_bias = 1;
+    bool vpls = false;
     uint64_t max_bytes = 4ull << 30;
     /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
 };
+
+// clang-format off
+inline constexpr std::tuple kShadowMapRows{
+    row("resolution", &ShadowMapSettings::resolution, {.low = 1, .high = 16384},
+        "Texels along an edge of a map."),
+    row("bias", &ShadowMapSettings::bias, {.low = 0, .high = 1},
+        "Constant part of the bias, in diameters of the scene's bounding sphere."),
+    row("slope_bias", &ShadowMapSettings::slope_bias, {.low = 0, .high = 1e6},
+        "Multiple of the depth that the receiver's tangent plane gains over half a texel both ways. 1 "
+        "suffices for planes; less gives acne, more lets light through near contacts."),
+    row("vpls", &ShadowMapSettings::vpls,
+        "Maps for virtual point lights too: six maps each. The lights are traced twice."),
+    row("max_bytes", &ShadowMapSettings::max_bytes, {.low = 1},
+        "Refuse maps that would take more: 4 bytes per texel, 24·resolution² per point light."),
+};
+// clang-format on
+
+inline void ShadowMapSettings::validate() const { check_rows(kShadowMapRows, *this); }
 
 /// Sixteen receivers as arrays.
 struct Receivers16 {

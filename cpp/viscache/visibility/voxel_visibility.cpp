@@ -5,7 +5,6 @@
 #include <string>
 
 #include "viscache/math/octahedral.h"
-#include "viscache/visibility/parameter_row.h"
 #include "viscache/visibility/shadow_ray.h"
 
 namespace viscache {
@@ -19,19 +18,6 @@ float cells_per_unit(uint32_t n, float low, float high) {
 }
 
 }  // namespace
-
-void NeePlusPlusSettings::validate() const {
-    detail::require(n_voxels >= 1 && n_voxels <= 64, "n_voxels must be in [1, 64]", n_voxels);
-    detail::require(n_directions >= 1 && n_directions <= 256, "n_directions must be in [1, 256]",
-                    n_directions);
-    detail::require(learn_pixels >= 1, "learn_pixels must be >= 1", learn_pixels);
-    detail::require(relearn_pixels >= 0, "relearn_pixels must be >= 0", relearn_pixels);
-    detail::require(min_probability >= 1e-3 && min_probability <= 1, "min_probability must be in [0.001, 1]",
-                    min_probability);
-    detail::require(exponent >= 0 && exponent <= 4, "exponent must be in [0, 4]", exponent);
-    detail::require(certain > 0 && std::isfinite(certain), "certain must be > 0 and finite", certain);
-    detail::require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
-}
 
 VoxelVisibility::VoxelVisibility(const Bounds& bounds, const NeePlusPlusSettings& settings)
     : n_(uint32_t(settings.n_voxels)),

@@ -14,22 +14,52 @@
 
 #include "viscache/math/bounds.h"
 #include "viscache/visibility/oracle.h"
+#include "viscache/visibility/parameter_row.h"
 
 namespace viscache {
 
+/// What each is, and its range: kNeePlusPlusRows.
 struct NeePlusPlusSettings {
-    int n_voxels = 16;              ///< along an edge of the scene's bounding box
-    int n_directions = 16;          ///< cells along an edge of the octahedral square, for light from infinity
-    int learn_pixels = 4096;        ///< size of the small frame from which the map is learned
-    int relearn_pixels = 256;       ///< the same of each later frame, if frames pass on their map
-    double min_probability = 0.05;  ///< least tracing probability; limits weights to its inverse
-    double exponent = 1;            ///< tracing probability is p^exponent: 1 as in the paper, 0 always traces
-    double certain = 1.0 / 256;     ///< for the control variate (MeanSettings)
-    bool symmetric = true;          ///< V(a, b) and V(b, a) share counts
+    int n_voxels = 16;
+    int n_directions = 16;
+    int learn_pixels = 4096;
+    int relearn_pixels = 256;
+    double min_probability = 0.05;
+    double exponent = 1;
+    double certain = 1.0 / 256;
+    bool symmetric = true;
     uint64_t max_bytes = 1ull << 30;
     /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
 };
+
+// clang-format off
+inline constexpr std::tuple kNeePlusPlusRows{
+    row("n_voxels", &NeePlusPlusSettings::n_voxels, {.low = 1, .high = 64},
+        "Voxels along an edge of the scene's bounding box."),
+    row("n_directions", &NeePlusPlusSettings::n_directions, {.low = 1, .high = 256},
+        "Cells along an edge of the octahedral square: far ends of light from infinity."),
+    row("learn_pixels", &NeePlusPlusSettings::learn_pixels, {.low = 1, .high = 1 << 30},
+        "The map is learnt from a frame of so many pixels, at most those of the frame itself, with one "
+        "sample per pixel."),
+    row("relearn_pixels", &NeePlusPlusSettings::relearn_pixels, {.low = 0, .high = 1 << 30},
+        "The same of each later frame, if frames pass on what they have learnt."),
+    row("min_probability", &NeePlusPlusSettings::min_probability, {.low = 1e-3, .high = 1},
+        "Every connection is traced at least that often. 1: the exact frame. Not with `use=\"correct\"`."),
+    row("exponent", &NeePlusPlusSettings::exponent, {.low = 0, .high = 4},
+        "1: in proportion to the visibility, as the paper does. 0: the exact frame. Not with "
+        "`use=\"correct\"`."),
+    row("certain", &NeePlusPlusSettings::certain, {.low = 0, .above = true},
+        "For `use=\"correct\"`. Half as much draws up to twice as many rays."),
+    row("symmetric", &NeePlusPlusSettings::symmetric,
+        "V(a, b) and V(b, a) are learnt together."),
+    row("max_bytes", &NeePlusPlusSettings::max_bytes, {.low = 1},
+        "Refuse a map that would take more: 8 bytes for each pair of voxels, and for each voxel with a cell "
+        "of directions."),
+};
+// clang-format on
+
+inline void NeePlusPlusSettings::validate() const { check_rows(kNeePlusPlusRows, *this); }
 
 class VoxelVisibility {
 public:

@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcRows', 'AqvcRowsSource', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptLights', 'KeptTable', 'KeptTableSource', 'KeptVoxels', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'draw_audit_pixels', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'shaft_matrix', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientSettings', 'AqvcRows', 'AqvcRowsSource', 'AqvcSource', 'BdptSettings', 'Camera', 'CoatKind', 'CorrectSettings', 'DirectSettings', 'EmbreeCaster', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptLights', 'KeptTable', 'KeptTableSource', 'KeptVoxels', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'WhittedSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'counter_rows', 'description_of', 'draw_audit_pixels', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'shaft_matrix', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -270,45 +270,6 @@ class EmbreeCaster(RayCaster):
     @property
     def native16(self) -> bool:
         ...
-class PMode(enum.Enum):
-    """
-    Where the density of an eye point comes from.
-    """
-    FOOTPRINT: typing.ClassVar[PMode]
-    LAST_VERTEX: typing.ClassVar[PMode]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class LightChoice(enum.Enum):
-    """
-    How one of several area lights is chosen.
-    """
-    CONTRIBUTION: typing.ClassVar[LightChoice]
-    POWER: typing.ClassVar[LightChoice]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class EnvironmentSampling(enum.Enum):
-    """
-    How the environment is sampled.
-    """
-    MIS: typing.ClassVar[EnvironmentSampling]
-    PRODUCT: typing.ClassVar[EnvironmentSampling]
-    SHARED: typing.ClassVar[EnvironmentSampling]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class AmbientEngine(enum.Enum):
-    """
-    The engine that traces shared directions.
-    """
-    AUTO: typing.ClassVar[AmbientEngine]
-    BATCH: typing.ClassVar[AmbientEngine]
-    EMBREE: typing.ClassVar[AmbientEngine]
-    FIELD: typing.ClassVar[AmbientEngine]
-    @classmethod
-    def __new__(cls, value):
-        ...
 class PointSet(enum.Enum):
     """
     Point sets on the unit square.
@@ -328,181 +289,83 @@ class PacketOrder(enum.Enum):
     def __new__(cls, value):
         ...
 class IntegratorSettings:
-    ambient: bool
-    ambient_aligned: bool
-    ambient_cosine: bool
-    ambient_engine: AmbientEngine
-    centred: bool
-    direct: bool
-    environment: EnvironmentSampling
-    light_choice: LightChoice
-    p_mode: PMode
-    points: PointSet
-    shade_after_specular: bool
-    def __init__(self) -> None:
-        ...
-    def set_vpls(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], flux: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+    """
+    Of integrators that shade eye points.
+    """
+class DirectSettings(IntegratorSettings):
+    """
+    See viscache.Direct.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
         """
-        Set the virtual point lights of the caller.
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
         """
-    @property
-    def ambient_max_distance(self) -> float:
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    @ambient_max_distance.setter
-    def ambient_max_distance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, **kwargs) -> None:
         ...
-    @property
-    def cosmin(self) -> float:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
-    @cosmin.setter
-    def cosmin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+class WhittedSettings(IntegratorSettings):
+    """
+    See viscache.Whitted.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    @property
-    def interleave(self) -> int:
+    def __init__(self, **kwargs) -> None:
         ...
-    @interleave.setter
-    def interleave(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
-    @property
-    def max_depth(self) -> int:
+class AmbientSettings(IntegratorSettings):
+    """
+    See viscache.AmbientOcclusion.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    @max_depth.setter
-    def max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, **kwargs) -> None:
         ...
-    @property
-    def n_ambient(self) -> int:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
-    @n_ambient.setter
-    def n_ambient(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+class BdptSettings:
+    """
+    See viscache.Bdpt.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    @property
-    def n_area(self) -> int:
+    def __init__(self, **kwargs) -> None:
         ...
-    @n_area.setter
-    def n_area(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_brdf(self) -> int:
-        ...
-    @n_brdf.setter
-    def n_brdf(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_environment(self) -> int:
-        ...
-    @n_environment.setter
-    def n_environment(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_vpls(self) -> int:
-        ...
-    @n_vpls.setter
-    def n_vpls(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def passes(self) -> int:
-        ...
-    @passes.setter
-    def passes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def pick(self) -> int:
-        ...
-    @pick.setter
-    def pick(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def vpl_bound(self) -> float:
-        ...
-    @vpl_bound.setter
-    def vpl_bound(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def vpl_candidates(self) -> int:
-        ...
-    @vpl_candidates.setter
-    def vpl_candidates(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def vpl_eye_points(self) -> int:
-        ...
-    @vpl_eye_points.setter
-    def vpl_eye_points(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def vpl_max_depth(self) -> int:
-        ...
-    @vpl_max_depth.setter
-    def vpl_max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class FrameSettings:
-    def __init__(self) -> None:
+    """
+    Size, samples, seed and threads of a frame.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    @property
-    def audit_above(self) -> float:
+    def __init__(self, **kwargs) -> None:
         ...
-    @audit_above.setter
-    def audit_above(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def audit_pixels(self) -> int:
-        ...
-    @audit_pixels.setter
-    def audit_pixels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def audit_share(self) -> float:
-        ...
-    @audit_share.setter
-    def audit_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def first_sample(self) -> int:
-        ...
-    @first_sample.setter
-    def first_sample(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def height(self) -> int:
-        ...
-    @height.setter
-    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def part(self) -> int:
-        ...
-    @part.setter
-    def part(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def parts(self) -> int:
-        ...
-    @parts.setter
-    def parts(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def seed(self) -> int:
-        ...
-    @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def spp(self) -> int:
-        ...
-    @spp.setter
-    def spp(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def threads(self) -> int:
-        ...
-    @threads.setter
-    def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def width(self) -> int:
-        ...
-    @width.setter
-    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class Camera:
     """
@@ -596,39 +459,6 @@ class Camera:
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
-class ShadowMapSettings:
-    """
-    See viscache.ShadowMap.
-    """
-    vpls: bool
-    def __init__(self) -> None:
-        ...
-    def validate(self) -> None:
-        ...
-    @property
-    def bias(self) -> float:
-        ...
-    @bias.setter
-    def bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_bytes(self) -> int:
-        ...
-    @max_bytes.setter
-    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def resolution(self) -> int:
-        ...
-    @resolution.setter
-    def resolution(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def slope_bias(self) -> float:
-        ...
-    @slope_bias.setter
-    def slope_bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
 class AqvcRows:
     """
     See viscache.AqvcRows.
@@ -683,88 +513,20 @@ class KeptTable:
     @property
     def slots(self) -> int:
         ...
-class CameraConnections(enum.Enum):
-    """
-    Light paths that are connected to the camera.
-    """
-    BYPASS: typing.ClassVar[CameraConnections]
-    KEYED: typing.ClassVar[CameraConnections]
-    OFF: typing.ClassVar[CameraConnections]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class BdptSettings:
-    camera_connections: CameraConnections
-    def __init__(self) -> None:
-        ...
-    @property
-    def cosmin(self) -> float:
-        ...
-    @cosmin.setter
-    def cosmin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_depth(self) -> int:
-        ...
-    @max_depth.setter
-    def max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
 class NeePlusPlusSettings:
     """
     See viscache.NeePlusPlus.
     """
-    symmetric: bool
-    def __init__(self) -> None:
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
         ...
-    def validate(self) -> None:
+    def __init__(self, **kwargs) -> None:
         ...
-    @property
-    def certain(self) -> float:
-        ...
-    @certain.setter
-    def certain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def exponent(self) -> float:
-        ...
-    @exponent.setter
-    def exponent(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def learn_pixels(self) -> int:
-        ...
-    @learn_pixels.setter
-    def learn_pixels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_bytes(self) -> int:
-        ...
-    @max_bytes.setter
-    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def min_probability(self) -> float:
-        ...
-    @min_probability.setter
-    def min_probability(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_directions(self) -> int:
-        ...
-    @n_directions.setter
-    def n_directions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_voxels(self) -> int:
-        ...
-    @n_voxels.setter
-    def n_voxels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def relearn_pixels(self) -> int:
-        ...
-    @relearn_pixels.setter
-    def relearn_pixels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class KeptVoxels:
     """
@@ -807,7 +569,16 @@ class VisMapSettings:
     """
     See viscache.VisMaps.
     """
-    def __init__(self, *, alpha: AlphaMode, alpha_value: typing.SupportsFloat | typing.SupportsIndex, pilot_alpha: bool, sampling: str, eta: typing.SupportsFloat | typing.SupportsIndex, replace: bool, points: PointSet) -> None:
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
+    def __init__(self, **kwargs) -> None:
+        ...
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class FrameMaps:
     """
@@ -859,6 +630,21 @@ class AqvcRowsSource(OracleSource):
     """
     def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, rows: AqvcRows, *, spp: typing.SupportsInt | typing.SupportsIndex, exact: OracleSource | None = None) -> None:
         ...
+class ShadowMapSettings:
+    """
+    See viscache.ShadowMap.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
+    def __init__(self, **kwargs) -> None:
+        ...
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
+        ...
 class ShadowMapSource(OracleSource):
     """
     See viscache.ShadowMap.
@@ -875,6 +661,21 @@ class RouletteSource(OracleSource):
         The means of voxels as a control variate.
         """
     def __init__(self, scene: Scene, caster: RayCaster, settings: NeePlusPlusSettings, *, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True, keep: KeptVoxels | None = None) -> None:
+        ...
+class CorrectSettings:
+    """
+    See viscache.Correct.
+    """
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
+    def __init__(self, **kwargs) -> None:
+        ...
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class ResidualSource(OracleSource):
     """
@@ -978,9 +779,13 @@ def best_isa() -> str:
     """
     Best variant that this CPU supports.
     """
-def cache_maps(settings: VisMapSettings, cache: vismap.MapCache, frame: FrameSettings, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0) -> FrameMaps:
+def cache_maps(settings: VisMapSettings, cache: vismap.MapCache, frame: FrameSettings, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, replace: bool = False, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0) -> FrameMaps:
     """
     The maps of a cache, which must not change while the frame is rendered. d_max and footprint belong to the centres of the pixels, (H·W,).
+    """
+def counter_rows() -> dict:
+    """
+    What each counter of a frame counts, by name.
     """
 def description_of(scene: Scene) -> SceneDescription:
     """

@@ -12,62 +12,21 @@ class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
     """
-    batch: typing.Any
-    bright: typing.Any
-    by_contribution: bool
-    c_e: typing.Any
-    c_finest: typing.Any
-    c_l: typing.Any
-    c_n: typing.Any
-    c_pg: typing.Any
-    c_r: typing.Any
-    c_w: typing.Any
-    c_z: typing.Any
-    cell_density: str
-    digest_bits: typing.Any
-    env_rule: str
-    exact_groups: typing.Any
-    form: str
-    grid_offset: bool
-    grid_seed: typing.Any
-    hash: str
-    level_rule: str
-    level_step: typing.Any
-    normal_mode: str
-    order: str
-    queue: typing.Any
-    refinement: str
-    res_rule: str
-    scale_free: bool
-    storage: str
-    table_bytes: typing.Any
-    tangent_neighbours: bool
-    vpl_key: str
     @staticmethod
     def parameter_rows() -> list:
         """
         Name, kind, range, uses and doc of every parameter, as the C++ table has them.
         """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
     def __init__(self, **kwargs) -> None:
+        ...
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
     def level_list(self, group: typing.SupportsInt | typing.SupportsIndex, *, spp: typing.SupportsInt | typing.SupportsIndex = 1, lift: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> list[float]:
         """
         C_E of every level of a light group, coarse to fine.
         """
-    def validate(self) -> None:
-        ...
-    @property
-    def c_e_groups(self) -> dict[str, float]:
-        ...
-    @c_e_groups.setter
-    def c_e_groups(self, arg1: typing.Any) -> None:
-        ...
-    @property
-    def refinement_groups(self) -> dict[str, str]:
-        ...
-    @refinement_groups.setter
-    def refinement_groups(self, arg1: typing.Any) -> None:
-        ...
 def full_keys(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dx: typing.SupportsInt | typing.SupportsIndex = 0, dy: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
     Keys of AQVC Sec. 3.3 and 3.5.

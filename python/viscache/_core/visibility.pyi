@@ -12,18 +12,16 @@ class BspSettings:
     """
     Settings of the BSP; see viscache.Bsp.
     """
-    kernel: str
-    leaf_size: typing.Any
-    max_bytes: typing.Any
-    max_depth: typing.Any
     @staticmethod
     def parameter_rows() -> list:
         """
         Name, kind, range, uses and doc of every parameter, as the C++ table has them.
         """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
     def __init__(self, **kwargs) -> None:
         ...
-    def validate(self) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class BspCaster(viscache._core.RayCaster):
     """

@@ -144,37 +144,16 @@ class MapCacheParameters:
     """
     Parameters of the cache; see viscache.MapSettings.
     """
-    batch: typing.Any
-    criterion: str
-    d_max: typing.Any
-    delta_max: typing.Any
-    eps_max: typing.Any
-    filter: str
-    k_worst: typing.Any
-    lam: typing.Any
-    m: typing.Any
-    m_nearest: typing.Any
-    max_records: typing.Any
-    min_rays: typing.Any
-    mode: str
-    n_best: typing.Any
-    n_startup: typing.Any
-    r_min_px: typing.Any
-    removal: str
-    repeat_passes: bool
-    seed: typing.Any
-    theta_max_deg: typing.Any
-    unused_frames: typing.Any
-    w_min: typing.Any
-    weight_test: str
     @staticmethod
     def parameter_rows() -> list:
         """
         Name, kind, range, uses and doc of every parameter, as the C++ table has them.
         """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
     def __init__(self, **kwargs) -> None:
         ...
-    def validate(self) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class MapCache:
     """
@@ -242,7 +221,7 @@ class Relighting:
     See viscache.Relighting.
     """
     @staticmethod
-    def trace(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, integrator: viscache._core.IntegratorSettings, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
+    def trace(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
         """
         Compute all that does not depend on the light. d_max and footprint belong to the centres of the pixels, (H·W,).
         """

@@ -9,33 +9,21 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['AlignedBatch', 'DynamicField', 'FIELD_RAY_NS', 'FieldSettings', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'point_order', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DynamicField', 'FIELD_RAY_NS', 'FieldSettings', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_hopeless', 'nearest_direction', 'point_order', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
 class FieldSettings:
     """
     Settings of the field; see viscache.Vlf.
     """
-    bsp_depth: typing.Any
-    fit: str
-    head_room: typing.Any
-    kernel: str
-    lazy: bool
-    leaf_target: typing.Any
-    max_build_s: typing.Any
-    max_bytes: typing.Any
-    n_directions: typing.Any
-    n_tiles: typing.Any
-    snap: bool
-    split: str
-    tile_ranges: bool
-    walk: str
     @staticmethod
     def parameter_rows() -> list:
         """
         Name, kind, range, uses and doc of every parameter, as the C++ table has them.
         """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
     def __init__(self, **kwargs) -> None:
         ...
-    def validate(self) -> None:
+    def __setattr__(self, arg0: str, arg1: typing.Any) -> None:
         ...
 class VisibilityField(viscache._core.RayCaster):
     """
@@ -158,8 +146,6 @@ def field_rows(field: VisibilityField, points: typing.Annotated[numpy.typing.Arr
     """
     The same bits, looked up in a field of these directions.
     """
-def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
-    ...
 def is_hopeless(scene: viscache._core.Scene, points: typing.SupportsInt | typing.SupportsIndex, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> bool:
     """
     True if the batch is slower whatever the scene looks like.

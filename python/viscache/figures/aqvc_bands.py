@@ -342,9 +342,6 @@ RAYS_WITHOUT_OFFSET = Band(0.95, 3.0, "expected: planes on cell faces have up to
 TANGENT_ERROR = Band(0.6, 1.05, "expected: a prototype measured −25 % in a rotated scene")
 TANGENT_RAYS = Band(0.95, 1.6, "expected: a prototype measured +35 % in a rotated scene")
 
-#: Largest rel_l1 over the smallest, cos θ at least 0.01, 0.05 and 0.2.
-COSMIN_ERROR = Band(1.0, 1.1, "expected: no measurable effect in a prototype")
-
 #: Group errors with refinement over those without, for groups that the default refines.
 REFINED_ERROR = Band(
     0.0, 1.0, "Sec. 3.6: refinement lowers the error of shadow edges", claimed=Claim.less()

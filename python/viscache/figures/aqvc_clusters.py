@@ -17,7 +17,7 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
-from viscache.settings.integrators import Direct, core_settings
+from viscache.settings.integrators import Direct, eye_settings
 from viscache.settings.visibility import Aqvc
 
 C_E, FINER_C_E = 16.0, 4.0
@@ -74,7 +74,7 @@ def eye_samples(shot: Shot) -> EyeSamples:
     view = find_camera(shot.scene, shot.camera)
     frame = _core.FrameSettings()
     (frame.width, frame.height), frame.spp = shot.size, shot.spp
-    core = core_settings(shot.integrator)
+    core = eye_settings(shot.integrator)
     got: dict[str, Any] = _core.trace_eye_points(
         shot.scene._core, shot.scene.caster(), view, core, frame
     )

@@ -18,7 +18,7 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct, Whitted
+from viscache.settings.integrators import Direct
 from viscache.settings.visibility import Aqvc, PaperForm
 
 Size = tuple[int, int] | None
@@ -27,7 +27,6 @@ C_E = 12.0
 SIZE, QUICK_SIZE = (640, 400), (120, 75)
 GRIDS, QUICK_GRIDS = 4, 1
 MODES = ("round", "floor", "octahedral", "single")
-COSMIN = (0.01, 0.05, 0.2)
 #: Kinds of lights, by setup.
 KINDS = {
     "delta": ("point", "directional"),
@@ -42,8 +41,7 @@ def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Out
     outcome = Outcome(rows=leaking_cells())
     rows, table = normals(quick, size)
     outcome.rows += rows
-    for part in (grids_and_neighbours, cosines):
-        outcome.rows += part(quick, size)
+    outcome.rows += grids_and_neighbours(quick, size)
     outcome.rows += light_kinds(quick, size)
     rows, biases = bias_rows(quick, size)
     outcome.rows += rows
@@ -190,22 +188,6 @@ def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
     ]
 
 
-def cosines(quick: bool, size: Size) -> list[Row]:
-    """The integrators' lower limit of cos θ in densities."""
-    shot = _shot(quick, size)
-    found = {c: mean_trade(replace(shot, integrator=Whitted(cosmin=c)), quick) for c in COSMIN}
-    rows = [Row(f"cosmin {c:g}: rel_l1", f["rel_l1"], note=_note(f)) for c, f in found.items()]
-    errors = [f["rel_l1"] for f in found.values()]
-    rows.append(
-        Row(
-            "cosmin: largest rel_l1 over smallest",
-            max(errors) / min(errors),
-            band=None if quick else bands.COSMIN_ERROR,
-        )
-    )
-    return rows
-
-
 def light_kinds(quick: bool, size: Size) -> list[Row]:
     """Refinement on and off, by kind of light."""
     rows = []
@@ -220,7 +202,7 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
                 frame=shot.frame(
                     Aqvc(
                         c_e=C_E,
-                        refinement_groups=dict.fromkeys(kinds, state),
+                        refinement=dict.fromkeys(kinds, state),
                         exact_groups=(),
                     )
                 ),

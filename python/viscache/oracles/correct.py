@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
-from viscache.settings.checks import check_types, require
+from viscache import _core
+from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.spelling import setting
 from viscache.settings.visibility import VisMaps
 
@@ -14,11 +15,13 @@ __all__ = ["Correct", "in_words", "use_in_words"]
 
 #: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
 CERTAIN = 1 / 32
+ROWS = ParameterRows(_core.CorrectSettings)
 
 
 @setting
+@ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Correct:
+class Correct(RowSettings):
     """How `use="correct"` draws: Ṽ + (V - Ṽ)/q for a random share q of the queries.
 
     The cache answers every query. Rays check a random share q of the answers, and weights correct
@@ -38,30 +41,7 @@ class Correct:
 
     Parameters
     ----------
-    share : float in (0, 1], optional
-        q, the same for all queries. By default q follows the unoccluded contribution c of a
-        connection with shared lights to its pixel: 1 where c is `certain` of a reference, and half
-        as much with each halving of c, down to 1/256. The reference is √(a·(b + m/20)), at most m:
-        a is the light that the group would bring to the eye point without shadows, b the part of it
-        that the cache sees, and m the mean of a over the picture. For picked lights it is a. Then
-        few rays remove most of the error: its square counts c², over the picture or relative to
-        each pixel. The samples of a pixel take turns, also those of frames that go on from each
-        other: a connection with q = 1/16 is drawn in one of sixteen. Samples of single eye points
-        and connections of `Bdpt` have q = 0.1.
-
-        The draw depends on the frame's seed and first sample, and on the positions of both ends.
-
-    certain : float > 0 or "auto"
-        Without a share: where q reaches 1. Half as much draws up to twice as many rays, and halves
-        the noise of corrections. "auto": 1/32. In `vc.Progressive` the first two passes then tell
-        by which power of two shares have the least error · cost in later ones, by their noise and
-        by counted rays; or that exact visibility has less, which later passes then have, with a
-        warning. Where it has far less, the first pass tells.
-    classes : {"learned", "same"}
-        Without a share, in `vc.Progressive`: "learned": the first two passes tell how often answers
-        of a class are wrong (p), and in later ones q follows c·√p, in steps of two. Their draws are
-        independent of those of the first two. "same": all classes have the same shares. Single
-        frames have learnt nothing.
+    {parameters}
 
     Examples
     --------
@@ -75,16 +55,10 @@ class Correct:
     True
     """
 
-    share: float | None = None
-    certain: float | Literal["auto"] = "auto"
-    classes: Literal["learned", "same"] = "learned"
-
-    def __post_init__(self) -> None:
-        check_types(self)
-        fits = self.share is None or 0 < self.share <= 1
-        require(fits, "share must be in (0, 1]", self.share)
-        fits = self.certain == "auto" or 0 < self.certain < float("inf")
-        require(fits, "certain must be > 0 and finite", self.certain)
+    ROWS: ClassVar[ParameterRows] = ROWS
+    share: float | None = ROWS.default("share")
+    certain: float | Literal["auto"] = ROWS.default("certain")
+    classes: Literal["learned", "same"] = ROWS.default("classes")
 
 
 def in_words(use: Any) -> Any:

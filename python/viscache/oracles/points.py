@@ -236,7 +236,7 @@ class FarEnds:
     t_max : float
         Length of rays along directions, scene units.
     group : str
-        The light group whose settings hold (c_e_groups, refinement_groups) and whose counters
+        The light group whose settings hold (c_e_groups, refinement) and whose counters
         count.
     """
 

@@ -15,6 +15,7 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.not_given import NotGiven, not_given, plain
 from viscache.settings.parameter_rows import ParameterRows
+from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import setting
 
@@ -35,7 +36,7 @@ ROWS = ParameterRows(_core.aqvc.AqvcParameters)
 #: Parameters on which keys, or what is kept under them, depend.
 KEYED = tuple(name for name, row in ROWS.by_name.items() if row["keyed"])
 #: Parameters that are mappings by light group.
-BY_GROUP = ("c_e_groups", "refinement_groups")
+BY_GROUP = ("c_e_groups", "refinement")
 
 #: What the presets change of the defaults (docs/deviations.md tells why).
 PRESETS: dict[str, dict[str, Any]] = {
@@ -50,7 +51,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
     "paper": {
         "c_z": 8.0,
-        "level_rule": "log2",
+        "c_finest": "log2",
         "level_step": 2.0,
         "vpl_key": "surface",
         "refinement": "on",
@@ -113,8 +114,8 @@ class PaperForm:
     --------
     >>> import viscache as vc
     >>> exact_table = vc.PaperForm(form="pairs", storage="exact")
-    >>> vc.Aqvc(preset="paper", paper=exact_table).paper.level_rule
-    'log2'
+    >>> vc.Aqvc(preset="paper", paper=exact_table).paper.vpl_key
+    'surface'
     """
 
     form: Literal["waves", "pairs"] = _default("form")
@@ -131,18 +132,16 @@ class PaperForm:
     normal_mode: Literal["round", "floor", "octahedral", "single"] = _default("normal_mode")
     grid_offset: bool = _default("grid_offset")
     tangent_neighbours: bool = _default("tangent_neighbours")
-    res_rule: Literal["eq7", "eq6"] = _default("res_rule")
     env_rule: Literal["derived", "printed"] = _default("env_rule")
     cell_density: Literal["light", "mixture"] = _default("cell_density")
     vpl_key: Literal["point", "surface"] = _default("vpl_key")
-    level_rule: Literal["finest", "log2"] = _default("level_rule")
 
     def __post_init__(self) -> None:
         check_types(self)
         ROWS.core(self)
 
 
-@setting
+@registered("visibility", "aqvc", parts=True)
 @ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Aqvc:
@@ -175,11 +174,12 @@ class Aqvc:
     c_n: int = _default("c_n")
     c_z: float = _default("c_z")
     c_r: float = _default("c_r")
-    refinement: Literal["auto", "on", "off"] = _default("refinement")
-    refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
+    refinement: Mapping[str, str] | Literal["auto", "on", "off"] = field(
+        default=_default("refinement"), hash=False
+    )
     exact_groups: Collection[str] | Literal["auto"] = _default("exact_groups")
     level_step: float = _default("level_step")
-    c_finest: float = _default("c_finest")
+    c_finest: float | Literal["log2"] = _default("c_finest")
     by_contribution: bool = _default("by_contribution")
     bright: float = _default("bright")
     table_bytes: int = _default("table_bytes")
@@ -197,7 +197,7 @@ class Aqvc:
                 f"c_e_groups[{group!r}] must be > 0 and finite",
                 value,
             )
-        self._check_refinement_groups()
+        self._check_refinement()
         if not isinstance(self.exact_groups, NotGiven):
             object.__setattr__(self, "exact_groups", _group_set(self.exact_groups))
         require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
@@ -207,18 +207,17 @@ class Aqvc:
         object.__setattr__(self, "paper", paper)
         self.core()
 
-    def _check_refinement_groups(self) -> None:
-        given = self.refinement_groups
+    def _check_refinement(self) -> None:
+        given, words = self.refinement, '"auto", "on" or "off"'
+        if isinstance(given, str):
+            return
         table = isinstance(given, Mapping)
-        require(table, 'refinement_groups must map light groups to "auto", "on" or "off"', given)
+        require(table, f"refinement must be {words}, or map light groups to these", given)
         for group, value in given.items():
             known = group in LIGHT_GROUPS
-            require(known, f"refinement_groups must name {', '.join(LIGHT_GROUPS)}", group)
-            require(
-                value in ("auto", "on", "off"),
-                f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
-                value,
-            )
+            require(known, f"refinement must name {', '.join(LIGHT_GROUPS)}", group)
+            fits = value in ("auto", "on", "off")
+            require(fits, f"refinement[{group!r}] must be {words}", value)
 
     def core(self) -> _core.aqvc.AqvcParameters:
         """The C++ struct with the preset and what was given."""
@@ -246,14 +245,14 @@ class Aqvc:
         return _core.AqvcSource(scene, caster, self.core(), spp=spp, exact=exact)
 
     def for_frame_table(self) -> Aqvc:
-        """With the defaults for `Bdpt`: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
+        """With the defaults for `Bdpt`: no refinement (Sec. 4.2), 256 MiB.
 
         In the default preset also C_R = 2 (docs/deviations.md, A35).
         """
         own: dict[str, Any] = {"table_bytes": 256 << 20, "refinement": "off"}
         if self.preset == "default":
             own["c_r"] = 2.0
-        return self._unless_given(own, {"res_rule": "eq6"})
+        return self._unless_given(own, {})
 
     def for_kept_table(self) -> Aqvc:
         """With the defaults for a table that is kept: one query at a time, scale-free cells."""
@@ -279,7 +278,7 @@ class Aqvc:
     def resolved(self) -> dict[str, Any]:
         """Every parameter's value, those of `paper` under their own names."""
         own = {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name != "paper"}
-        own |= {name: dict(own[name]) for name in BY_GROUP}
+        own |= {n: dict(own[n]) for n in BY_GROUP if isinstance(own[n], Mapping)}
         return own | {f.name: plain(getattr(self.paper, f.name)) for f in fields(self.paper)}
 
     def parameters(self) -> dict[str, Any]:

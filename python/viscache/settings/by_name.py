@@ -7,32 +7,19 @@ import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from viscache.array_digests import array_in_words
-from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
+from viscache.settings import integrators as _integrators  # noqa: F401  (these three register)
+from viscache.settings import rays as _rays  # noqa: F401
+from viscache.settings import visibility as _visibility  # noqa: F401
 from viscache.settings.not_given import NotGiven
-from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.spelling import nearest
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Unoccluded, VisMaps
+from viscache.settings.registry import NAMES as NAMES
+from viscache.settings.registry import Role as Role
+from viscache.settings.spelling import GONE, nearest, unknown
 
-Role: TypeAlias = Literal["integrator", "rays", "visibility"]
-
-#: What the command line and sweep files call the settings.
-NAMES: dict[Role, dict[str, type[Any]]] = {
-    "integrator": {"direct": Direct, "whitted": Whitted, "bdpt": Bdpt, "ao": AmbientOcclusion},
-    "rays": {"embree": Embree, "vlf": Vlf, "bsp": Bsp},
-    "visibility": {
-        "exact": Exact,
-        "aqvc": Aqvc,
-        "vismap": VisMaps,
-        "shadow_map": ShadowMap,
-        "nee_plus_plus": NeePlusPlus,
-        "unoccluded": Unoccluded,
-    },
-}
 ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")
 #: `--visibility vlf` is short for `--rays vlf --visibility exact`.
 RAYS_AS_VISIBILITY = ("vlf", "bsp")
@@ -203,6 +190,9 @@ def owner(
         raise ValueError(
             f"{name!r} is ambiguous: write {' or '.join(f'{r}.{name}' for r in owners)}"
         )
+    for role in bare:
+        if f"{_whose(settings[role], name)}.{name}" in GONE:
+            check_parameter(settings[role], name, role)
     known = [parameter for role in bare for parameter in parameters(settings[role])]
     whose = " or ".join(f"{role} {type(settings[role]).__name__}" for role in bare)
     raise ValueError(f"unknown parameter {name!r} of {whose}{nearest(name, known)}")
@@ -221,7 +211,10 @@ def check_parameter(settings: Any, parameter: str, role: str) -> None:
     """ValueError with the nearest known name where `settings` has no such parameter."""
     known = parameters(settings)
     if parameter not in known:
-        raise ValueError(
-            f"{role} {type(settings).__name__} has no parameter {parameter!r}"
-            f"{nearest(parameter, known)}"
-        )
+        raise ValueError(f"{role} {unknown(_whose(settings, parameter), parameter, known)}")
+
+
+def _whose(settings: Any, parameter: str) -> str:
+    """The class that an unknown parameter belongs to: the one that had it before, if there is."""
+    own = [type(s).__name__ for s in (settings, *nested(settings).values())]
+    return next((name for name in own if f"{name}.{parameter}" in GONE), own[0])

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, TypeAlias
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.settings.checks import check_types, require
-from viscache.settings.parameter_rows import ParameterRows
+from viscache.settings.checks import require
+from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.spelling import setting
 
 __all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
@@ -32,7 +32,7 @@ ROWS = ParameterRows(_core.vismap.MapCacheParameters)
 @setting
 @ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class MapSettings:
+class MapSettings(RowSettings):
     """How records are created, found, inserted and removed (VisMap Sec. 5, Table 1).
 
     Parameters
@@ -45,6 +45,7 @@ class MapSettings:
         Order in which pixels may insert records.
     """
 
+    ROWS: ClassVar[ParameterRows] = ROWS
     preset: Literal["low", "medium", "high", "auto"] = "medium"
     m: int = ROWS.default("m")
     n_startup: int = ROWS.default("n_startup")
@@ -71,15 +72,6 @@ class MapSettings:
     unused_frames: int = ROWS.default("unused_frames")
     seed: int = ROWS.default("seed")
 
-    def __post_init__(self) -> None:
-        check_types(self)
-        self.core()
-
-    def core(self) -> _core.vismap.MapCacheParameters:
-        """The C++ struct."""
-        core: _core.vismap.MapCacheParameters = ROWS.core(self)
-        return core
-
     def thresholds(self, startup: Mapping[str, Any] | None = None) -> tuple[float, float]:
         """(w_min, delta_max) as given, from the preset, or from the statistics of the start-up."""
         given = self.w_min, self.delta_max
@@ -90,10 +82,6 @@ class MapSettings:
             chosen = preset["w_min"], preset["delta_max"]
         w_min, delta_max = (c if g is None else g for g, c in zip(given, chosen, strict=True))
         return w_min, delta_max
-
-    def parameters(self) -> dict[str, Any]:
-        """Names and values for JSON."""
-        return asdict(self)
 
 
 def map_settings(given: MapSettings | str | None) -> MapSettings:

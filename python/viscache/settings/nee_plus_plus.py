@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from typing import ClassVar
 
 from viscache import _core
-from viscache.settings.checks import check_types, require
+from viscache.settings.parameter_rows import ParameterRows, RowSettings
+from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
-from viscache.settings.spelling import setting
 
 __all__ = ["NeePlusPlus"]
 
 
-@setting
+NEE = ParameterRows(_core.NeePlusPlusSettings)
+
+
+@registered("visibility", "nee_plus_plus", unbiased=True, weighted=True)
+@NEE.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class NeePlusPlus:
+class NeePlusPlus(RowSettings):
     """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): Russian roulette of shadow rays.
 
     A small frame with exact rays measures how often points of one voxel see points of another. A
@@ -39,28 +43,7 @@ class NeePlusPlus:
 
     Parameters
     ----------
-    n_voxels : int in [1, 64]
-        Voxels along an edge of the scene's bounding box.
-    n_directions : int in [1, 256]
-        Cells along an edge of the octahedral square: far ends of light from infinity.
-    learn_pixels : int in [1, 2^30]
-        The map is learnt from a frame of so many pixels, at most those of the frame itself, with
-        one sample per pixel.
-    relearn_pixels : int in [0, 2^30]
-        The same of each later frame, if frames pass on what they have learnt.
-    min_probability : float in [0.001, 1]
-        Every connection is traced at least that often. 1: the exact frame. Not with
-        `use="correct"`.
-    exponent : float in [0, 4]
-        1: in proportion to the visibility, as the paper does. 0: the exact frame. Not with
-        `use="correct"`.
-    certain : float > 0
-        For `use="correct"`. Half as much draws up to twice as many rays.
-    symmetric : bool
-        V(a, b) and V(b, a) are learnt together.
-    max_bytes : int >= 1
-        Refuse a map that would take more: 8 bytes for each pair of voxels, and for each voxel with
-        a cell of directions.
+    {parameters}
 
     Examples
     --------
@@ -71,25 +54,16 @@ class NeePlusPlus:
     True
     """
 
-    n_voxels: int = 16
-    n_directions: int = 16
-    learn_pixels: int = 4096
-    relearn_pixels: int = 256
-    min_probability: float = 0.05
-    exponent: float = 1.0
-    certain: float = 1 / 256
-    symmetric: bool = True
-    max_bytes: int = 1 << 30
-
-    def __post_init__(self) -> None:
-        check_types(self)
-        for name, most in (("n_voxels", 64), ("n_directions", 256), ("learn_pixels", 1 << 30)):
-            value = getattr(self, name)
-            require(1 <= value <= most, f"{name} must be in [1, {most}]", value)
-        fits = 0 <= self.relearn_pixels <= 1 << 30
-        require(fits, "relearn_pixels must be in [0, 1073741824]", self.relearn_pixels)
-        require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
-        self.core().validate()
+    ROWS: ClassVar[ParameterRows] = NEE
+    n_voxels: int = NEE.default("n_voxels")
+    n_directions: int = NEE.default("n_directions")
+    learn_pixels: int = NEE.default("learn_pixels")
+    relearn_pixels: int = NEE.default("relearn_pixels")
+    min_probability: float = NEE.default("min_probability")
+    exponent: float = NEE.default("exponent")
+    certain: float = NEE.default("certain")
+    symmetric: bool = NEE.default("symmetric")
+    max_bytes: int = NEE.default("max_bytes")
 
     def source(self, context: SourceContext) -> _core.OracleSource:
         """The source of one frame's oracles."""
@@ -111,14 +85,3 @@ class NeePlusPlus:
             lasting_seed=context.lasting_seed,
             keep=context.voxels,
         )
-
-    def core(self) -> _core.NeePlusPlusSettings:
-        """The C++ struct."""
-        core = _core.NeePlusPlusSettings()
-        for name, value in self.parameters().items():
-            setattr(core, name, value)
-        return core
-
-    def parameters(self) -> dict[str, Any]:
-        """Names and values."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import typing
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
-from viscache.settings.parameter_rows import ParameterRows
-from viscache.settings.spelling import setting
+from viscache.settings.parameter_rows import ParameterRows, RowSettings
+from viscache.settings.registry import classes, is_setting, registered
 
-__all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays", "is_robust"]
+__all__ = ["Bsp", "Embree", "Vlf"]
 
 BSP_ROWS = ParameterRows(_core.visibility.BspSettings)
 FIELD_ROWS = ParameterRows(_core.vlf.FieldSettings)
 
 
-@setting
+@registered("rays", "embree")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Embree:
     """Rays by Embree.
@@ -54,10 +53,10 @@ class Embree:
         return _core.EmbreeCaster(scene, robust=self.robust)
 
 
-@setting
+@registered("rays", "bsp")
 @BSP_ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Bsp:
+class Bsp(RowSettings):
     """Single rays through a BSP: the tracer the visibility field is compared with.
 
     Cells are halved at the middle of their longest side (Mortensen et al. 2007, Sec. 5.1).
@@ -74,29 +73,21 @@ class Bsp:
     10
     """
 
+    ROWS: ClassVar[ParameterRows] = BSP_ROWS
     max_depth: int | None = BSP_ROWS.default("max_depth")
     leaf_size: int = BSP_ROWS.default("leaf_size")
     kernel: Literal["watertight", "wald"] = BSP_ROWS.default("kernel")
     max_bytes: int = BSP_ROWS.default("max_bytes")
-
-    def __post_init__(self) -> None:
-        check_types(self)
-        self.core()
-
-    def core(self) -> _core.visibility.BspSettings:
-        """The C++ settings."""
-        core: _core.visibility.BspSettings = BSP_ROWS.core(self)
-        return core
 
     def build(self, scene: _core.Scene, threads: int = 0) -> _core.visibility.BspCaster:
         """The tree over a scene; 0 threads = all cores."""
         return _core.visibility.BspCaster(scene, self.core(), threads=threads)
 
 
-@setting
+@registered("rays", "vlf")
 @FIELD_ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Vlf:
+class Vlf(RowSettings):
     """Rays by look-up in a visibility field (Mortensen, Khanna, Yu, Slater 2007).
 
     Parameters
@@ -112,6 +103,7 @@ class Vlf:
     (20, 32, 3)
     """
 
+    ROWS: ClassVar[ParameterRows] = FIELD_ROWS
     n_directions: int | Literal["auto"] = FIELD_ROWS.default("n_directions")
     n_tiles: int | Literal["auto"] = FIELD_ROWS.default("n_tiles")
     bsp_depth: int | Literal["auto"] = FIELD_ROWS.default("bsp_depth")
@@ -126,15 +118,6 @@ class Vlf:
     snap: bool = FIELD_ROWS.default("snap")
     max_bytes: int = FIELD_ROWS.default("max_bytes")
     max_build_s: float = FIELD_ROWS.default("max_build_s")
-
-    def __post_init__(self) -> None:
-        check_types(self)
-        self.core()
-
-    def core(self) -> _core.vlf.FieldSettings:
-        """The C++ settings."""
-        core: _core.vlf.FieldSettings = FIELD_ROWS.core(self)
-        return core
 
     def build(self, scene: _core.Scene, threads: int = 0) -> _core.vlf.VisibilityField:
         """The field over a scene; 0 threads = all cores."""
@@ -170,8 +153,6 @@ def check_rays(rays: Rays | str | None) -> Rays:
     """The settings that `rays=` means, Embree by default; ValueError where they are none."""
     from viscache.settings import by_name
 
-    known = typing.get_args(Rays)
-    classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
     chosen: Rays = by_name.setting("rays", rays, "embree")
-    require(isinstance(chosen, known), f"rays must be {classes}", chosen)
+    require(is_setting("rays", chosen), f"rays must be {classes('rays')}", chosen)
     return chosen

@@ -10,7 +10,26 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-__all__ = ["gone", "nearest", "renamed", "setting", "spelled"]
+__all__ = ["nearest", "renamed", "setting", "spelled", "unknown"]
+
+#: Parameters that went, by who had them, and what there is instead.
+GONE = {
+    "AmbientOcclusion.cosmin": "it is 0.05",
+    "AmbientOcclusion.p_mode": "densities are those of the last vertex",
+    "Aqvc.refinement_groups": 'give the mapping to refinement=, as in refinement={"area": "on"}',
+    "Bdpt.cosmin": "it is 0.05",
+    "Direct.cosmin": "it is 0.05",
+    "Direct.light_choice": "lights are chosen by contribution",
+    "Direct.p_mode": "densities are those of the last vertex",
+    "PaperForm.level_rule": 'write Aqvc(c_finest="log2") for the levels of the paper',
+    "PaperForm.res_rule": "Bdpt uses Eq. 6, other integrators Eq. 7",
+    "Whitted.cosmin": "it is 0.05",
+    "Whitted.light_choice": "lights are chosen by contribution",
+    "Whitted.p_mode": "densities are those of the last vertex",
+    "Whitted.vpl_candidates": "it is 4",
+    "Whitted.vpl_eye_points": "it is 64",
+    "tune.metric": "the target names its metric, rel_l1_reflected= or rel_l1=",
+}
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type[Any])
@@ -23,6 +42,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if close:
         return f"; did you mean {close[0]!r}?"
     return f"; known: {', '.join(names)}" if names else "; there are none"
+
+
+def unknown(whose: str, name: str, known: Iterable[str]) -> str:
+    """The error for a parameter that there is not: what came instead, or the nearest known name."""
+    instead = GONE.get(f"{whose}.{name}")
+    return f"{whose} has no parameter {name!r}" + (
+        f": {instead}" if instead else nearest(name, known)
+    )
 
 
 def spelled(called: Called) -> Called:
@@ -46,7 +73,7 @@ def spelled(called: Called) -> Called:
         __tracebackhide__ = True  # pytest shows the caller
         if not accepted.issuperset(kwargs):
             name = next(name for name in kwargs if name not in accepted)
-            raise TypeError(f"{whose} has no parameter {name!r}{nearest(name, public)}")
+            raise TypeError(unknown(whose, name, public))
         return function(*args, **kwargs)
 
     if not isinstance(called, type):
@@ -71,22 +98,6 @@ def renamed(**names: str) -> Callable[[Called], Called]:
                     text = f"{function.__name__}: {old} is now called {new}"
                     warnings.warn(text, DeprecationWarning, stacklevel=2)
                     kwargs[new] = kwargs.pop(old)
-            return function(*args, **kwargs)
-
-        return called  # type: ignore[return-value]
-
-    return decorate
-
-
-def gone(**names: str) -> Callable[[Called], Called]:
-    """Decorate a function whose keywords went: `gone(old="what to write instead")`: TypeError."""
-
-    def decorate(function: Called) -> Called:
-        @functools.wraps(function)
-        def called(*args: Any, **kwargs: Any) -> Any:
-            __tracebackhide__ = True  # pytest shows the caller
-            for old in names.keys() & kwargs.keys():
-                raise TypeError(f"{function.__name__} has no parameter {old!r}: {names[old]}")
             return function(*args, **kwargs)
 
         return called  # type: ignore[return-value]

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.aqvc import Aqvc, PaperForm
-from viscache.settings.checks import check_types, require
+from viscache.settings.checks import check_types
 from viscache.settings.nee_plus_plus import NeePlusPlus
+from viscache.settings.parameter_rows import ParameterRows, RowSettings
+from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
-from viscache.settings.spelling import setting
 from viscache.settings.vismaps import VisMaps
 
 __all__ = [
@@ -21,11 +22,10 @@ __all__ = [
     "ShadowMap",
     "Unoccluded",
     "VisMaps",
-    "Visibility",
 ]
 
 
-@setting
+@registered("visibility", "exact", exact=True, unbiased=True, product=True, parts=True, audit=False)
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exact:
     """Exact visibility: one ray per query.
@@ -99,9 +99,13 @@ class Exact:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
 
-@setting
+MAPS = ParameterRows(_core.ShadowMapSettings)
+
+
+@registered("visibility", "shadow_map", bdpt=False, product=True)
+@MAPS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ShadowMap:
+class ShadowMap(RowSettings):
     """Shadow maps: a plain depth test without a filter, the baseline of AQVC Fig. 8.
 
     Point lights have a cube of six maps, directional lights one map over the scene's bounding
@@ -111,17 +115,7 @@ class ShadowMap:
 
     Parameters
     ----------
-    resolution : int in [1, 16384]
-        Texels along an edge of a map.
-    bias : float in [0, 1]
-        Constant part of the bias, in diameters of the scene's bounding sphere.
-    slope_bias : float in [0, 1e6]
-        Multiple of the depth that the receiver's tangent plane gains over half a texel both ways.
-        1 suffices for planes; less gives acne, more lets light through near contacts.
-    vpls : bool
-        Maps for virtual point lights too: six maps each. The lights are traced twice.
-    max_bytes : int >= 1
-        Refuse maps that would take more: 4 bytes per texel, 24·resolution² per point light.
+    {parameters}
 
     Examples
     --------
@@ -133,36 +127,19 @@ class ShadowMap:
     True
     """
 
-    resolution: int = 1024
-    bias: float = 1e-4
-    slope_bias: float = 1.0
-    vpls: bool = False
-    max_bytes: int = 4 << 30
-
-    def __post_init__(self) -> None:
-        check_types(self)
-        require(1 <= self.resolution <= 16384, "resolution must be in [1, 16384]", self.resolution)
-        require(0 <= self.bias <= 1, "bias must be in [0, 1]", self.bias)
-        require(0 <= self.slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", self.slope_bias)
-        require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
+    ROWS: ClassVar[ParameterRows] = MAPS
+    resolution: int = MAPS.default("resolution")
+    bias: float = MAPS.default("bias")
+    slope_bias: float = MAPS.default("slope_bias")
+    vpls: bool = MAPS.default("vpls")
+    max_bytes: int = MAPS.default("max_bytes")
 
     def source(self, context: SourceContext) -> _core.OracleSource:
         """The source of one frame's oracles."""
         return _core.ShadowMapSource(context.scene, context.caster, self.core())
 
-    def core(self) -> _core.ShadowMapSettings:
-        """The C++ struct."""
-        core = _core.ShadowMapSettings()
-        for name, value in self.parameters().items():
-            setattr(core, name, value)
-        return core
 
-    def parameters(self) -> dict[str, Any]:
-        """Names and values."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
-
-
-@setting
+@registered("visibility", "unoccluded", parts=True)
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Unoccluded:
     """No shadows: every query is answered "visible" without a ray.

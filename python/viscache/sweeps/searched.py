@@ -44,7 +44,8 @@ class Searched:
     @property
     def is_joint(self) -> bool:
         """Whether `c_finest` and `bright` are chosen with C_E."""
-        return self.joint and self.is_c_e and self.visibility.paper.form == "waves"
+        cells = self.is_c_e and self.visibility.c_finest != "log2"
+        return self.joint and cells and self.visibility.paper.form == "waves"
 
     def at(self, value: float, also: Mapping[str, float] | None = None) -> Setting:
         """The settings with this value, and others with it."""

@@ -17,7 +17,7 @@ from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
-from viscache.settings.spelling import gone, spelled
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Exact, VisMaps
 from viscache.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.jointly import MOST_MORE, families, jointly
@@ -39,7 +39,6 @@ BELOW = 0.95
 T = TypeVar("T")
 
 
-@gone(metric="the target names its metric, rel_l1_reflected= or rel_l1=")
 @spelled
 @of_shot(visibility="aqvc")
 def tune(

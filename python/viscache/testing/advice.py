@@ -17,7 +17,7 @@ __all__ = ["is_paired", "unlike", "what_to_try"]
 EXPLAINED = 0.25
 #: What to do about the error of a cache, by its name.
 CACHES = {
-    "Aqvc": "a smaller c_e (now {c_e:g}) or c_finest (now {c_finest:g}) has less error;"
+    "Aqvc": "a smaller c_e (now {c_e:g}) or c_finest (now {c_finest}) has less error;"
     " vc.tune(scene, integrator, rel_l1=...) finds one",
     "ShadowMap": "a higher resolution (now {resolution}) has less error",
     "VisMaps": 'use="correct", their default, has no bias',

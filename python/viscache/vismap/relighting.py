@@ -17,7 +17,6 @@ from viscache.scene import Env, Sky
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_floats, checked_threads, is_number, require
-from viscache.settings.integrators import Whitted, core_settings
 from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import checked_size
@@ -80,8 +79,6 @@ class Relighting:
         self._threads = checked_threads(threads)
         if update:
             cache.update(view, size=self.size, threads=threads)
-        integrator = core_settings(Whitted())
-        integrator.centred = True  # J has no noise, so pixels are sampled at their centres
         frame = _core.FrameSettings()
         frame.width, frame.height = self.size
         frame.threads = self._threads
@@ -91,7 +88,6 @@ class Relighting:
                 cache.scene._core,
                 cache._caster(),
                 view,
-                integrator,
                 frame,
                 cache._core,
                 points.d_max,

@@ -38,19 +38,11 @@ def render_with_maps(
     Raises
     ------
     ValueError
-        The scene has no environment, the integrator takes no environment samples, or the cache is
-        of another scene.
+        The scene has no environment, or the cache is of another scene.
     """
     kinds = {light["kind"] for light in scene.lights}
     fits = bool(kinds & {"constant", "environment"})
     require(fits, "scene must have an environment light for visibility maps", "none")
-    require(
-        core.direct and core.n_environment >= 1,
-        "integrator must sample the environment's light, n_environment >= 1",
-        core.n_environment,
-    )
-    core.environment = _core.EnvironmentSampling.PRODUCT
-    settings = visibility.estimate(replace, core.points)
     cache = visibility.cache
     if cache is None:
         cache = VisibilityMapCache(geometry, visibility.map_settings(), rays=rays)
@@ -73,11 +65,12 @@ def render_with_maps(
     records_s = time.perf_counter() - start
     with cache._lock:
         maps = _core.cache_maps(
-            settings,
+            visibility.estimate(),
             cache._core,
             frame,
             points.d_max,
             points.footprint,
+            replace=replace,
             count_misses=visibility.count_misses,
             cache_frame=cache.frame,
         )
