@@ -64,15 +64,16 @@ py::array_t<uint64_t> PythonTracer::block(const py::dict& eyes, const py::dict& 
                                           const py::object& wanted) {
     const EyeBlock points = eye_block_from(eyes, extent_);
     const FarEnds lights = far_ends_from(ends, extent_);
-    BitMatrix asked(points.size(), lights.count), seen(points.size(), lights.count);
+    BitMatrix asked(points.size(), lights.count);
     pack_into(wanted, asked);
+    Answer seen;
     {
         const WithoutGil release;
         Counters counters;
-        exact_.block(points, lights, asked, seen, counters);
+        seen = exact_.block({points, lights, asked}, counters);
         rays_ += counters.rays();
     }
-    return packed(seen);
+    return packed(*seen.bits);
 }
 
 py::array_t<bool> PythonTracer::pairs(const py::dict& eyes, const Index& index, const py::dict& ends) {
@@ -86,15 +87,15 @@ py::array_t<bool> PythonTracer::pairs(const py::dict& eyes, const Index& index, 
             throw py::value_error("index must be in [0, " + std::to_string(points.size()) + "), row " +
                                   std::to_string(k) + " is " + std::to_string(index.at(k)));
     const auto queries = queries_from(lights, {index.data(), lights.count});
-    std::vector<Word> seen(words_for(queries.size()));
+    Answer seen;
     {
         const WithoutGil release;
         Counters counters;
-        exact_.pairs(points, queries, seen, counters);
+        seen = exact_.pairs({points, queries}, counters);
         rays_ += counters.rays();
     }
     py::array_t<bool> out(py::ssize_t(queries.size()));
-    for (size_t k = 0; k < queries.size(); ++k) out.mutable_at(py::ssize_t(k)) = get_bit(seen.data(), k);
+    for (size_t k = 0; k < queries.size(); ++k) out.mutable_at(py::ssize_t(k)) = seen.bits->get(0, k);
     return out;
 }
 
@@ -106,7 +107,6 @@ PythonOracle::~PythonOracle() {
 
 void PythonOracle::watch(const Control& control) {
     VisibilityOracle::watch(control);
-    control_ = &control;
     tracer_->watch(control);
 }
 
@@ -118,7 +118,7 @@ void PythonOracle::call(Ask ask) {
             ask();
         } catch (const py::error_already_set&) {
             // A cancelled frame stops the tracer; this is not an error of the oracle
-            if (control_ && control_->cancel) throw Cancelled();
+            check_cancelled();
             throw;
         }
     });
@@ -128,14 +128,14 @@ void PythonOracle::begin_tile(const EyeBlock& eyes) {
     call([&] { written_.attr("begin_tile")(eye_block_dict(eyes)); });
 }
 
-void PythonOracle::block(const EyeBlock&, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                         Counters& counters) {
-    columns_ = lights.count;
+Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
+    const BitMatrix& wanted = ask.wanted;
+    BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
     weights_.clear();
     call([&] {
-        const py::tuple answer = written_.attr("block")(far_ends_dict(lights), unpacked(wanted));
+        const py::tuple answer = written_.attr("block")(far_ends_dict(ask.lights), unpacked(wanted));
         const auto bits = answer[0].cast<WordArray>();
-        const size_t words = words_for(lights.count);
+        const size_t words = words_for(wanted.columns());
         if (bits.ndim() != 2 || size_t(bits.shape(0)) != wanted.rows() || size_t(bits.shape(1)) != words)
             throw std::logic_error("an answer must have a row of bits per eye point");
         for (size_t r = 0; r < wanted.rows(); ++r)
@@ -143,33 +143,31 @@ void PythonOracle::block(const EyeBlock&, const FarEnds& lights, const BitMatrix
                 visible.row(r)[w] = bits.data(py::ssize_t(r), 0)[w] & wanted.row(r)[w];
         if (!answer[1].is_none()) {
             const auto weights = answer[1].cast<FloatArray>();
-            if (size_t(weights.size()) != wanted.rows() * lights.count)
+            if (size_t(weights.size()) != wanted.rows() * wanted.columns())
                 throw std::logic_error("an answer must have a weight per query");
             weights_.assign(weights.data(), weights.data() + weights.size());
         }
-        counters.group(lights.group).rays += tracer_->take_rays();
+        counters.group(ask.lights.group).rays += tracer_->take_rays();
     });
     const uint64_t asked = count_bits(wanted);
-    counters.group(lights.group).queries += asked;
-    counters.group(lights.group).occluded += asked - count_bits(visible);
+    counters.group(ask.lights.group).queries += asked;
+    counters.group(ask.lights.group).occluded += asked - count_bits(visible);
+    return {.bits = &visible, .weights = weights_};
 }
 
-std::span<const float> PythonOracle::block_weights(uint32_t eye) const {
-    if (weights_.empty()) return {};
-    return {weights_.data() + eye * columns_, columns_};
-}
-
-PairOrder PythonOracle::pair_order(const EyeBlock& eyes) {
+PairOrder PythonOracle::order(const EyeBlock& eyes, std::optional<int>) {
     run_end_.clear();
     for (size_t end = kEyesPerRun; end < eyes.size(); end += kEyesPerRun) run_end_.push_back(uint32_t(end));
     run_end_.push_back(uint32_t(eyes.size()));
     return {{}, run_end_};
 }
 
-void PythonOracle::pairs(const EyeBlock&, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                         Counters& counters) {
-    pair_weights_.clear();
-    if (queries.empty()) return;
+Answer PythonOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    std::vector<ShadowQuery> made;
+    const std::span<const ShadowQuery> queries = ask.as_queries(made);
+    BitMatrix& visible = new_bits(1, queries.size());
+    weights_.clear();
+    if (queries.empty()) return {.bits = &visible};
     // One call for all connections of one kind
     std::map<std::tuple<Semantic, uint8_t, float>, std::vector<uint32_t>> kinds;
     for (uint32_t i = 0; i < queries.size(); ++i)
@@ -185,17 +183,18 @@ void PythonOracle::pairs(const EyeBlock&, std::span<const ShadowQuery> queries, 
                 throw std::logic_error("an answer must have a bit per connection");
             const bool weighted = !answer[1].is_none();
             const auto weights = weighted ? answer[1].cast<FloatArray>() : FloatArray();
-            if (weighted && pair_weights_.empty()) pair_weights_.assign(queries.size(), 1.f);
+            if (weighted && weights_.empty()) weights_.assign(queries.size(), 1.f);
             GroupCounters& group = counters.group(std::get<1>(kind));
             for (size_t k = 0; k < numbers.size(); ++k) {
-                if (seen.at(py::ssize_t(k))) set_bit(visible.data(), numbers[k]);
-                if (weighted) pair_weights_[numbers[k]] = weights.at(py::ssize_t(k));
+                if (seen.at(py::ssize_t(k))) visible.set(0, numbers[k]);
+                if (weighted) weights_[numbers[k]] = weights.at(py::ssize_t(k));
                 group.occluded += !seen.at(py::ssize_t(k));
             }
             group.queries += numbers.size();
             group.rays += tracer_->take_rays();
         }
     });
+    return {.bits = &visible, .weights = weights_};
 }
 
 PythonSource::~PythonSource() {

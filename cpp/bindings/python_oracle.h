@@ -38,13 +38,9 @@ public:
     ~PythonOracle() override;
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    PairOrder pair_order(const EyeBlock& eyes) override;
-    std::span<const float> block_weights(uint32_t eye) const override;
-    std::span<const float> pair_weights() const override { return pair_weights_; }
+    PairOrder order(const EyeBlock& eyes, std::optional<int> group) override;
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
     /// Calls `ask` with the interpreter's lock. An exception ends the frame and keeps its traceback.
@@ -53,9 +49,7 @@ private:
 
     pybind11::object written_;
     std::shared_ptr<PythonTracer> tracer_;
-    const Control* control_ = nullptr;
-    size_t columns_ = 0;
-    std::vector<float> weights_, pair_weights_;
+    std::vector<float> weights_;
     std::vector<uint32_t> run_end_;
 };
 

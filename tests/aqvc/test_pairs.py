@@ -40,7 +40,7 @@ def area_queries(eyes, per_eye=16, seed=1, kind="area"):
 def ordered(run, queries):
     """The queries in the oracle's processing order."""
     rank = np.empty(queries["eye"].max() + 2, int)
-    order, ends = run.pair_order()
+    order, ends = run.order()
     rank = np.empty(len(order), int)
     rank[order] = np.arange(len(order))
     at = np.argsort(rank[queries["eye"]], kind="stable")

@@ -20,7 +20,7 @@ PAPER: dict[str, Any] = {"c_z": 8.0, "c_finest": "log2", "level_step": 2.0, "ref
 
 
 def runs_of(run: Any) -> list[list[int]]:
-    order, ends = run.pair_order()
+    order, ends = run.order()
     return [order[a:b] for a, b in itertools.pairwise([0, *ends])]
 
 

@@ -18,7 +18,7 @@ def test_one_query_at_a_time_equals_the_transcription_of_algorithm_2(kind, optio
     run = tiles.tile_run(eyes, form="pairs", batch=1, storage="exact", **options)
     exact, _ = run.block(far, wanted, exact=True)
     levels = _core.aqvc.AqvcParameters(**options).level_list(far["group"])
-    order, _ = run.pair_order()
+    order, _ = run.order()
     want = reference.alg2(grid_of(options), eyes, levels, exact, wanted, order)
     visible, counters = run.block(far, wanted)
     np.testing.assert_array_equal(visible, want.visible)

@@ -26,7 +26,7 @@ OPTIONS = [
 
 def ordered(run, queries):
     """Queries in the order of samples, and that order."""
-    order, ends = run.sample_order(queries["group"])
+    order, ends = run.order(queries["group"])
     rank = np.empty(len(order), int)
     rank[order] = np.arange(len(order))
     at = np.argsort(rank[queries["eye"]], kind="stable")
@@ -116,7 +116,7 @@ def test_samples_equal_single_queries_against_full_keys(kind, refinement):
         visible, rays = want.visible, want.rays
     for table_bytes in (4 << 20, 4):
         rows = tiles.tile_run(eyes, table_bytes=table_bytes, **options)
-        assert rows.sample_order(queries["group"]) == (order, ends)
+        assert rows.order(queries["group"]) == (order, ends)
         found, counters = ask_samples(rows, queries, order, ends)
         np.testing.assert_array_equal(found, visible)
         assert counters["rays"] == rays
@@ -145,7 +145,7 @@ def test_without_refinement_it_does_not_matter_how_samples_are_cut_into_calls(ki
     whole, counters = ask_samples(run, queries, order, [len(order)])
     for cut in (ends, [*range(37, len(order), 37), len(order)]):
         again = tiles.tile_run(eyes, c_e=8)
-        again.sample_order(queries["group"])
+        again.order(queries["group"])
         parts, c = ask_samples(again, queries, order, cut)
         np.testing.assert_array_equal(parts, whole)
         assert c["rays"] == counters["rays"]

@@ -95,7 +95,7 @@ public:
         if (wanted.ndim() != 2 || size_t(wanted.shape(0)) != eyes_.size() ||
             size_t(wanted.shape(1)) != far.count)
             throw py::value_error("wanted must have shape (eye points, lights), got " + shape_text(wanted));
-        BitMatrix asked(eyes_.size(), far.count), visible(eyes_.size(), far.count);
+        BitMatrix asked(eyes_.size(), far.count);
         for (size_t i = 0; i < eyes_.size(); ++i)
             for (size_t k = 0; k < far.count; ++k)
                 if (wanted.at(i, k)) asked.set(i, k);
@@ -110,12 +110,10 @@ public:
                                       shape_text(f));
             given.emplace(f.data(), far.count, row);
         }
-        cache_.weigh(given ? &*given : nullptr);
-        if (exact)
-            exact_block(far, asked, visible);
-        else
-            cache_.block(eyes_, far, asked, visible, counters);
-        cache_.weigh(nullptr);
+        const BlockAsk ask{eyes_, far, asked, given ? &*given : nullptr};
+        BitMatrix traced;
+        if (exact) exact_block(ask, traced);
+        const BitMatrix& visible = exact ? traced : *cache_.block(ask, counters).bits;
         py::array_t<bool> out({eyes_.size(), far.count});
         for (size_t i = 0; i < eyes_.size(); ++i)
             for (size_t k = 0; k < far.count; ++k) out.mutable_at(i, k) = visible.get(i, k);
@@ -132,15 +130,15 @@ public:
             queries.push_back(
                 {eye[i], Semantic(semantic), uint8_t(group), y.at(i), n.at(i), end, density.at(i)});
         }
-        std::vector<Word> visible(words_for(queries.size()));
         Counters counters;
-        if (!exact) cache_.pairs(eyes_, queries, visible, counters);
+        Answer answer;
+        if (!exact) answer = cache_.pairs({eyes_, queries}, counters);
         std::vector<bool> out;
         for (size_t i = 0; i < queries.size(); ++i) {
             uint8_t blocked = 0;
             const Ray ray = shadow_ray(eyes_, queries[i], extent_);
             if (exact) caster_.occluded({&ray, 1}, {&blocked, 1});
-            out.push_back(exact ? !blocked : get_bit(visible.data(), i));
+            out.push_back(exact ? !blocked : answer.bits->get(0, i));
         }
         return py::make_tuple(out, counters_dict(counters));
     }
@@ -161,27 +159,27 @@ public:
             }
             if (i + 1 == eye.size() || eye[i + 1] != eye[i]) s.close(eye[i]);
         }
-        std::vector<Word> visible(words_for(s.size()));
         Counters counters;
-        cache_.samples(eyes_, s, visible, counters);
+        const Answer answer = cache_.pairs({.eyes = eyes_, .samples = &s}, counters);
         std::vector<bool> out;
-        for (size_t i = 0; i < s.size(); ++i) out.push_back(get_bit(visible.data(), i));
+        for (size_t i = 0; i < s.size(); ++i) out.push_back(answer.bits->get(0, i));
         return py::make_tuple(out, counters_dict(counters));
     }
-    py::tuple sample_order(int group) { return order_of(cache_.sample_order(eyes_, group)); }
-    /// Clears the cache and starts the same tile again.
-    void begin_tile() { cache_.begin_tile(eyes_); }
-    py::tuple pair_order() { return order_of(cache_.pair_order(eyes_)); }
-
-private:
-    static py::tuple order_of(const PairOrder& o) {
+    /// Of samples of a light group, or of queries.
+    py::tuple order(std::optional<int> group) {
+        const PairOrder o = cache_.order(eyes_, group);
         return py::make_tuple(std::vector<uint32_t>(o.eye.begin(), o.eye.end()),
                               std::vector<uint32_t>(o.run_end.begin(), o.run_end.end()));
     }
-    void exact_block(const FarEnds& far, const BitMatrix& asked, BitMatrix& visible) {
+    /// Clears the cache and starts the same tile again.
+    void begin_tile() { cache_.begin_tile(eyes_); }
+
+private:
+    void exact_block(const BlockAsk& ask, BitMatrix& visible) {
+        visible.reset(ask.wanted.rows(), ask.wanted.columns());
         for (uint32_t i = 0; i < eyes_.size(); ++i)
-            for_each_bit(asked.row_span(i), [&](size_t k) {
-                const Ray ray = shadow_ray(eyes_, i, far, k, extent_);
+            for_each_bit(ask.wanted.row_span(i), [&](size_t k) {
+                const Ray ray = shadow_ray(eyes_, i, ask.lights, k, extent_);
                 uint8_t blocked = 0;
                 caster_.occluded({&ray, 1}, {&blocked, 1});
                 if (!blocked) visible.set(i, k);
@@ -223,9 +221,8 @@ void bind_aqvc_run(py::module_& t) {
         .def("samples", &TileRun::samples, py::arg("eye"), py::kw_only(), py::arg("semantic"),
              py::arg("group"), py::arg("far"), py::arg("normal"), py::arg("density"),
              py::arg("light_density"))
-        .def("sample_order", &TileRun::sample_order, py::arg("group"))
         .def("begin_tile", &TileRun::begin_tile)
-        .def("pair_order", &TileRun::pair_order);
+        .def("order", &TileRun::order, py::arg("group") = py::none());
 }
 
 }  // namespace viscache::bindings

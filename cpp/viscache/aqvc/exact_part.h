@@ -31,11 +31,11 @@ public:
         return answers_exactly(parameters_, lights.group, lights.count, answers_.shared_in_frame,
                                answers_.few);
     }
-    /// True if it answers far ends of single eye points.
-    bool answers_own(int group) const { return own_.test(size_t(group)); }
+    /// The light groups whose far ends of single eye points it answers.
+    LightGroupSet own() const { return own_; }
     VisibilityOracle& oracle() { return *answers_.oracle; }
 
-    /// Answers the queries of the exact groups, and hands the others to `rest(queries, visible)`.
+    /// Sets the bits of the queries of exact groups, and hands the others to `rest(queries, visible)`.
     template <class Rest>
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters, Rest rest) {
@@ -43,18 +43,20 @@ public:
         numbers_[1].clear();
         if (own_.any())
             for (size_t i = 0; i < queries.size(); ++i)
-                numbers_[answers_own(queries[i].group)].push_back(uint32_t(i));
+                numbers_[own_.test(queries[i].group)].push_back(uint32_t(i));
         if (numbers_[1].empty()) return rest(queries, visible);
-        if (numbers_[0].empty()) return oracle().pairs(eyes, queries, visible, counters);
+        if (numbers_[0].empty()) {
+            std::ranges::copy(oracle().pairs({eyes, queries}, counters).row(0), visible.begin());
+            return;
+        }
         for (const bool exact : {false, true}) {
             some_.clear();
             for (uint32_t i : numbers_[exact]) some_.push_back(queries[i]);
             answer_.assign(words_for(some_.size()), 0);
-            if (exact)
-                oracle().pairs(eyes, some_, answer_, counters);
-            else
-                rest(std::span<const ShadowQuery>(some_), std::span<Word>(answer_));
-            for_each_bit(answer_, [&](size_t k) { set_bit(visible.data(), numbers_[exact][k]); });
+            if (!exact) rest(std::span<const ShadowQuery>(some_), std::span<Word>(answer_));
+            const std::span<const Word> seen =
+                exact ? oracle().pairs({eyes, some_}, counters).row(0) : std::span<Word>(answer_);
+            for_each_bit(seen, [&](size_t k) { set_bit(visible.data(), numbers_[exact][k]); });
         }
     }
 

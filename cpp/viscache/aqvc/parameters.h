@@ -6,14 +6,13 @@
 // viscache.Aqvc and viscache.PaperForm.
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <tuple>
 #include <vector>
 
-#include "viscache/visibility/counters.h"
+#include "viscache/visibility/oracle.h"
 #include "viscache/visibility/parameter_row.h"
 
 namespace viscache {
@@ -47,7 +46,6 @@ inline constexpr std::array kNames<Form>{"waves", "pairs"};
 template <>
 inline constexpr std::array kNames<Storage>{"table", "exact", "shared", "paper_tiles"};
 
-using LightGroupSet = std::bitset<kLightGroups>;
 using RefinementByGroup = std::array<Refinement, kLightGroups>;
 
 /// Meaning and range of each parameter, and whether keys depend on it: see kAqvcRows.

@@ -106,24 +106,37 @@ void QuantizedCache::make_order(const EyeBlock& eyes) {
         for (; first < run_end_[run]; ++first) run_of_eye_[order_.eye[first]] = run;
 }
 
-PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
+PairOrder QuantizedCache::order(const EyeBlock& eyes, std::optional<int> group) {
+    if (group && exact_.own().test(size_t(*group))) return {};
+    if (group && has_sample_rows()) {
+        sample_counters_ = {};
+        begin_sample_rows(eyes, *group, sample_counters_);
+        return {sample_rows_.order(), sample_rows_.run_end()};
+    }
     if (shares_) return {};
     make_order(eyes);
     return {order_.eye, run_end_};
 }
 
-void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                           BitMatrix& visible, Counters& counters) {
-    doubts_ = nullptr;
-    if (wanted.rows() == 0 || lights.count == 0) return;
-    if (wanted.rows() != tile_size_ || wanted.columns() != lights.count)
+Answer QuantizedCache::block(const BlockAsk& ask, Counters& counters) {
+    const FarEnds& lights = ask.lights;
+    const BitMatrix& wanted = ask.wanted;
+    const bool is_empty = wanted.rows() == 0 || lights.count == 0;
+    if (!is_empty && (wanted.rows() != tile_size_ || wanted.columns() != lights.count))
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
-    if (exact_.answers(lights)) return exact_.oracle().block(eyes, lights, wanted, visible, counters);
-    make_anchors(eyes);
+    if (exact_.answers(lights)) {
+        Answer answer = exact_.oracle().block(ask, counters);
+        answer.exact.set(size_t(lights.group));
+        return answer;
+    }
+    Answer answer{.bits = &new_bits(wanted.rows(), wanted.columns()), .logged = ask.log != nullptr};
+    if (is_empty) return answer;
+    make_anchors(ask.eyes);
+    BitMatrix& visible = *answer.bits;
     if (parameters_.form == Form::kPairs)
-        block_by_pairs(eyes, lights, wanted, visible, counters);
+        block_by_pairs(ask, visible, counters);
     else
-        block_by_waves(eyes, lights, wanted, visible, counters);
+        answer.doubts = block_by_waves(ask, visible, counters);
     GroupCounters& group = counters.groups[size_t(lights.group)];
     const RowKernels& kernels = row_kernels(active_isa());
     for (size_t i = 0; i < wanted.rows(); ++i) {
@@ -131,66 +144,73 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
         group.queries += queries;
         group.occluded += queries - kernels.count(visible.row(i), visible.row_words());
     }
+    return answer;
 }
 
-void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                    BitMatrix& visible, Counters& counters) {
+/// Returns the answers that are doubtful.
+const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& visible, Counters& counters) {
+    const FarEnds& lights = ask.lights;
     ClampCounts clamps;
-    columns_.prepare(lights, wanted, grid_, parameters_, tile_.usable, clamps);
+    columns_.prepare(lights, ask.wanted, grid_, parameters_, tile_.usable, clamps);
     BitMatrix* answer = &visible;
     if (columns_.merged()) {
-        by_column_.reset(eyes.size(), columns_.count());
+        by_column_.reset(ask.eyes.size(), columns_.count());
         answer = &by_column_;
     }
+    const BitMatrix* doubtful = nullptr;
     uint64_t& rays = counters.groups[size_t(lights.group)].rays;
     if (columns_.count() > 0) {
         const bool by_contribution =
-            contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
+            ask.contributions && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
         const std::vector<double> levels =
             level_list(parameters_, lights.group, spp_, by_contribution ? ContributionLevels::kLift : 1);
-        contribution_levels_.begin(by_contribution ? contributions_ : nullptr, columns_, levels,
+        contribution_levels_.begin(by_contribution ? ask.contributions : nullptr, columns_, levels,
                                    parameters_.group_c_e(lights.group), parameters_.level_step);
         const TileCells& cells = cells_of(levels);
         clamps = cells.clamps;
-        KeptRows* kept = rows_ ? &rows_->rows(eyes.tile, lights.group) : nullptr;
+        KeptRows* kept = rows_ ? &rows_->rows(ask.eyes.tile, lights.group) : nullptr;
         if (kept) kept->begin(columns_, levels);
-        rays +=
-            waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, kept, *answer, counters, log_);
+        rays += waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, kept, *answer, counters,
+                           ask.log);
         if (kept) kept->store(cells, waves_.known(), waves_.value());
         if (columns_.merged()) columns_.spread(by_column_, visible);
-        note_doubts(lights);
-        if (parameters_.bright > 0 && contributions_) rays += trace_bright(eyes, lights, wanted, visible);
+        doubtful = doubts(lights);
+        if (parameters_.bright > 0 && ask.contributions) rays += trace_bright(ask, visible);
     }
-    rays += trace_bypassing(eyes, lights, wanted, visible, counters);
+    rays += trace_bypassing(ask, visible, counters);
     add_clamps(clamps, counters);
+    return doubtful;
 }
 
-void QuantizedCache::note_doubts(const FarEnds& lights) {
-    if (waves_.finest().rows() == 0) return;
-    doubts_ = &waves_.finest();
-    if (!columns_.merged()) return;
+/// What only the finest cells answered, by light.
+const BitMatrix* QuantizedCache::doubts(const FarEnds& lights) {
+    if (waves_.finest().rows() == 0) return nullptr;
+    if (!columns_.merged()) return &waves_.finest();
     doubts_by_light_.reset(waves_.finest().rows(), lights.count);
     columns_.spread(waves_.finest(), doubts_by_light_);
-    doubts_ = &doubts_by_light_;
+    return &doubts_by_light_;
 }
 
 /// Traces rays for connections above `bright` means of their eye point. Their answers take precedence.
 // Differs (A50): goes beyond the paper. Few connections carry most of the squared contributions, and a wrong
 // bit of one of them costs as much as many others.
-uint64_t QuantizedCache::trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                      BitMatrix& visible) {
+uint64_t QuantizedCache::trace_bright(const BlockAsk& ask, BitMatrix& visible) {
+    const EyeBlock& eyes = ask.eyes;
+    const FarEnds& lights = ask.lights;
+    const BitMatrix& wanted = ask.wanted;
     bright_.reset(1, lights.count);
     const float share = float(parameters_.bright);
     uint64_t rays = 0;
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         if (!tile_.usable[i]) continue;
         Word* row = bright_.row(0);
-        contributions_->at_most(i, {&share, 1}, {&row, 1});
+        ask.contributions->at_most(i, {&share, 1}, {&row, 1});
         for (size_t w = 0; w < wanted.row_words(); ++w) row[w] = wanted.row(i)[w] & ~row[w];
         for_each_bit(std::span<const Word>(row, wanted.row_words()), [&](size_t k) {
             if (columns_.bypasses(k)) return;
             clear_bit(visible.row(i), k);
-            if (log_) log_->answered(i, uint32_t(k), {kBright + i * uint64_t(lights.count) + k, i, 0, true});
+            if (ask.log)
+                ask.log->answered(i, uint32_t(k), {kBright + i * uint64_t(lights.count) + k, i, 0, true});
             tracer_.add({i, i, uint32_t(k), uint32_t(k)});
         });
         if (tracer_.full()) rays += tracer_.flush(eyes, lights, visible);
@@ -200,14 +220,16 @@ uint64_t QuantizedCache::trace_bright(const EyeBlock& eyes, const FarEnds& light
 
 /// Traces exact rays for queries without a key: eye points or lights without a normal. Points that are not
 /// finite stay invisible.
-uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                         BitMatrix& visible, Counters& counters) {
+uint64_t QuantizedCache::trace_bypassing(const BlockAsk& ask, BitMatrix& visible, Counters& counters) {
+    const EyeBlock& eyes = ask.eyes;
+    const FarEnds& lights = ask.lights;
+    const BitMatrix& wanted = ask.wanted;
     std::vector<uint32_t> keyless;
     for (uint32_t k = 0; k < lights.count; ++k)
         if (columns_.bypasses(k)) keyless.push_back(k);
     const auto trace = [&](uint32_t eye, uint32_t k) {
         ++counters.bypassed;
-        if (log_) log_->answered(eye, k, {kBypassed + eye * uint64_t(lights.count) + k, eye, 0, true});
+        if (ask.log) ask.log->answered(eye, k, {kBypassed + eye * uint64_t(lights.count) + k, eye, 0, true});
         if (is_traceable(eyes.origin[eye]) && is_traceable(Vec3{lights.tx[k], lights.ty[k], lights.tz[k]}))
             tracer_.add({eye, eye, k, k});
     };
@@ -221,11 +243,11 @@ uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& li
     return tracer_.flush(eyes, lights, visible);
 }
 
-void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                    BitMatrix& visible, Counters& counters) {
-    make_order(eyes);
+void QuantizedCache::block_by_pairs(const BlockAsk& ask, BitMatrix& visible, Counters& counters) {
+    const FarEnds& lights = ask.lights;
+    make_order(ask.eyes);
     PairLog records;
-    pairs_.log(log_ ? &records : nullptr);
+    pairs_.log(ask.log ? &records : nullptr);
     std::vector<ShadowQuery> queries;
     std::vector<uint32_t> light;
     std::vector<Word> answer;
@@ -234,7 +256,7 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
         queries.clear();
         light.clear();
         for (; first < end; ++first)
-            for_each_bit(wanted.row_span(order_.eye[first]), [&](size_t k) {
+            for_each_bit(ask.wanted.row_span(order_.eye[first]), [&](size_t k) {
                 light.push_back(uint32_t(k));
                 queries.push_back({.eye = order_.eye[first],
                                    .semantic = lights.semantic,
@@ -245,11 +267,11 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
                                    .density = lights.density[k]});
             });
         answer.assign(words_for(queries.size()), 0);
-        records.begin_run(log_ ? queries.size() : 0);
-        run_pairs(eyes, queries, answer, run_of_eye_, counters);
+        records.begin_run(ask.log ? queries.size() : 0);
+        run_pairs(ask.eyes, queries, answer, run_of_eye_, counters);
         for (size_t i = 0; i < queries.size(); ++i) {
             if (get_bit(answer.data(), i)) visible.set(queries[i].eye, light[i]);
-            if (log_) log_->answered(queries[i].eye, light[i], records.records()[i]);
+            if (ask.log) ask.log->answered(queries[i].eye, light[i], records.records()[i]);
         }
     }
     pairs_.log(nullptr);
@@ -266,12 +288,21 @@ void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
     add_clamps(clamps, counters);
 }
 
-void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                           std::span<Word> visible, Counters& counters) {
-    exact_.pairs(eyes, queries, visible, counters,
-                 [&](std::span<const ShadowQuery> cached, std::span<Word> seen) {
-                     cached_pairs(eyes, cached, seen, counters);
-                 });
+Answer QuantizedCache::pairs(const PairsAsk& ask, Counters& counters) {
+    if (ask.samples && exact_.own().test(size_t(ask.samples->group))) {
+        Answer answer = exact_.oracle().pairs(ask, counters);
+        answer.exact = exact_.own();
+        return answer;
+    }
+    const Answer answer{.bits = &new_bits(1, ask.size()), .exact = exact_.own()};
+    if (ask.samples)
+        cached_samples(ask.eyes, *ask.samples, answer.row(0), counters);
+    else
+        exact_.pairs(ask.eyes, ask.queries, answer.row(0), counters,
+                     [&](std::span<const ShadowQuery> cached, std::span<Word> seen) {
+                         cached_pairs(ask.eyes, cached, seen, counters);
+                     });
+    return answer;
 }
 
 void QuantizedCache::cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
@@ -294,17 +325,8 @@ void QuantizedCache::begin_sample_rows(const EyeBlock& eyes, int group, Counters
     sample_group_ = group;
 }
 
-PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
-    if (exact_.answers_own(group)) return {};
-    if (!has_sample_rows()) return pair_order(eyes);
-    sample_counters_ = {};
-    begin_sample_rows(eyes, group, sample_counters_);
-    return {sample_rows_.order(), sample_rows_.run_end()};
-}
-
-void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                             Counters& counters) {
-    if (exact_.answers_own(samples.group)) return exact_.oracle().samples(eyes, samples, visible, counters);
+void QuantizedCache::cached_samples(const EyeBlock& eyes, const LocalSamples& samples,
+                                    std::span<Word> visible, Counters& counters) {
     GroupCounters& group = counters.groups[size_t(samples.group)];
     if (has_sample_rows()) {
         begin_sample_rows(eyes, samples.group, counters);

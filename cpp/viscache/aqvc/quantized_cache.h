@@ -44,24 +44,11 @@ public:
     void use_rows(AqvcRows& rows);
 
     void watch(const Control& control) override;
-    void weigh(const Contributions* contributions) override { contributions_ = contributions; }
-    void log(QueryLog* log) override {
-        log_ = log;
-        exact_.oracle().log(log);
-    }
     void begin_tile(const EyeBlock& eyes) override;
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    PairOrder pair_order(const EyeBlock& eyes) override;
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override;
-    PairOrder sample_order(const EyeBlock& eyes, int group) override;
-    /// Level waves: what only the finest cells answer.
-    const BitMatrix* block_doubts() const override { return doubts_; }
-    bool is_exact(const FarEnds& lights) const override { return exact_.answers(lights); }
-    bool is_exact_own(int group) const override { return exact_.answers_own(group); }
+    PairOrder order(const EyeBlock& eyes, std::optional<int> group) override;
+    /// Level waves doubt what only the finest cells answer.
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
     /// Deferred writes to the table of the frame.
     std::vector<TableWrite>& writes() { return pairs_.writes(); }
@@ -74,6 +61,8 @@ private:
                    const std::vector<uint32_t>& run_of_eye, Counters& counters);
     void cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                       Counters& counters);
+    void cached_samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                        Counters& counters);
     /// True if samples use bit rows. They use the table if the form is pairs, or if the frame has one table.
     bool has_sample_rows() const { return parameters_.form != Form::kPairs && !shares_; }
     void make_anchors(const EyeBlock& eyes);
@@ -81,15 +70,11 @@ private:
     void samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
                           std::span<const uint32_t> numbers, const std::vector<uint32_t>& run_of_eye,
                           std::span<Word> visible, Counters& counters);
-    void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible, Counters& counters);
-    void block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible, Counters& counters);
-    void note_doubts(const FarEnds& lights);
-    uint64_t trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                          BitMatrix& visible);
-    uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                             BitMatrix& visible, Counters& counters);
+    void block_by_pairs(const BlockAsk& ask, BitMatrix& visible, Counters& counters);
+    const BitMatrix* block_by_waves(const BlockAsk& ask, BitMatrix& visible, Counters& counters);
+    const BitMatrix* doubts(const FarEnds& lights);
+    uint64_t trace_bright(const BlockAsk& ask, BitMatrix& visible);
+    uint64_t trace_bypassing(const BlockAsk& ask, BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
     uint32_t batch() const {
         // With a queue, a batch is one call only
@@ -101,8 +86,6 @@ private:
     CellGrid grid_;
     float extent_;
     int spp_;
-    const Contributions* contributions_ = nullptr;
-    QueryLog* log_ = nullptr;
     ContributionLevels contribution_levels_;
     bool shares_;  ///< uses the table of the frame
     ExactPart exact_;
@@ -115,7 +98,6 @@ private:
     bool has_order_ = false;
     Columns columns_;
     MissTracer tracer_;
-    const BitMatrix* doubts_ = nullptr;
     BitMatrix doubts_by_light_;
     struct LevelCells {
         std::vector<double> levels;
@@ -132,7 +114,7 @@ private:
     BitMatrix by_column_;
     SampleRows sample_rows_;
     int sample_group_ = -1;     ///< the light group of sample_rows_
-    Counters sample_counters_;  ///< counters of its preparation, until `samples` is called
+    Counters sample_counters_;  ///< counters of its preparation, until `pairs` is called
     std::vector<uint32_t> left_;
 };
 

@@ -36,15 +36,4 @@ struct AuditRecords {
     uint64_t rays = 0;
 };
 
-/// Connections of the eye points of a tile with a group of shared lights, and how the oracle answered them.
-struct AuditedBlock {
-    const FarEnds& lights;
-    const BitMatrix& wanted;
-    const BitMatrix& visible;
-    const VisibilityOracle& oracle;
-    const TileContributions& contributions;
-    /// Light of the columns of a row, with weights of the columns or none, at the pixel of an eye point.
-    std::function<Rgb(size_t eye, const Word* row, std::span<const float> weights)> light;
-};
-
 }  // namespace viscache

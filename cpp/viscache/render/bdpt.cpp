@@ -53,19 +53,18 @@ public:
             connector.join(eye_paths_, light_paths_, p,
                            uint32_t(places[p].second) * uint32_t(width) + places[p].first);
         clock.lap(out.stages.contributions);
-        answer_.assign(words_for(connections_.queries.size()), 0);
         oracle_->begin_tile(connections_.eyes);
-        oracle_->pairs(connections_.eyes, connections_.queries, answer_, out.counters);
+        const Answer answer = oracle_->pairs({connections_.eyes, connections_.queries}, out.counters);
         clock.lap(out.stages.visibility);
-        add(out);
+        add(answer, out);
         clock.lap(out.stages.shading);
     }
 
 private:
-    void add(ItemResult& out) {
-        const std::span<const float> weights = oracle_->pair_weights();
-        for_each_bit(answer_, [&](size_t i) {
-            const Rgb value = connections_.contribution[i] * (weights.empty() ? 1.f : weights[i]);
+    void add(const Answer& answer, ItemResult& out) {
+        for_each_bit(answer.row(0), [&](size_t i) {
+            const float weight = answer.weights.empty() ? 1.f : answer.weights[i];
+            const Rgb value = connections_.contribution[i] * weight;
             const uint32_t pixel = connections_.pixel[i];
             const uint8_t group = connections_.queries[i].group;
             if (group == uint8_t(LightGroup::kCamera))
@@ -80,7 +79,6 @@ private:
     std::unique_ptr<VisibilityOracle> oracle_;
     Subpaths eye_paths_, light_paths_;
     Connections connections_;
-    std::vector<Word> answer_;
 };
 
 FrameResult empty_bdpt_result(const BdptContext& c) {

@@ -142,9 +142,8 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
             seconds.trees += trees * share;
             seconds.maps += maps * share;
             seconds.samples += drawn * share;
-            answer_.assign(words_for(queries_.size()), 0);
-            oracle.pairs(eyes.block, queries_, answer_, counters);
-            for_each_bit(answer_, [&](size_t i) { visible_[asked_[i]] = 1; });
+            const Answer answer = oracle.pairs({eyes.block, queries_}, counters);
+            for_each_bit(answer.row(0), [&](size_t i) { visible_[asked_[i]] = 1; });
             const double traced = thread_cpu_seconds();
             finish(eyes, pass, sum, last, counters);
             if (!tally_.rays.empty()) compare_records();
@@ -231,11 +230,10 @@ public:
             }
         }
         oracle_->begin_tile(eyes_.block);
-        Word answer[1]{};
         const uint64_t before = counters.rays();
-        oracle_->pairs(eyes_.block, queries, answer, counters);
+        const Answer answer = oracle_->pairs({eyes_.block, queries}, counters);
         counters.pilot_rays += counters.rays() - before;
-        for (size_t i = 0; i < asked.size(); ++i) visible_[asked[i]] = get_bit(answer, i);
+        for (size_t i = 0; i < asked.size(); ++i) visible_[asked[i]] = answer.bits->get(0, i);
         sums.add(point_.moments(), samples_, visible_, d_);
     }
 

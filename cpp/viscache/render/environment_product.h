@@ -112,7 +112,6 @@ private:
     std::vector<uint8_t> visible_;
     std::vector<ShadowQuery> queries_;
     std::vector<uint32_t> asked_;  ///< index of the sample of each query
-    std::vector<Word> answer_;
 };
 
 /// Result of the pilot. It is independent of the samples of the frame.

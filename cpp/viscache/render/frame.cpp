@@ -72,25 +72,14 @@ public:
     }
 
     VisibilityOracle& oracle() { return *oracle_; }
-    /// True if exact rays answered all queries of the frame.
-    bool all_exact(const FrameResult& out) const {
-        for (int g = 0; g < kLightGroups; ++g) {
-            const auto of_group = [&](const SharedLights& s) { return s.ends.group == g; };
-            const auto lights = std::find_if(c_.shared.begin(), c_.shared.end(), of_group);
-            const bool own = lights == c_.shared.end() || lights->has_lobes();
-            const bool exact = (lights == c_.shared.end() || oracle_->is_exact(lights->ends)) &&
-                               (!own || oracle_->is_exact_own(g));
-            if (!out.groups[size_t(g)].empty() && !exact) return false;
-        }
-        return true;
-    }
+    /// True if exact rays answered all queries of this thread.
+    bool all_exact() const { return inexact_.none(); }
     const RecordTally* tally() const { return product_ ? &product_->tally() : nullptr; }
 
 private:
     void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock,
                     const Control& control) {
         wanted_.reset(eyes_.size(), lights.ends.count);
-        visible_.reset(eyes_.size(), lights.ends.count);
         picks_.begin(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
@@ -101,29 +90,29 @@ private:
         }
         clock.lap(stages.contributions);
         const TileContributions contributions(lights, eyes_, picks_, wanted_);
-        oracle_->weigh(&contributions);
-        oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
-        oracle_->weigh(nullptr);
+        const BlockAsk ask{eyes_.block, lights.ends, wanted_, &contributions};
+        const Answer answer = oracle_->block(ask, counters);
         WeightedLights weighted(lights);
         clock.lap(stages.visibility);
         if (audit_)
-            audit_->block({lights.ends, wanted_, visible_, *oracle_, contributions,
-                           [&](size_t i, const Word* row, std::span<const float> weights) {
-                               const SharedLights& counted = weighted.with(picks_.of(i), weights);
-                               return eyes_.throughput[i] * reflected(counted, i, row);
-                           }});
-        if (!unoccluded_.empty() && !oracle_->is_exact(lights.ends)) contributions.add_to(unoccluded_);
+            audit_->block(ask, answer, contributions, [&](size_t i, const Word* row) {
+                return eyes_.throughput[i] * reflected(weighted.with(picks_.of(i), {}), i, row);
+            });
+        if (!answer.is_exact(lights.ends.group)) {
+            inexact_.set(size_t(lights.ends.group));
+            if (!unoccluded_.empty()) contributions.add_to(unoccluded_);
+        }
         clock.lap(stages.audit);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
-            const SharedLights& counted = weighted.with(picks_.of(i), oracle_->block_weights(uint32_t(i)));
-            sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, visible_.row(i));
-            const std::span<const Correction> corrections = oracle_->block_corrections(uint32_t(i));
+            const SharedLights& counted = weighted.with(picks_.of(i), answer.weights_of(i));
+            sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, answer.bits->row(i));
+            const std::span<const Correction> corrections = answer.corrections_of(i);
             if (corrections.empty()) continue;
             const SharedLights& once = weighted.with(picks_.of(i), {});
             for (const Correction& c : corrections) {
-                one_.assign(visible_.row_words(), 0);
+                one_.assign(wanted_.row_words(), 0);
                 set_bit(one_.data(), c.column);
                 add_correction(eyes_.pixel[i], eyes_.throughput[i] * reflected(once, i, one_.data()), c, sum);
             }
@@ -198,7 +187,7 @@ private:
     void add_batches(Semantic semantic, LightGroup group, int samples, Counters& counters,
                      StageSeconds& stages, StageClock& clock, const Control& control,
                      MakeSamples make_samples) {
-        const PairOrder order = oracle_->sample_order(eyes_.block, int(group));
+        const PairOrder order = oracle_->order(eyes_.block, int(group));
         std::vector<Rgb>& sum = sums_[size_t(group)];
         const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
         size_t run = 0;
@@ -210,31 +199,32 @@ private:
             for (size_t i = first; i < last; ++i)
                 make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
             clock.lap(stages.contributions);
-            answer_.assign(words_for(local_.at.size()), 0);
-            oracle_->weigh_samples(local_.contribution);
-            oracle_->samples(eyes_.block, local_.at, answer_, counters);
+            const Answer answer = oracle_->pairs(
+                {.eyes = eyes_.block, .samples = &local_.at, .contributions = local_.contribution}, counters);
             clock.lap(stages.visibility);
-            if (audit_) audit_->samples(local_, answer_, *oracle_);
-            if (!unoccluded_.empty() && !oracle_->is_exact_own(int(group)))
-                local_.add_to(eyes_.pixel, unoccluded_);
+            if (audit_) audit_->samples(local_, answer);
+            if (!answer.is_exact(int(group))) {
+                inexact_.set(size_t(group));
+                if (!unoccluded_.empty()) local_.add_to(eyes_.pixel, unoccluded_);
+            }
             clock.lap(stages.audit);
-            add_seen(sum);
+            add_seen(answer, sum);
             clock.lap(stages.shading);
             first = last;
         }
     }
 
     /// Adds the contributions of visible samples to their pixels.
-    void add_seen(std::vector<Rgb>& sum) {
-        const std::span<const float> weights = oracle_->pair_weights();
+    void add_seen(const Answer& answer, std::vector<Rgb>& sum) {
         size_t row = 0;
-        for_each_bit(answer_, [&](size_t i) {
+        for_each_bit(answer.row(0), [&](size_t i) {
             while (local_.at.end[row] <= i) ++row;
             const Rgb value = local_.contribution[i];
-            sum[eyes_.pixel[local_.at.eye[row]]] += weights.empty() ? value : value * weights[i];
+            sum[eyes_.pixel[local_.at.eye[row]]] +=
+                answer.weights.empty() ? value : value * answer.weights[i];
         });
         row = 0;
-        for (const Correction& c : oracle_->pair_corrections()) {
+        for (const Correction& c : answer.corrections) {
             while (local_.at.end[row] <= c.column) ++row;
             note_variance(eyes_.pixel[local_.at.eye[row]], local_.contribution[c.column] * c.weight, c.share);
         }
@@ -289,10 +279,10 @@ private:
     std::optional<QueryAudit> audit_;
     TilePicks picks_;
     EyeTile eyes_;
-    BitMatrix wanted_, visible_;
+    BitMatrix wanted_;
+    LightGroupSet inexact_;  ///< groups with answers that may be wrong
     std::vector<Word> one_;  ///< a row with one bit
     WeightedSamples local_;
-    std::vector<Word> answer_;
     std::array<std::vector<Rgb>, kLightGroups> sums_;
     std::optional<EnvironmentProduct> product_;
     std::vector<Rgb> last_pass_;
@@ -480,11 +470,9 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         out.stages.merge(stages[i]);
         out.product.merge(product_stages[i]);
     }
-    if (frame.audit_pixels > 0 && !workers.empty()) {
-        const auto any =
-            std::find_if(workers.begin(), workers.end(), [](const auto& w) { return w != nullptr; });
-        if (any != workers.end() && !(*any)->all_exact(out)) audit_pixels(context, tiles, control, out);
-    }
+    const auto is_exact = [](const auto& worker) { return !worker || worker->all_exact(); };
+    if (frame.audit_pixels > 0 && !std::all_of(workers.begin(), workers.end(), is_exact))
+        audit_pixels(context, tiles, control, out);
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);
         for (const auto& worker : workers)

@@ -12,8 +12,8 @@ namespace {
 
 double sum_of(Rgb c) { return double(c.x) + c.y + c.z; }
 
-void refuse_weights(std::span<const float> weights) {
-    if (!weights.empty())
+void refuse_weights(const Answer& answer) {
+    if (!answer.weights.empty())
         throw std::invalid_argument("visibility must answer without weights for an audit of queries");
 }
 
@@ -54,69 +54,68 @@ void QueryAudit::draw(uint64_t stream, int group, size_t n, std::span<Word> bits
     }
 }
 
-void QueryAudit::block(const AuditedBlock& block) {
-    const size_t columns = block.lights.count, n = eyes_->size();
-    AuditedQueries& found = found_[size_t(block.lights.group)];
-    if (block.oracle.is_exact(block.lights)) {
-        found.exact += count_bits(block.wanted);
+void QueryAudit::block(const BlockAsk& ask, const Answer& answer, const TileContributions& contributions,
+                       const Light& light_of) {
+    const size_t columns = ask.lights.count, n = eyes_->size();
+    AuditedQueries& found = found_[size_t(ask.lights.group)];
+    if (answer.is_exact(ask.lights.group)) {
+        found.exact += count_bits(ask.wanted);
         return;
     }
+    refuse_weights(answer);
     asked_.reset(n, columns);
     bright_.reset(n, columns);
-    seen_.reset(n, columns);
-    row_.assign(block.wanted.row_words(), 0);
+    row_.assign(ask.wanted.row_words(), 0);
     Word* const rows[1] = {row_.data()};
     double light = 0;
-    const auto wanted_of = [&](size_t i) { return count_bits(block.wanted.row_span(i)); };
+    const auto wanted_of = [&](size_t i) { return count_bits(ask.wanted.row_span(i)); };
     for (size_t i = 0; i < n; ++i)
-        if (wanted_of(i)) light += block.contributions.unoccluded(uint32_t(i));
-    const double mean = light / double(std::max<uint64_t>(1, count_bits(block.wanted)));
+        if (wanted_of(i)) light += contributions.unoccluded(uint32_t(i));
+    const double mean = light / double(std::max<uint64_t>(1, count_bits(ask.wanted)));
     for (size_t i = 0; i < n; ++i) {
-        const std::span<const Word> wanted = block.wanted.row_span(i);
+        const std::span<const Word> wanted = ask.wanted.row_span(i);
         const uint64_t asks = wanted_of(i);
         if (asks == 0) continue;
-        refuse_weights(block.oracle.block_weights(uint32_t(i)));
         std::fill(row_.begin(), row_.end(), Word{0});
         // Few bright connections of a tile decide its error
-        const double here = double(block.contributions.unoccluded(uint32_t(i))) / double(asks);
+        const double here = double(contributions.unoccluded(uint32_t(i))) / double(asks);
         const float limit[1] = {frame_.audit_above * float(mean < here ? mean / here : 1)};
-        block.contributions.at_most(uint32_t(i), limit, rows);
+        contributions.at_most(uint32_t(i), limit, rows);
         const std::span<Word> bright(bright_.row(i), wanted.size()), asked(asked_.row(i), wanted.size());
-        draw(eyes_->stream[i], block.lights.group, columns, asked);
+        draw(eyes_->stream[i], ask.lights.group, columns, asked);
         for (size_t w = 0; w < wanted.size(); ++w) {
             bright[w] = wanted[w] & ~row_[w];
             asked[w] = (wanted[w] & asked[w]) | bright[w];
         }
     }
     exact_.begin_tile(eyes_->block);
-    exact_.block(eyes_->block, block.lights, asked_, seen_, counters_);
+    const Answer exact = exact_.block({eyes_->block, ask.lights, asked_}, counters_);
     const uint64_t certain = count_bits(bright_);
-    found.queries += count_bits(block.wanted);
+    found.queries += count_bits(ask.wanted);
     found.certain += certain;
     found.sampled += count_bits(asked_) - certain;
     for (size_t i = 0; i < n; ++i) {
-        const Word *asked = asked_.row(i), *seen = seen_.row(i), *answered = block.visible.row(i);
+        const Word *asked = asked_.row(i), *seen = exact.bits->row(i), *answered = answer.bits->row(i);
         for (size_t w = 0; w < row_.size(); ++w) row_[w] = asked[w] & (answered[w] ^ seen[w]);
         std::vector<Word> one(row_.size());
         for_each_bit(row_, [&](size_t k) {
             set_bit(one.data(), k);
-            const double c = sum_of(block.light(i, one.data(), {}));
+            const double c = sum_of(light_of(i, one.data()));
             clear_bit(one.data(), k);
             add_wrong(found, get_bit(bright_.row(i), k), get_bit(answered, k) ? c : -c);
         });
     }
 }
 
-void QueryAudit::samples(const WeightedSamples& samples, std::span<const Word> visible,
-                         const VisibilityOracle& oracle) {
+void QueryAudit::samples(const WeightedSamples& samples, const Answer& answer) {
     const LocalSamples& all = samples.at;
     AuditedQueries& found = found_[size_t(all.group)];
-    if (oracle.is_exact_own(all.group)) {
+    if (answer.is_exact(all.group)) {
         found.exact += all.size();
         return;
     }
     found.queries += all.size();
-    refuse_weights(oracle.pair_weights());
+    refuse_weights(answer);
     LocalSamples some;
     some.semantic = all.semantic;
     some.group = all.group;
@@ -148,12 +147,11 @@ void QueryAudit::samples(const WeightedSamples& samples, std::span<const Word> v
         some.close(all.eye[row]);
     }
     if (number.empty()) return;
-    std::vector<Word> seen(words_for(number.size()));
     exact_.begin_tile(eyes_->block);
-    exact_.samples(eyes_->block, some, seen, counters_);
+    const Answer exact = exact_.pairs({.eyes = eyes_->block, .samples = &some}, counters_);
     for (size_t k = 0; k < number.size(); ++k) {
-        const bool answered = get_bit(visible.data(), number[k]);
-        if (answered == get_bit(seen.data(), k)) continue;
+        const bool answered = answer.bits->get(0, number[k]);
+        if (answered == exact.bits->get(0, k)) continue;
         const double c = sum_of(samples.contribution[number[k]]);
         add_wrong(found, certain[k], answered ? c : -c);
     }

@@ -12,10 +12,13 @@ public:
         exact_.watch(control);
     }
     void begin_tile(const EyeTile& eyes);
-    void block(const AuditedBlock& block);
-    /// Samples of single eye points, and how `oracle` answered them.
-    void samples(const WeightedSamples& samples, std::span<const Word> visible,
-                 const VisibilityOracle& oracle);
+    /// A block of the tile and its answer. `light`: light of the columns of a row at the pixel of an eye
+    /// point.
+    using Light = std::function<Rgb(size_t eye, const Word* row)>;
+    void block(const BlockAsk& ask, const Answer& answer, const TileContributions& contributions,
+               const Light& light);
+    /// Samples of single eye points and their answer.
+    void samples(const WeightedSamples& samples, const Answer& answer);
     void end_tile(AuditRecords& out);
 
 private:
@@ -27,7 +30,7 @@ private:
     const EyeTile* eyes_ = nullptr;
     Counters counters_;
     std::array<AuditedQueries, kLightGroups> found_;
-    BitMatrix asked_, bright_, seen_;
+    BitMatrix asked_, bright_;
     std::vector<Word> row_;
 };
 

@@ -27,6 +27,11 @@ void SamplesTap::append(const LocalSamples& s, std::span<const Rgb> values, uint
 
 namespace {
 
+const LocalSamples& samples_of(const PairsAsk& ask) {
+    if (!ask.samples) throw std::logic_error("only frames of tiles, which ask for samples, are recorded");
+    return *ask.samples;
+}
+
 class TapOracle final : public VisibilityOracle {
 public:
     explicit TapOracle(size_t groups) : groups_(groups) {}
@@ -35,24 +40,21 @@ public:
         tap.eyes = eyes;
         tap.wanted.reserve(groups_);
     }
-    void weigh_samples(std::span<const Rgb> contribution) override { contribution_ = contribution; }
-    void block(const EyeBlock&, const FarEnds&, const BitMatrix& wanted, BitMatrix&, Counters&) override {
-        BitMatrix& kept = tap.wanted.emplace_back(wanted.rows(), wanted.columns());
-        for (size_t r = 0; r < wanted.rows(); ++r)
-            std::copy_n(wanted.row(r), wanted.row_words(), kept.row(r));
+    Answer block(const BlockAsk& ask, Counters&) override {
+        const size_t rows = ask.wanted.rows(), columns = ask.wanted.columns();
+        BitMatrix& kept = tap.wanted.emplace_back(rows, columns);
+        for (size_t r = 0; r < rows; ++r) std::ranges::copy(ask.wanted.row_span(r), kept.row(r));
+        return {.bits = &new_bits(rows, columns)};
     }
-    void pairs(const EyeBlock&, std::span<const ShadowQuery>, std::span<Word>, Counters&) override {
-        throw std::logic_error("frames of tiles ask for samples, not for pairs");
-    }
-    void samples(const EyeBlock&, const LocalSamples& samples, std::span<Word>, Counters&) override {
-        tap.samples[samples.group].append(samples, contribution_);
+    Answer pairs(const PairsAsk& ask, Counters&) override {
+        tap.samples[samples_of(ask).group].append(samples_of(ask), ask.contributions);
+        return {.bits = &new_bits(1, ask.size())};
     }
 
     TileTap tap;
 
 private:
     size_t groups_;
-    std::span<const Rgb> contribution_;
 };
 
 }  // namespace
@@ -73,57 +75,45 @@ class AnswerOracle final : public VisibilityOracle {
 public:
     explicit AnswerOracle(std::unique_ptr<VisibilityOracle> own) : inner(std::move(own)) {}
     void watch(const Control& control) override { inner->watch(control); }
-    void weigh(const Contributions* contributions) override { inner->weigh(contributions); }
-    void weigh_samples(std::span<const Rgb> contribution) override { inner->weigh_samples(contribution); }
     void begin_tile(const EyeBlock& eyes) override {
         kept = {};
         inner->begin_tile(eyes);
     }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override {
-        inner->block(eyes, lights, wanted, visible, counters);
-        BitMatrix& bits = kept.bits.emplace_back(visible.rows(), visible.columns());
-        std::vector<float>& weights = kept.weights.emplace_back();
-        for (size_t r = 0; r < visible.rows(); ++r) {
-            std::copy_n(visible.row(r), visible.row_words(), bits.row(r));
-            const std::span<const float> row =
-                inner->corrected_weights(uint32_t(r), bits.row(r), lights.count, corrected_);
-            if (row.empty()) continue;
-            if (weights.empty()) weights.assign(visible.rows() * lights.count, 1.f);
-            std::copy_n(row.begin(), lights.count, weights.begin() + ptrdiff_t(r * lights.count));
-        }
-    }
-    std::span<const float> block_weights(uint32_t eye) const override { return inner->block_weights(eye); }
-    std::span<const Correction> block_corrections(uint32_t eye) const override {
-        return inner->block_corrections(eye);
-    }
-    PairOrder pair_order(const EyeBlock& eyes) override { return inner->pair_order(eyes); }
-    PairOrder sample_order(const EyeBlock& eyes, int group) override {
-        const PairOrder order = inner->sample_order(eyes, group);
-        TileAnswers::Samples& s = kept.samples[group];
+    PairOrder order(const EyeBlock& eyes, std::optional<int> group) override {
+        const PairOrder order = inner->order(eyes, group);
+        TileAnswers::Samples& s = kept.samples[group.value()];
         s.order.assign(order.eye.begin(), order.eye.end());
         s.run_end.assign(order.run_end.begin(), order.run_end.end());
         return order;
     }
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override {
-        inner->pairs(eyes, queries, visible, counters);
-    }
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override {
-        inner->samples(eyes, samples, visible, counters);
-        const std::span<const float> weights = inner->pair_weights();
-        TileAnswers::Samples& s = kept.samples[samples.group];
-        s.weighted |= !weights.empty();
-        for (size_t row = 0; row < samples.eye.size(); ++row) {
-            auto& [seen, weight] = s.rows[samples.eye[row]];
-            for (size_t i = samples.begin_of(row); i < samples.end[row]; ++i) {
-                seen.push_back(get_bit(visible.data(), i));
-                weight.push_back(weights.empty() ? 1.f : weights[i]);
-            }
+    Answer block(const BlockAsk& ask, Counters& counters) override {
+        const Answer answer = inner->block(ask, counters);
+        const size_t rows = answer.bits->rows(), columns = answer.bits->columns();
+        BitMatrix& bits = kept.bits.emplace_back(rows, columns);
+        std::vector<float>& weights = kept.weights.emplace_back();
+        for (size_t r = 0; r < rows; ++r) std::ranges::copy(answer.row(r), bits.row(r));
+        Answer recorded = answer;
+        recorded.bits = &bits;
+        for (size_t r = 0; r < rows; ++r) {
+            const std::span<const float> row = recorded.corrected_weights(r, corrected_);
+            if (row.empty()) continue;
+            if (weights.empty()) weights.assign(rows * columns, 1.f);
+            std::ranges::copy(row, weights.begin() + ptrdiff_t(r * columns));
         }
+        return answer;
     }
-    std::span<const float> pair_weights() const override { return inner->pair_weights(); }
+    Answer pairs(const PairsAsk& ask, Counters& counters) override {
+        const Answer answer = inner->pairs(ask, counters);
+        const LocalSamples& samples = samples_of(ask);
+        TileAnswers::Samples& s = kept.samples[samples.group];
+        s.weighted |= !answer.weights.empty();
+        for_each_sample(samples, [&](uint32_t eye, size_t i) {
+            auto& [seen, weight] = s.rows[eye];
+            seen.push_back(answer.bits->get(0, i));
+            weight.push_back(answer.weights.empty() ? 1.f : answer.weights[i]);
+        });
+        return answer;
+    }
 
     std::unique_ptr<VisibilityOracle> inner;
     TileAnswers kept;
@@ -148,26 +138,20 @@ void AnswerSource::end_item(VisibilityOracle& oracle, size_t item) {
 class ContributionOracle final : public VisibilityOracle {
 public:
     explicit ContributionOracle(ContributionSource& source) : source_(source) {}
-    void begin_tile(const EyeBlock& eyes) override { tile_ = eyes.tile; }
-    void weigh(const Contributions* contributions) override { contributions_ = contributions; }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix&, BitMatrix&,
-               Counters&) override {
-        if (lights.group != source_.group_) return;
-        const size_t first = source_.first_row_[tile_];
-        for (size_t i = 0; i < eyes.size(); ++i) {
+    Answer block(const BlockAsk& ask, Counters&) override {
+        const size_t rows = ask.wanted.rows(), first = source_.first_row_[ask.eyes.tile];
+        for (size_t i = 0; ask.lights.group == source_.group_ && i < rows; ++i) {
             const size_t row = first + i;
             if (row < source_.begin_ || row >= source_.end_) continue;
             Rgb* to = source_.values_.data() + (row - source_.begin_) * source_.columns_;
-            contributions_->values(uint32_t(i), {to, source_.columns_});
+            ask.contributions->values(uint32_t(i), {to, source_.columns_});
         }
+        return {.bits = &new_bits(rows, ask.wanted.columns())};
     }
-    void pairs(const EyeBlock&, std::span<const ShadowQuery>, std::span<Word>, Counters&) override {}
-    void samples(const EyeBlock&, const LocalSamples&, std::span<Word>, Counters&) override {}
+    Answer pairs(const PairsAsk& ask, Counters&) override { return {.bits = &new_bits(1, ask.size())}; }
 
 private:
     ContributionSource& source_;
-    const Contributions* contributions_ = nullptr;
-    size_t tile_ = 0;
 };
 
 void ContributionSource::prepare(FrameStart& frame, Control&) {
@@ -185,61 +169,53 @@ namespace {
 class GivenOracle final : public VisibilityOracle {
 public:
     explicit GivenOracle(const GivenAnswers& answers) : answers_(answers) {}
-    void begin_tile(const EyeBlock& eyes) override { tile_ = eyes.tile; }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override {
-        given_ = nullptr;
-        const auto found = answers_.blocks.find(lights.group);
-        if (found == answers_.blocks.end()) return;
-        given_ = &found->second;
-        GroupCounters& group = counters.group(lights.group);
-        for (size_t i = 0; i < eyes.size(); ++i) {
-            const Word* from = given_->bits + (answers_.first_row[tile_] + i) * given_->words;
-            for (size_t w = 0; w < given_->words; ++w) visible.row(i)[w] = from[w] & wanted.row(i)[w];
-            const uint64_t asked = count_bits(wanted.row_span(i));
-            group.queries += asked;
-            group.occluded += asked - count_bits(visible.row_span(i));
-        }
-    }
-    std::span<const float> block_weights(uint32_t eye) const override {
-        if (!given_ || !given_->weights) return {};
-        return {given_->weights + (answers_.first_row[tile_] + eye) * given_->columns, given_->columns};
-    }
-    PairOrder sample_order(const EyeBlock&, int group) override {
-        const auto found = answers_.samples.find(group);
+    PairOrder order(const EyeBlock& eyes, std::optional<int> group) override {
+        const auto found = answers_.samples.find(group.value());
         if (found == answers_.samples.end() || found->second.order.empty()) return {};
-        return {found->second.order[tile_], found->second.run_end[tile_]};
+        return {found->second.order[eyes.tile], found->second.run_end[eyes.tile]};
     }
-    void samples(const EyeBlock&, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override {
+    Answer block(const BlockAsk& ask, Counters& counters) override {
+        const size_t rows = ask.wanted.rows(), first = answers_.first_row[ask.eyes.tile];
+        BitMatrix& visible = new_bits(rows, ask.wanted.columns());
+        const auto found = answers_.blocks.find(ask.lights.group);
+        if (found == answers_.blocks.end()) return {.bits = &visible};
+        const GivenBlock& given = found->second;
+        for (size_t i = 0; i < rows; ++i) {
+            const Word* from = given.bits + (first + i) * given.words;
+            for (size_t w = 0; w < given.words; ++w) visible.row(i)[w] = from[w] & ask.wanted.row(i)[w];
+        }
+        const uint64_t asked = count_bits(ask.wanted);
+        counters.group(ask.lights.group).queries += asked;
+        counters.group(ask.lights.group).occluded += asked - count_bits(visible);
+        Answer answer{.bits = &visible};
+        if (given.weights) answer.weights = {given.weights + first * given.columns, rows * given.columns};
+        return answer;
+    }
+    Answer pairs(const PairsAsk& ask, Counters& counters) override {
+        const LocalSamples& samples = samples_of(ask);
+        BitMatrix& visible = new_bits(1, ask.size());
         weights_.clear();
         const auto found = answers_.samples.find(samples.group);
-        if (found == answers_.samples.end()) return;
+        if (found == answers_.samples.end()) return {.bits = &visible};
         const GivenSamples& given = found->second;
         if (given.weights) weights_.assign(samples.size(), 1.f);
-        GroupCounters& group = counters.group(samples.group);
         for (size_t row = 0; row < samples.eye.size(); ++row) {
-            const size_t first = given.first_sample[answers_.first_row[tile_] + samples.eye[row]];
+            const size_t first = given.first_sample[answers_.first_row[ask.eyes.tile] + samples.eye[row]];
             const size_t begin = samples.begin_of(row);
             for (size_t i = begin; i < samples.end[row]; ++i) {
                 const size_t number = first + (i - begin);
-                if (given.visible[number]) set_bit(visible.data(), i);
+                if (given.visible[number]) visible.set(0, i);
                 if (given.weights) weights_[i] = given.weights[number];
-                group.occluded += !given.visible[number];
             }
         }
-        group.queries += samples.size();
+        counters.group(samples.group).queries += samples.size();
+        counters.group(samples.group).occluded += samples.size() - count_bits(visible);
+        return {.bits = &visible, .weights = weights_};
     }
-    void pairs(const EyeBlock&, std::span<const ShadowQuery>, std::span<Word>, Counters&) override {
-        throw std::logic_error("frames of tiles ask for samples, not for pairs");
-    }
-    std::span<const float> pair_weights() const override { return weights_; }
 
 private:
     const GivenAnswers& answers_;
-    const GivenBlock* given_ = nullptr;
     std::vector<float> weights_;
-    size_t tile_ = 0;
 };
 
 }  // namespace

@@ -40,7 +40,7 @@ private:
 /// Oracle and buffers of one thread.
 struct ThreadState {
     std::unique_ptr<VisibilityOracle> oracle;
-    BitMatrix wanted, visible;
+    BitMatrix wanted;
     std::vector<float> corrected;
 };
 
@@ -189,19 +189,17 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
             const EyeBlock& eyes = tiles.eyes[t];
             const std::span<const uint32_t> row = tiles.row[t];
             gather_wanted(question, out.words, row, state.wanted);
-            state.visible.reset(row.size(), lights.count);
             std::optional<GivenContributions> given;
             if (question.contributions) given.emplace(question.contributions, lights.count, row, mean_light);
             TileLog log(row, question);
-            state.oracle->log(logs_some ? &log : nullptr);
-            state.oracle->weigh(given ? &*given : nullptr);
-            state.oracle->block(eyes, lights, state.wanted, state.visible, counters);
-            state.oracle->weigh(nullptr);
-            state.oracle->log(nullptr);
+            const Answer answer = state.oracle->block(
+                {eyes, lights, state.wanted, given ? &*given : nullptr, logs_some ? &log : nullptr},
+                counters);
+            if (logs_some && !answer.logged)
+                throw std::invalid_argument("this oracle cannot tell who answered a query");
             for (size_t i = 0; i < row.size(); ++i) {
-                const std::span<const float> weights = state.oracle->corrected_weights(
-                    uint32_t(i), state.visible.row(i), lights.count, state.corrected);
-                std::copy_n(state.visible.row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
+                const std::span<const float> weights = answer.corrected_weights(i, state.corrected);
+                std::copy_n(answer.bits->row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
                 if (weights.empty()) continue;
                 {
                     const std::lock_guard lock(weights_mutex);
@@ -245,10 +243,9 @@ PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQues
     over_tiles(
         source, tiles, threads, control, out.counters, [&](size_t t, ThreadState& state, Counters& counters) {
             const EyeBlock& eyes = tiles.eyes[t];
-            const PairOrder order = state.oracle->pair_order(eyes);
+            const PairOrder order = state.oracle->order(eyes, {});
             std::vector<ShadowQuery> queries;
             std::vector<uint32_t> number;
-            std::vector<Word> answer;
             size_t run = 0;
             for (size_t first = 0; first < eyes.size();) {
                 const size_t last =
@@ -266,15 +263,14 @@ PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQues
                 }
                 first = last;
                 if (queries.empty()) continue;
-                answer.assign(words_for(queries.size()), 0);
-                state.oracle->pairs(eyes, queries, answer, counters);
-                const std::span<const float> weights = state.oracle->pair_weights();
+                const Answer answer = state.oracle->pairs({eyes, queries}, counters);
+                const std::span<const float> weights = answer.weights;
                 if (!weights.empty()) {
                     const std::lock_guard lock(weights_mutex);
                     if (out.weights.empty()) out.weights.assign(n, 1.f);
                 }
                 for (size_t i = 0; i < number.size(); ++i) {
-                    out.visible[number[i]] = get_bit(answer.data(), i);
+                    out.visible[number[i]] = answer.bits->get(0, i);
                     if (!weights.empty()) out.weights[number[i]] = weights[i];
                 }
             }

@@ -22,11 +22,12 @@ VISCACHE_INLINE Row512 mixed(Row512 x) {
     return x ^ (x >> 31);
 }
 
-VISCACHE_INLINE void draw_body(const DrawRow& row, Word* drawn, Word* under, uint64_t* counts) {
+VISCACHE_INLINE void draw_body(const DrawRow& row, Word* drawn, Word* halved, uint64_t* counts) {
     constexpr uint64_t kStep = 0x9E3779B97F4A7C15ull;
     constexpr Row512 kLane{0, 1, 2, 3, 4, 5, 6, 7};
     const auto& octaves = *row.octaves;
     for (size_t w = 0; w < row.words; w += 8) {
+        // The queries of each class; classes of equal octaves count the same bounds
         const Row512 asked = load(row.wanted + w);
         const Row512 pairs[3][2] = {{~load(row.differs + w), load(row.differs + w)},
                                     {~load(row.visible + w), load(row.visible + w)},
@@ -37,16 +38,17 @@ VISCACHE_INLINE void draw_body(const DrawRow& row, Word* drawn, Word* under, uin
             counts[c] += ones(mine);
             with_octaves[octaves[c]] |= mine;
         }
+        // Bound after bound, a mask clears half of the queries below it
         Row512 left = asked;
-        for (size_t b = 0; b < kMostHalvings; ++b) {
-            Row512 low{};
+        for (size_t h = 0; h < kMostHalvings; ++h) {
+            Row512 below{};
             for (size_t o = 0; o <= kMostOctaves; ++o)
-                if (const Word* below = row.below[kMostOctaves - o + b])
-                    low |= with_octaves[o] & load(below + w);
-            store(under + b * row.words + w, low);
-            const Row512 number = (kLane + w) * kMostHalvings + b;
-            const Word flip = row.turn >> b & 1 ? ~Word{0} : Word{0};
-            left &= ~low | (mixed(row.key + number * kStep) ^ flip);
+                if (const Word* bound = row.below_bound[kMostOctaves - o + h])
+                    below |= with_octaves[o] & load(bound + w);
+            store(halved + h * row.words + w, below);
+            const Row512 number = (kLane + w) * kMostHalvings + h;
+            const Word flip = row.turn >> h & 1 ? ~Word{0} : Word{0};
+            left &= ~below | (mixed(row.key + number * kStep) ^ flip);
         }
         store(drawn + w, left);
     }

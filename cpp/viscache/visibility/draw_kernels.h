@@ -25,18 +25,20 @@ struct DrawRow {
     const Word* visible = nullptr;
     const Word* doubts = nullptr;
     const Word* differs = nullptr;  ///< a neighbouring light has the other answer
-    /// Row b: the queries that lie below bound b. Rows before kMostOctaves − most octaves are not read.
-    std::array<const Word*, kMostOctaves + kMostHalvings> below{};
+    /// Row b: the queries that lie below bound b. Rows above the highest bound that a class counts are
+    /// absent.
+    std::array<const Word*, kMostOctaves + kMostHalvings> below_bound{};
     const std::array<uint8_t, kAnswerClasses>* octaves = nullptr;
     uint64_t key = 0;   ///< of the random words
     uint32_t turn = 0;  ///< number of the sample of the pixel
 };
 
 struct DrawKernels {
-    /// Sets `drawn`: the wanted queries that lie below h of their bounds, with probability 2^−h. In turns of
-    /// 2^h samples that follow each other each query is drawn once. Row h of `under` (kMostHalvings rows, one
-    /// after another) has the queries below their h-th bound. Adds the queries of each class to `counts`.
-    void (*draw)(const DrawRow& row, Word* drawn, Word* under, uint64_t* counts);
+    /// Sets `drawn`: the wanted queries that lie below h of the bounds of their class, with probability 2^−h
+    /// (the picture in residual_oracle.h). In turns of 2^h samples that follow each other each query is drawn
+    /// once. Row h of `halved` (kMostHalvings rows, one after another) has the queries below more than h
+    /// bounds. Adds the queries of each class to `counts`.
+    void (*draw)(const DrawRow& row, Word* drawn, Word* halved, uint64_t* counts);
     /// Sets `differs` of a row.
     void (*differs)(const Word* wanted, const Word* visible, Word* differs, size_t words);
     /// Number of set bits.

@@ -9,14 +9,6 @@
 
 namespace viscache {
 
-void VisibilityOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                               Counters& counters) {
-    std::vector<ShadowQuery> queries;
-    queries.reserve(samples.size());
-    for_each_sample(samples, [&](uint32_t eye, size_t i) { queries.push_back(samples.query(eye, i)); });
-    pairs(eyes, queries, visible, counters);
-}
-
 uint64_t count_bits(std::span<const Word> words) {
     uint64_t n = 0;
     for (Word w : words) n += uint64_t(std::popcount(w));
@@ -51,8 +43,11 @@ std::span<const uint32_t> ExactOracle::order_of(const EyeBlock& eyes, const FarE
     return order_by_set_;
 }
 
-void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible, Counters& counters) {
+Answer ExactOracle::block(const BlockAsk& ask, Counters& counters) {
+    const EyeBlock& eyes = ask.eyes;
+    const FarEnds& lights = ask.lights;
+    const BitMatrix& wanted = ask.wanted;
+    BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
     uint64_t queries = 0;
     const std::span<const uint32_t> order = order_of(eyes, lights);
     if (!order.empty()) {
@@ -63,15 +58,16 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     } else {
         queries = trace_rows(eyes, {}, lights, wanted, visible);
     }
-    if (log_)
+    if (ask.log)
         for (uint32_t i = 0; i < wanted.rows(); ++i)
             for_each_bit(wanted.row_span(i), [&](size_t k) {
-                log_->answered(i, uint32_t(k), {i * uint64_t(lights.count) + k, i, 0, true});
+                ask.log->answered(i, uint32_t(k), {i * uint64_t(lights.count) + k, i, 0, true});
             });
     GroupCounters& group = counters.group(lights.group);
     group.queries += queries;
     group.rays += queries;
     group.occluded += queries - count_bits(visible);
+    return {.bits = &visible, .exact = LightGroupSet().set(), .logged = ask.log != nullptr};
 }
 
 /// Traces a block whose row i belongs to eye point order[i], or i without an order. Returns the number of
@@ -236,26 +232,27 @@ void ExactOracle::trace_all(const Source& source, const EyeBlock& eyes, std::spa
     }
 }
 
-void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                        Counters& counters) {
-    trace_all(QuerySource{queries}, eyes, visible, counters);
-    for (size_t i = 0; i < queries.size(); ++i) {
-        GroupCounters& group = counters.group(queries[i].group);
-        group.queries += 1;
-        group.rays += 1;
-        group.occluded += !get_bit(visible.data(), i);
+Answer ExactOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    BitMatrix& bits = new_bits(1, ask.size());
+    const std::span<Word> visible = bits.row_span(0);
+    if (const LocalSamples* samples = ask.samples) {
+        eye_of_sample_.resize(samples->size());
+        for_each_sample(*samples, [&](uint32_t eye, size_t i) { eye_of_sample_[i] = eye; });
+        trace_all(SampleSource{*samples, eye_of_sample_}, ask.eyes, visible, counters);
+        GroupCounters& group = counters.group(samples->group);
+        group.queries += samples->size();
+        group.rays += samples->size();
+        group.occluded += samples->size() - count_bits(visible);
+    } else {
+        trace_all(QuerySource{ask.queries}, ask.eyes, visible, counters);
+        for (size_t i = 0; i < ask.queries.size(); ++i) {
+            GroupCounters& group = counters.group(ask.queries[i].group);
+            group.queries += 1;
+            group.rays += 1;
+            group.occluded += !get_bit(visible.data(), i);
+        }
     }
-}
-
-void ExactOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                          Counters& counters) {
-    eye_of_sample_.resize(samples.size());
-    for_each_sample(samples, [&](uint32_t eye, size_t i) { eye_of_sample_[i] = eye; });
-    trace_all(SampleSource{samples, eye_of_sample_}, eyes, visible, counters);
-    GroupCounters& group = counters.group(samples.group);
-    group.queries += samples.size();
-    group.rays += samples.size();
-    group.occluded += samples.size() - count_bits(visible);
+    return {.bits = &bits, .exact = LightGroupSet().set()};
 }
 
 }  // namespace viscache

@@ -19,15 +19,8 @@ public:
         : caster_(caster), extent_(extent), order_given_(order), flag_given_(flag) {}
 
     void begin_tile(const EyeBlock&) override { order_.clear(); }
-    void log(QueryLog* log) override { log_ = log; }
-    bool is_exact(const FarEnds&) const override { return true; }
-    bool is_exact_own(int) const override { return true; }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override;
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
     std::span<const uint32_t> order_of(const EyeBlock& eyes, const FarEnds& lights);
@@ -49,11 +42,10 @@ private:
     float extent_;
     std::optional<PacketOrder> order_given_;
     std::optional<Coherence> flag_given_;
-    QueryLog* log_ = nullptr;
     std::vector<uint32_t> order_;  ///< the tile's eye points along a spatial tree; empty: not sorted so far
     std::vector<uint32_t> order_by_set_;
     BitMatrix wanted_in_order_, visible_in_order_;
-    // For `pairs` and `samples`: direction bins of the connections, and indices sorted by bin
+    // For `pairs`: direction bins of the connections, and indices sorted by bin
     std::vector<uint16_t> bin_;
     std::vector<uint32_t> order_by_direction_;
     std::vector<uint32_t> begin_;

@@ -30,7 +30,7 @@ MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, floa
       seed_(s.seed),
       lasting_seed_(s.lasting_seed),
       weighted_(s.weighted),
-      row_of_voxel_(map.voxels(), kNone) {
+      voxels_(map) {
     for (size_t b = 0; b < kPlanes; ++b) bands_below_[b] = float(std::ldexp(s.certain, -int(b)));
 }
 
@@ -46,36 +46,25 @@ uint64_t MeanOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const 
 }
 
 /// Computes means and deviations of all columns for every voxel with eye points.
-void MeanOracle::make_rows(const EyeBlock& eyes, const FarEnds& lights) {
-    for (const auto& row : rows_) row_of_voxel_[row->voxel] = kNone;
-    rows_.clear();
-    far_.resize(lights.count);
-    for (size_t k = 0; k < far_.size(); ++k)
-        far_[k] = map_.far_cell(lights.semantic, {lights.x[k], lights.y[k], lights.z[k]});
-    row_of_eye_.resize(eyes.size());
-    for (size_t i = 0; i < eyes.size(); ++i) {
-        const uint32_t voxel = map_.voxel(eyes.position[i]);
-        if (row_of_voxel_[voxel] == kNone) {
-            auto row = std::make_unique<Row>();
-            row->voxel = voxel;
-            row->mean.assign(lights.x.size(), 1.f);
-            for (auto& plane : row->steady) plane.assign(words_for(lights.count), 0);
-            for (size_t k = 0; k < far_.size(); ++k) {
-                const double mean = map_.mean(voxel, far_[k]), d = deviation(mean);
-                row->mean[k] = float(mean);
-                for (size_t j = 0; j < kPlanes && d <= std::ldexp(0.25, -int(j)); ++j)
-                    set_bit(row->steady[j].data(), k);
-            }
-            row_of_voxel_[voxel] = uint32_t(rows_.size());
-            rows_.push_back(std::move(row));
+void MeanOracle::make_rows(const BlockAsk& ask) {
+    weights_.clear();
+    steady_.clear();
+    const size_t words = words_for(ask.lights.count);
+    voxels_.make(ask, [&](uint32_t voxel, std::span<const uint32_t> far) {
+        const size_t first = steady_.size();
+        steady_.resize(first + kPlanes * words);
+        for (size_t k = 0; k < far.size(); ++k) {
+            const double mean = map_.mean(voxel, far[k]), d = deviation(mean);
+            weights_.push_back(float(mean));
+            for (size_t j = 0; j < kPlanes && d <= std::ldexp(0.25, -int(j)); ++j)
+                set_bit(steady_.data() + first + j * words, k);
         }
-        row_of_eye_[i] = row_of_voxel_[voxel];
-    }
+    });
 }
 
-void MeanOracle::draw_evenly(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted) {
-    const uint64_t key = eye_key(eyes, eye, group), below = threshold(*share_);
-    for_each_bit(wanted.row_span(eye), [&](size_t k) {
+void MeanOracle::draw_evenly(const BlockAsk& ask, uint32_t eye) {
+    const uint64_t key = eye_key(ask.eyes, eye, ask.lights.group), below = threshold(*share_);
+    for_each_bit(ask.wanted.row_span(eye), [&](size_t k) {
         if (!is_below(key, k, below)) return;
         drawn_.set(eye, k);
         inverse_.push_back(inverse_share(below));
@@ -86,14 +75,15 @@ void MeanOracle::draw_evenly(const EyeBlock& eyes, uint32_t eye, int group, cons
 /// by deviation together; each plane clears its queries with probability one half. Samples of a pixel have
 /// the same random words in turns of 2^kHalvings, and the bits of a sample's number say which half is
 /// cleared.
-void MeanOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group,
-                                      const BitMatrix& wanted) {
+void MeanOracle::draw_by_contribution(const BlockAsk& ask, uint32_t eye) {
+    const EyeBlock& eyes = ask.eyes;
+    const BitMatrix& wanted = ask.wanted;
     const bool lasts = !eyes.place.empty();
     const uint32_t turn = lasts ? eyes.turn[eye] : 0;
-    uint64_t key = eye_key(eyes, eye, group);
+    uint64_t key = eye_key(eyes, eye, ask.lights.group);
     if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kPlanes).next_u64();
-    key ^= mix64(uint64_t(group));
-    if (contributions_) {
+    key ^= mix64(uint64_t(ask.lights.group));
+    if (ask.contributions) {
         std::array<Word*, kPlanes> below;
         for (size_t b = 0; b < kPlanes; ++b) below[b] = bands_.row(b);
         // Bounds are shares of the light; contributions are told in means
@@ -101,18 +91,19 @@ void MeanOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int gr
         for (const Word word : wanted.row_span(eye)) asked += uint64_t(std::popcount(word));
         std::array<float, kPlanes> bounds = bands_below_;
         for (float& bound : bounds) bound *= float(asked);
-        contributions_->at_most(eye, bounds, below);
+        ask.contributions->at_most(eye, bounds, below);
     }
-    const Row& row = *rows_[row_of_eye_[eye]];
+    const size_t words = words_for(wanted.columns());
+    const Word* steady_row = steady_.data() + voxels_.of_eyes()[eye] * kPlanes * words;
     Word* drawn = drawn_.row(eye);
-    for (size_t w = 0; w < words_for(wanted.columns()); ++w) {
+    for (size_t w = 0; w < words; ++w) {
         Word left = wanted.row(eye)[w];
         if (!left) continue;
         std::array<Word, kPlanes + 1> small, steady;  // at least so many halvings
         small[0] = steady[0] = ~Word{0};
         for (size_t b = 0; b < kPlanes; ++b) {
-            small[b + 1] = contributions_ ? bands_.row(b)[w] : 0;
-            steady[b + 1] = row.steady[b][w];
+            small[b + 1] = ask.contributions ? bands_.row(b)[w] : 0;
+            steady[b + 1] = steady_row[b * words + w];
         }
         for (size_t n = 1; n <= kPlanes; ++n) {
             Word plane = 0;
@@ -130,93 +121,96 @@ void MeanOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int gr
     });
 }
 
-void MeanOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                       BitMatrix& visible, Counters& counters) {
-    corrections_.clear();
-    correction_begin_.clear();
-    traced_all_ = is_exact(lights);
-    if (traced_all_) {
+/// The answer of exact rays to all queries of an ask. They count as corrections.
+Answer MeanOracle::traced(Answer exact, uint64_t rays_before, Counters& counters) const {
+    counters.corrections += counters.rays() - rays_before;
+    return {.bits = exact.bits, .exact = exact.exact};
+}
+
+Answer MeanOracle::block(const BlockAsk& ask, Counters& counters) {
+    const BitMatrix& wanted = ask.wanted;
+    if (share_ ? traces_all() : ask.lights.count <= MeanSettings::kFewLights) {
         const uint64_t before = counters.rays();
-        exact_.block(eyes, lights, wanted, visible, counters);
-        counters.corrections += counters.rays() - before;
-        return;
+        return traced(exact_.block(ask, counters), before, counters);
     }
-    make_rows(eyes, lights);
-    drawn_.reset(wanted.rows(), lights.count);
-    bands_.reset(kPlanes, lights.count);
-    planes_.reset(kPlanes, lights.count);
-    seen_.reset(wanted.rows(), lights.count);
+    make_rows(ask);
+    drawn_.reset(wanted.rows(), ask.lights.count);
+    bands_.reset(kPlanes, ask.lights.count);
+    planes_.reset(kPlanes, ask.lights.count);
     inverse_.clear();
     for (uint32_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
-        share_ ? draw_evenly(eyes, i, lights.group, wanted)
-               : draw_by_contribution(eyes, i, lights.group, wanted);
+        share_ ? draw_evenly(ask, i) : draw_by_contribution(ask, i);
     }
-    Counters traced;
-    exact_.block(eyes, lights, drawn_, seen_, traced);
-    GroupCounters& group = counters.group(lights.group);
+    Counters counted;
+    const Answer seen = exact_.block({ask.eyes, ask.lights, drawn_}, counted);
+    GroupCounters& group = counters.group(ask.lights.group);
     group.queries += count_bits(wanted);
-    group.rays += traced.rays();
-    group.occluded += traced.group(lights.group).occluded;
-    counters.corrections += traced.rays();
-    for (size_t i = 0; i < wanted.rows(); ++i)
-        std::copy_n(wanted.row(i), words_for(lights.count), visible.row(i));
+    group.rays += counted.rays();
+    group.occluded += counted.group(ask.lights.group).occluded;
+    counters.corrections += counted.rays();
 
-    correction_begin_.push_back(0);
+    // Every query counts with the mean of its voxels, and a traced one also with its correction
+    BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
+    const Answer means{.bits = &visible, .weights = weights_, .weight_row = voxels_.of_eyes()};
+    corrections_.clear();
+    correction_begin_.assign(1, 0);
     size_t number = 0;
     for (size_t i = 0; i < wanted.rows(); ++i) {
-        const std::vector<float>& mean = rows_[row_of_eye_[i]]->mean;
+        std::ranges::copy(wanted.row_span(i), visible.row(i));
+        const std::span<const float> mean = means.weights_of(i);
         for_each_bit(drawn_.row_span(i), [&](size_t k) {
-            const float change = float(seen_.get(i, k)) - mean[k], times = inverse_[number++];
+            const float change = float(seen.bits->get(i, k)) - mean[k], times = inverse_[number++];
             corrections_.push_back({uint32_t(k), weighted_ ? change * times : change, 1 / times});
         });
         correction_begin_.push_back(uint32_t(corrections_.size()));
     }
+    Answer out = means;
+    out.corrections = corrections_;
+    out.correction_begin = correction_begin_;
+    return out;
 }
 
-void MeanOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                         Counters& counters) {
-    if (!is_exact_own(samples.group)) return VisibilityOracle::samples(eyes, samples, visible, counters);
-    pair_weights_.clear();
-    const uint64_t before = counters.rays();
-    exact_.samples(eyes, samples, visible, counters);
-    counters.corrections += counters.rays() - before;
-}
-
-void MeanOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                       Counters& counters) {
-    pair_weights_.resize(queries.size());
+Answer MeanOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    if (ask.samples && (!share_ || traces_all())) {
+        const uint64_t before = counters.rays();
+        return traced(exact_.pairs(ask, counters), before, counters);
+    }
+    std::vector<ShadowQuery> made, drawn;
     std::vector<uint32_t> number;
-    std::vector<ShadowQuery> drawn;
+    const std::span<const ShadowQuery> queries = ask.as_queries(made);
+    weights_.clear();
     inverse_.clear();
     for (uint32_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        const double mean = map_.mean(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far));
+        const double mean = map_.mean(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far));
         const uint64_t below =
             threshold(share_.value_or(std::max(std::ldexp(1.0, -int(kPlanes)), 2 * deviation(mean))));
-        pair_weights_[i] = float(mean);
+        weights_.push_back(float(mean));
         ++counters.group(q.group).queries;
-        if (!is_below(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0, below)) continue;
+        if (!is_below(mix_point(eye_key(ask.eyes, q.eye, q.group), q.far), 0, below)) continue;
         number.push_back(i);
         drawn.push_back(q);
         inverse_.push_back(inverse_share(below));
     }
-    std::vector<Word> seen(words_for(drawn.size()));
-    Counters traced;
-    exact_.pairs(eyes, drawn, seen, traced);
+    Counters counted;
+    const Answer seen = exact_.pairs({ask.eyes, drawn}, counted);
     for (int g = 0; g < kLightGroups; ++g) {
-        counters.group(g).rays += traced.group(g).rays;
-        counters.group(g).occluded += traced.group(g).occluded;
+        counters.group(g).rays += counted.group(g).rays;
+        counters.group(g).occluded += counted.group(g).occluded;
     }
-    counters.corrections += traced.rays();
+    counters.corrections += counted.rays();
     for (size_t d = 0; d < drawn.size(); ++d) {
-        const float truth = float(get_bit(seen.data(), d)), mean = pair_weights_[number[d]];
+        const float truth = float(seen.bits->get(0, d)), mean = weights_[number[d]];
         // At q = 1 this is the true visibility without rounding
-        pair_weights_[number[d]] =
+        weights_[number[d]] =
             inverse_[d] == 1 ? truth : mean + (truth - mean) * (weighted_ ? inverse_[d] : 1.f);
     }
+    BitMatrix& visible = new_bits(1, queries.size());
     for (size_t i = 0; i < queries.size(); ++i)
-        if (pair_weights_[i] != 0) set_bit(visible.data(), i);
+        if (weights_[i] != 0) visible.set(0, i);
+    if (traces_all()) return {.bits = &visible, .exact = LightGroupSet().set()};
+    return {.bits = &visible, .weights = weights_};
 }
 
 }  // namespace viscache

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "viscache/visibility/exact.h"
-#include "viscache/visibility/voxel_visibility.h"
+#include "viscache/visibility/voxel_rows.h"
 
 namespace viscache {
 
@@ -40,45 +40,18 @@ public:
                const MeanSettings& settings);
 
     void watch(const Control& control) override;
-    void weigh(const Contributions* contributions) override { contributions_ = contributions; }
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override;
-    bool is_exact(const FarEnds& lights) const override {
-        return share_ ? is_exact() : lights.count <= MeanSettings::kFewLights;
-    }
-    bool is_exact_own(int) const override { return !share_ || is_exact(); }
-    std::span<const float> block_weights(uint32_t eye) const override {
-        return traced_all_ ? std::span<const float>{} : rows_[row_of_eye_[eye]]->mean;
-    }
-    std::span<const Correction> block_corrections(uint32_t eye) const override {
-        if (correction_begin_.empty()) return {};
-        return std::span(corrections_)
-            .subspan(correction_begin_[eye], correction_begin_[eye + 1] - correction_begin_[eye]);
-    }
-    std::span<const float> pair_weights() const override {
-        return is_exact() ? std::span<const float>{} : std::span<const float>(pair_weights_);
-    }
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
-    static constexpr uint32_t kNone = ~uint32_t{0};
     static constexpr size_t kPlanes = MeanSettings::kHalvings;
-    /// The columns of a block for one voxel.
-    struct Row {
-        uint32_t voxel = 0;
-        std::vector<float> mean;
-        /// Plane j has the columns whose deviation, sqrt(mean·(1 − mean)), is at most 2^−(j + 2).
-        std::array<std::vector<Word>, kPlanes> steady;
-    };
-    bool is_exact() const { return share_ && *share_ >= 1; }
+    bool traces_all() const { return share_ && *share_ >= 1; }
+    Answer traced(Answer exact, uint64_t rays_before, Counters& counters) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
-    void make_rows(const EyeBlock& eyes, const FarEnds& lights);
-    void draw_evenly(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted);
-    void draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted);
+    void make_rows(const BlockAsk& ask);
+    void draw_evenly(const BlockAsk& ask, uint32_t eye);
+    void draw_by_contribution(const BlockAsk& ask, uint32_t eye);
 
     const VoxelVisibility& map_;
     ExactOracle exact_;
@@ -87,17 +60,16 @@ private:
     std::array<float, kPlanes> bands_below_;
     uint64_t seed_, lasting_seed_;
     bool weighted_;
-    const Contributions* contributions_ = nullptr;
+    std::vector<float> weights_;  ///< means of the columns of each voxel; of pairs, corrected
+    std::vector<float> inverse_;  ///< 1/q of each drawn query, in their order
     // For `block`
-    bool traced_all_ = false;  ///< the latest block
-    std::vector<uint32_t> row_of_voxel_, row_of_eye_, far_;
-    std::vector<std::unique_ptr<Row>> rows_;
-    BitMatrix drawn_, seen_, bands_, planes_;
-    std::vector<float> inverse_;              ///< 1/q of each drawn query, in their order
+    VoxelRows voxels_;
+    /// Of each voxel, kPlanes rows of words. Plane j has the columns whose deviation, sqrt(mean·(1 − mean)),
+    /// is at most 2^−(j + 2).
+    std::vector<Word> steady_;
+    BitMatrix drawn_, bands_, planes_;
     std::vector<uint32_t> correction_begin_;  ///< by eye point
     std::vector<Correction> corrections_;
-    // For `pairs`
-    std::vector<float> pair_weights_;
 };
 
 }  // namespace viscache

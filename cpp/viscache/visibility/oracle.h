@@ -2,14 +2,16 @@
 // The interface for "does X see Y?". An oracle may answer without a ray.
 //
 // One oracle object serves one worker thread and one tile at a time: begin_tile, then any number of calls of
-// block, pairs and samples for the eye points of that tile. An oracle keeps nothing after the tile, so that
-// answers do not depend on the number of threads. A table that the oracles of a frame share must ensure this
-// itself.
+// block and pairs for the eye points of that tile. Each call gets an ask and gives an Answer: all that the
+// oracle says about it. A wrapper takes the Answer of its inner oracle and gives its own.
+//
+// An oracle keeps nothing after the tile, so that answers do not depend on the number of threads. A table
+// that the oracles of a frame share must ensure this itself.
 #include <algorithm>
-#include <array>
+#include <bitset>
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <stdexcept>
 #include <vector>
 
 #include "viscache/math/bits.h"
@@ -96,13 +98,6 @@ struct ShadowQuery {
     float t_max = kInfinity;  ///< length of the ray (ambient occlusion); unused for positions
 };
 
-/// Order in which `pairs` should get the queries. Empty: any order.
-struct PairOrder {
-    std::span<const uint32_t> eye;  ///< the tile's eye points in processing order
-    /// Ends of runs in `eye`. The queries of one run belong in one call of `pairs`.
-    std::span<const uint32_t> run_end;
-};
-
 struct LocalSamples;
 
 /// Unoccluded contributions of the columns of a block to eye points.
@@ -119,6 +114,35 @@ public:
     virtual void values(uint32_t /*eye*/, std::span<Rgb> /*columns*/) const {}
 };
 
+/// Eye points of a tile × one light group.
+struct BlockAsk {
+    const EyeBlock& eyes;
+    const FarEnds& lights;
+    const BitMatrix& wanted;                       ///< its set bits are the queries
+    const Contributions* contributions = nullptr;  ///< an oracle can distribute its rays by them
+    QueryLog* log = nullptr;                       ///< gets who answered each query (Answer::logged)
+};
+
+/// Connections whose far ends belong to single eye points of a tile: queries in any order, or samples of one
+/// light group, eye point by eye point.
+struct PairsAsk {
+    const EyeBlock& eyes;
+    std::span<const ShadowQuery> queries{};
+    const LocalSamples* samples = nullptr;  ///< in place of `queries`
+    std::span<const Rgb> contributions{};   ///< unoccluded, of each connection; empty: unknown
+
+    size_t size() const;
+    /// The connections as queries. `made` holds those that are made of samples.
+    std::span<const ShadowQuery> as_queries(std::vector<ShadowQuery>& made) const;
+};
+
+/// Order in which an oracle should get the connections of a tile. Empty: any order.
+struct PairOrder {
+    std::span<const uint32_t> eye;  ///< the tile's eye points in processing order
+    /// Ends of runs in `eye`. The connections of one run belong in one call of `pairs`.
+    std::span<const uint32_t> run_end;
+};
+
 /// A change of an answer: the weight of a column's contribution, added to that of its bit. The answer was
 /// checked with probability `share`.
 struct Correction {
@@ -127,85 +151,75 @@ struct Correction {
     float share;
 };
 
+using LightGroupSet = std::bitset<kLightGroups>;
+
+/// What an oracle says about an ask, as rows × columns. A block has a row for each eye point and a column for
+/// each light. Pairs have one row, and connection i is column i.
+///
+/// All members point into the oracle and are valid until its next call. Whoever gets an answer may change its
+/// bits.
+struct Answer {
+    BitMatrix* bits = nullptr;  ///< 1 = visible; 0 where nothing was asked
+    /// For oracles that skip connections at random: weights 1/probability of visible columns, row by row.
+    /// Empty: all weights are 1.
+    std::span<const float> weights{};
+    /// The row of `weights` that serves each row; empty: its own.
+    std::span<const uint32_t> weight_row{};
+    /// By row and column. The weights of pairs include them; those of blocks do not.
+    std::span<const Correction> corrections{};
+    std::span<const uint32_t> correction_begin{};  ///< by row, and the end; empty: all are of the first row
+    /// Answers that are less certain than others: a quantized cache found that its cells disagree. nullptr:
+    /// the oracle cannot tell.
+    const BitMatrix* doubts = nullptr;
+    LightGroupSet exact{};  ///< the light groups whose answers are those of exact rays
+    bool logged = false;    ///< the log of the ask has every query
+
+    std::span<Word> row(size_t r) const { return bits->row_span(r); }
+    bool is_exact(int group) const { return exact.test(size_t(group)); }
+    std::span<const float> weights_of(size_t r) const {
+        if (weights.empty()) return {};
+        return weights.subspan((weight_row.empty() ? r : weight_row[r]) * bits->columns(), bits->columns());
+    }
+    std::span<const Correction> corrections_of(size_t r) const {
+        if (correction_begin.empty()) return r == 0 ? corrections : std::span<const Correction>();
+        return corrections.subspan(correction_begin[r], correction_begin[r + 1] - correction_begin[r]);
+    }
+    /// The weights of a row of a block with their corrections, for who wants all in one row. Sets the bits of
+    /// corrected columns by their weight. Empty: all weights are 1. `scratch` holds the row.
+    std::span<const float> corrected_weights(size_t r, std::vector<float>& scratch) const;
+};
+
 class VisibilityOracle {
 public:
+    VisibilityOracle() = default;
+    VisibilityOracle(VisibilityOracle&&) = default;
     virtual ~VisibilityOracle() = default;
-    /// Passes the contributions of the columns of the next `block`, or nullptr. An oracle can distribute its
-    /// rays by them.
-    virtual void weigh(const Contributions*) {}
-    /// Passes the unoccluded contribution of each of the next `samples`.
-    virtual void weigh_samples(std::span<const Rgb>) {}
-    /// The next blocks log the answer of each query; nullptr turns this off. Throws std::invalid_argument if
-    /// the oracle does not support it.
-    virtual void log(QueryLog* log) {
-        if (log) throw std::invalid_argument("this oracle cannot tell who answered a query");
-    }
     /// Long calls throw `Cancelled` soon after `control` requests it. `control` must outlive the oracle.
     virtual void watch(const Control& control) { control_ = &control; }
     /// Discards the previous tile and reads the eye points of the next one.
-    virtual void begin_tile(const EyeBlock& eyes) = 0;
-    /// Answers eye points × one light group. Only the set bits of `wanted` are queries. `visible` has the
-    /// same size and is zeroed.
-    virtual void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                       BitMatrix& visible, Counters& counters) = 0;
-    /// The order in which `pairs` should get queries of this tile; valid until the next begin_tile.
-    virtual PairOrder pair_order(const EyeBlock&) { return {}; }
-    /// Answers any connections of the eye points of the tile. Bit i of `visible` (zeroed on entry) belongs to
-    /// queries[i].
-    virtual void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                       Counters& counters) = 0;
-    /// For oracles that skip connections at random: weights 1/probability of the visible columns of an eye
-    /// point in the latest block. Empty: all weights are 1. Two rows at the same address are equal.
-    virtual std::span<const float> block_weights(uint32_t /*eye*/) const { return {}; }
-    /// Corrections of the answers to an eye point in the latest block, by column.
-    virtual std::span<const Correction> block_corrections(uint32_t /*eye*/) const { return {}; }
-    /// Answers of the latest block that are less certain than others, as eye points × columns: a quantized
-    /// cache found that its cells disagree. nullptr if the oracle does not tell.
-    virtual const BitMatrix* block_doubts() const { return nullptr; }
-    /// True if the answers to blocks of these lights are those of exact rays.
-    virtual bool is_exact(const FarEnds&) const { return false; }
-    /// The same for far ends of single eye points in a light group.
-    virtual bool is_exact_own(int /*group*/) const { return false; }
-    /// Weights, as `block_weights`, for the queries of the latest `pairs`, or of `samples` if it calls
-    /// `pairs`.
-    virtual std::span<const float> pair_weights() const { return {}; }
-    /// What `pair_weights` has of corrections, for estimates of their variance: by query or sample.
-    virtual std::span<const Correction> pair_corrections() const { return {}; }
-    /// The order in which `samples` should get samples of this tile and light group; valid until the next
-    /// call or begin_tile.
-    virtual PairOrder sample_order(const EyeBlock& eyes, [[maybe_unused]] int group) {
-        return pair_order(eyes);
-    }
-    /// Answers the samples of a run of eye points; each eye point has its own. Bit i of `visible` (zeroed on
-    /// entry) belongs to sample i. The default converts them to `pairs`.
-    virtual void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                         Counters& counters);
-
-    /// The weights of an eye point's columns with their corrections, for who wants all in one row. Sets the
-    /// bits of corrected columns by their weight. Empty: all weights are 1. `scratch` holds the row.
-    std::span<const float> corrected_weights(uint32_t eye, Word* visible, size_t columns,
-                                             std::vector<float>& scratch) const {
-        const std::span<const float> weights = block_weights(eye);
-        const std::span<const Correction> corrections = block_corrections(eye);
-        if (corrections.empty()) return weights;
-        scratch.assign(columns, 1.f);
-        std::copy_n(weights.begin(), std::min(weights.size(), columns), scratch.begin());
-        for (const Correction& c : corrections) {
-            float& weight = scratch[c.column];
-            weight = (get_bit(visible, c.column) ? weight : 0.f) + c.weight;
-            weight != 0 ? set_bit(visible, c.column) : clear_bit(visible, c.column);
-        }
-        return scratch;
-    }
+    virtual void begin_tile(const EyeBlock& /*eyes*/) {}
+    /// The order in which `pairs` should get connections of this tile: samples of a light group, or queries
+    /// if there is no group. Valid until the next call.
+    virtual PairOrder order(const EyeBlock& /*eyes*/, std::optional<int> /*group*/) { return {}; }
+    /// Answers a block.
+    virtual Answer block(const BlockAsk& ask, Counters& counters) = 0;
+    /// Answers connections of single eye points.
+    virtual Answer pairs(const PairsAsk& ask, Counters& counters) = 0;
 
 protected:
+    const Control& control() const { return *control_; }
     /// Call this every few milliseconds of work.
-    void check_cancelled() const {
-        if (control_) control_->check();
+    void check_cancelled() const { control_->check(); }
+    /// The bits of the next answer, all 0.
+    BitMatrix& new_bits(size_t rows, size_t columns) {
+        bits_.reset(rows, columns);
+        return bits_;
     }
 
 private:
-    const Control* control_ = nullptr;
+    static inline const Control unwatched_{};
+    const Control* control_ = &unwatched_;
+    BitMatrix bits_;
 };
 
 }  // namespace viscache

@@ -29,7 +29,6 @@ private:
 struct RowWorker {
     std::unique_ptr<VisibilityOracle> oracle;
     RowBlock block;
-    BitMatrix visible;
     Counters counters;
 };
 
@@ -49,10 +48,9 @@ PointRows point_rows(OracleSource& source, float extent, const RowInput& input, 
                           own.oracle->watch(control);
                       }
                       own.block.fill(input, ends, points, extent);
-                      own.visible.reset(points.size(), ends.count);
                       own.oracle->begin_tile(own.block.eyes);
-                      own.oracle->block(own.block.eyes, ends, own.block.wanted, own.visible, own.counters);
-                      return own.visible;
+                      const BlockAsk ask{own.block.eyes, ends, own.block.wanted};
+                      return *own.oracle->block(ask, own.counters).bits;
                   });
     PointRows out;
     Counters counters;

@@ -9,10 +9,27 @@
 // q is the same for all queries, or follows the unoccluded contribution c of a connection. By contribution, q
 // is 1 where c is `certain` of a reference (reference_light.h), and halves with each halving of c, at most
 // kHalvings times. Where the reference is not known it is the light that all queries of the eye point could
-// bring.
-// Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
+// bring. Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
+//
+// How a query gets its q (draw_by_contribution). Bounds fall by halves, and each has a mask of random bits
+// that clears every second query below it. A query below h bounds must pass h masks, so it is drawn with q =
+// 2^−h:
+//
+//     contribution     large ◄───────────────────────► small
+//     bounds                  B0      B1      B2      B3
+//     query                a  │   b   │   c   │   d   │  e
+//     mask of B0              │  1/2     1/2     1/2     1/2
+//     mask of B1              │       │  1/2     1/2     1/2
+//     mask of B2              │       │       │  1/2     1/2
+//     mask of B3              │       │       │       │  1/2
+//     q                    1  │  1/2  │  1/4  │  1/8  │  1/16
+//
+// Masks are words of 64 columns, so all queries of an eye point are drawn at once. In samples of a pixel that
+// follow each other, a mask and its complement take turns: of 2^h samples exactly one draws the query.
+//
 // The best share is proportional to c·√p, where p is the probability that the answer is wrong. Classes of
-// answers differ in p (counters.h). Each may have its own bound, `certain` times a power of two.
+// answers differ in p (counters.h). A class of octave o has its own B0, 2^o times that of octave 0, and as
+// many bounds below it. All classes share one list of bounds and begin at their own place in it.
 #include <array>
 #include <memory>
 #include <optional>
@@ -60,80 +77,49 @@ public:
     VisibilityOracle& inner() { return *inner_; }
 
     void watch(const Control& control) override;
-    void weigh(const Contributions* contributions) override {
-        contributions_ = contributions;
-        inner_->weigh(contributions);
-    }
     void begin_tile(const EyeBlock& eyes) override;
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    PairOrder pair_order(const EyeBlock& eyes) override { return inner_->pair_order(eyes); }
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    std::span<const float> block_weights(uint32_t eye) const override {
-        if (replaces_) return {};
-        return inner_->block_weights(eye);
+    PairOrder order(const EyeBlock& eyes, std::optional<int> group) override {
+        return inner_->order(eyes, group);
     }
-    std::span<const Correction> block_corrections(uint32_t eye) const override {
-        if (correction_begin_.empty()) return {};
-        return std::span(corrections_)
-            .subspan(correction_begin_[eye], correction_begin_[eye + 1] - correction_begin_[eye]);
-    }
-    bool is_exact(const FarEnds& lights) const override { return inner_->is_exact(lights); }
-    bool is_exact_own(int group) const override { return inner_->is_exact_own(group); }
-    std::span<const float> pair_weights() const override { return pair_weights_; }
-    std::span<const Correction> pair_corrections() const override { return pair_corrections_; }
-    PairOrder sample_order(const EyeBlock& eyes, int group) override {
-        return inner_->sample_order(eyes, group);
-    }
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override;
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
-    bool by_contribution() const { return !share_ && contributions_; }
+    static constexpr size_t kBounds = kMostOctaves + ResidualSettings::kHalvings;
+    /// A drawn query: 1/q, and the class of its answer.
+    struct Drawn {
+        float inverse_share;
+        uint8_t answer_class;
+    };
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
-    void draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, const BitMatrix& visible,
-              Counters& counters);
-    void draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted,
-                              const BitMatrix& visible, Counters& counters);
-    /// What to add to an answer of `value` if the truth is `truth`.
-    float correction(float value, bool truth, unsigned halvings) const {
-        const float inverse = by_contribution() ? std::ldexp(1.f, int(halvings)) : inverse_share_;
-        return (float(truth) - value) * (weighted_ ? inverse : 1.f);
-    }
-    float share_of(unsigned halvings) const {
-        return by_contribution() ? std::ldexp(1.f, -int(halvings)) : 1 / inverse_share_;
-    }
-    void correct(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+    void draw_evenly(const BlockAsk& ask, uint32_t eye);
+    void draw_by_contribution(const BlockAsk& ask, const Answer& inner, uint32_t eye, Counters& counters);
+    void correct(const BlockAsk& ask, const BitMatrix& seen, bool by_contribution, Answer& answer,
                  Counters& counters);
 
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
     std::optional<double> share_;
-    /// Bounds of contributions, falling by halves. A connection of a class of octave 0 that lies below h of
-    /// the last kHalvings is drawn with q = 2^−h. Each octave counts bounds from one further above.
-    std::array<float, kMostOctaves + ResidualSettings::kHalvings> bounds_;
+    /// Bounds of contributions, falling by halves. A class of octave o counts the kHalvings bounds from
+    /// number kMostOctaves − o on.
+    std::array<float, kBounds> bounds_;
     ClassOctaves octaves_;
     uint64_t seed_, lasting_seed_;
     bool weighted_;
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
     float inverse_share_;
-    const Contributions* contributions_ = nullptr;
     const DrawKernels& kernels_ = draw_kernels(active_isa());
     // For `block`
-    bool replaces_ = false;  ///< every answer is replaced by the truth, so that none has a weight
-    BitMatrix drawn_, seen_;
-    BitMatrix masks_;  ///< rows of one eye point: below each bound, below bound h of its class, and two more
-    struct Drawn {
-        uint8_t halvings, answer_class;
-    };
-    std::vector<Drawn> drawn_as_;             ///< by contribution: of each drawn query, in their order
+    BitMatrix drawn_;
+    std::vector<Drawn> drawn_as_;  ///< each drawn query, in their order
+    // Columns of one eye point: row b lies below bound b; row h has more than h halvings of q; a neighbouring
+    // light has the other answer; a row of zeros
+    BitMatrix below_bound_, halved_, differs_, none_;
     std::vector<uint32_t> correction_begin_;  ///< by eye point
     std::vector<Correction> corrections_;
-    // For `pairs` and `samples`
-    std::vector<float> pair_weights_;
-    std::vector<Correction> pair_corrections_;
+    // For `pairs`
+    std::vector<float> weights_;
 };
 
 }  // namespace viscache

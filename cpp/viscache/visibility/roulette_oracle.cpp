@@ -35,25 +35,28 @@ void LearningOracle::watch(const Control& control) {
     exact_.watch(control);
 }
 
-void LearningOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                           BitMatrix& visible, Counters& counters) {
-    exact_.block(eyes, lights, wanted, visible, counters);
+Answer LearningOracle::block(const BlockAsk& ask, Counters& counters) {
+    const Answer answer = exact_.block(ask, counters);
+    const FarEnds& lights = ask.lights;
     std::vector<uint32_t> far(lights.count);
     for (size_t k = 0; k < far.size(); ++k)
         far[k] = map_.far_cell(lights.semantic, {lights.x[k], lights.y[k], lights.z[k]});
-    for (size_t i = 0; i < wanted.rows(); ++i) {
-        const uint32_t voxel = map_.voxel(eyes.position[i]);
-        for_each_bit(wanted.row_span(i), [&](size_t k) { add(voxel, far[k], get_bit(visible.row(i), k)); });
+    for (size_t i = 0; i < ask.wanted.rows(); ++i) {
+        const uint32_t voxel = map_.voxel(ask.eyes.position[i]);
+        for_each_bit(ask.wanted.row_span(i), [&](size_t k) { add(voxel, far[k], answer.bits->get(i, k)); });
     }
+    return answer;
 }
 
-void LearningOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                           std::span<Word> visible, Counters& counters) {
-    exact_.pairs(eyes, queries, visible, counters);
+Answer LearningOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    const Answer answer = exact_.pairs(ask, counters);
+    std::vector<ShadowQuery> made;
+    const std::span<const ShadowQuery> queries = ask.as_queries(made);
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        add(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far), get_bit(visible.data(), i));
+        add(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far), answer.bits->get(0, i));
     }
+    return answer;
 }
 
 void RouletteOracle::watch(const Control& control) {
@@ -68,39 +71,27 @@ uint64_t RouletteOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) co
 }
 
 /// Computes the probabilities of all columns for every voxel with eye points.
-void RouletteOracle::make_rows(const EyeBlock& eyes, const FarEnds& lights) {
-    for (const auto& row : rows_) row_of_voxel_[row->voxel] = kNone;
-    rows_.clear();
-    far_.resize(lights.count);
-    for (size_t k = 0; k < far_.size(); ++k)
-        far_[k] = map_.far_cell(lights.semantic, {lights.x[k], lights.y[k], lights.z[k]});
-    row_of_eye_.resize(eyes.size());
-    for (size_t i = 0; i < eyes.size(); ++i) {
-        const uint32_t voxel = map_.voxel(eyes.position[i]);
-        if (row_of_voxel_[voxel] == kNone) {
-            auto row = std::make_unique<Row>();
-            row->voxel = voxel;
-            row->threshold.assign(lights.x.size(), 0);
-            row->weight.assign(lights.x.size(), 1.f);
-            for (size_t k = 0; k < far_.size(); ++k) {
-                const Chance chance(map_.probability(voxel, far_[k]));
-                row->threshold[k] = chance.threshold;
-                row->weight[k] = chance.weight;
-            }
-            row_of_voxel_[voxel] = uint32_t(rows_.size());
-            rows_.push_back(std::move(row));
+void RouletteOracle::make_rows(const BlockAsk& ask) {
+    thresholds_.clear();
+    weights_.clear();
+    voxels_.make(ask, [&](uint32_t voxel, std::span<const uint32_t> far) {
+        for (const uint32_t cell : far) {
+            const Chance chance(map_.probability(voxel, cell));
+            thresholds_.push_back(chance.threshold);
+            weights_.push_back(chance.weight);
         }
-        row_of_eye_[i] = row_of_voxel_[voxel];
-    }
+        thresholds_.resize((thresholds_.size() + kWordBits - 1) / kWordBits * kWordBits);
+    });
 }
 
-/// Selects the wanted columns of one eye point that are traced.
-void RouletteOracle::keep_row(const EyeBlock& eyes, size_t eye, const FarEnds& lights, const Word* wanted,
-                              Word* kept) const {
-    const uint64_t key = eye_key(eyes, eye, lights.group);
+/// Draws the wanted columns of one eye point that are traced.
+void RouletteOracle::draw_row(const BlockAsk& ask, size_t eye, Word* drawn) const {
+    const uint64_t key = eye_key(ask.eyes, eye, ask.lights.group);
     const uint32_t low = uint32_t(key), high = uint32_t(key >> 32);
-    const std::vector<uint32_t>& threshold = rows_[row_of_eye_[eye]]->threshold;
-    for (size_t w = 0; w < words_for(lights.count); ++w) {
+    const size_t words = words_for(ask.lights.count);
+    const Word* wanted = ask.wanted.row(eye);
+    const uint32_t* threshold = thresholds_.data() + voxels_.of_eyes()[eye] * words * kWordBits;
+    for (size_t w = 0; w < words; ++w) {
         if (!wanted[w]) continue;
         uint8_t passes[kWordBits];
         for (size_t j = 0; j < kWordBits; ++j) {
@@ -109,47 +100,49 @@ void RouletteOracle::keep_row(const EyeBlock& eyes, size_t eye, const FarEnds& l
         }
         Word bits = 0;
         for (size_t j = 0; j < kWordBits; ++j) bits |= Word(passes[j]) << j;
-        kept[w] = wanted[w] & bits;
+        drawn[w] = wanted[w] & bits;
     }
 }
 
-void RouletteOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                           BitMatrix& visible, Counters& counters) {
-    make_rows(eyes, lights);
-    kept_.reset(wanted.rows(), lights.count);
-    for (size_t i = 0; i < wanted.rows(); ++i) {
+Answer RouletteOracle::block(const BlockAsk& ask, Counters& counters) {
+    make_rows(ask);
+    drawn_.reset(ask.wanted.rows(), ask.lights.count);
+    for (size_t i = 0; i < drawn_.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
-        keep_row(eyes, i, lights, wanted.row(i), kept_.row(i));
+        draw_row(ask, i, drawn_.row(i));
     }
-    exact_.block(eyes, lights, kept_, visible, counters);
-    const uint64_t left_out = count_bits(wanted) - count_bits(kept_);
-    GroupCounters& group = counters.group(lights.group);
+    const Answer traced = exact_.block({ask.eyes, ask.lights, drawn_}, counters);
+    // A query that is not traced counts as blocked
+    const uint64_t left_out = count_bits(ask.wanted) - count_bits(drawn_);
+    GroupCounters& group = counters.group(ask.lights.group);
     group.queries += left_out;
     group.occluded += left_out;
+    return {.bits = traced.bits, .weights = weights(), .weight_row = voxels_.of_eyes()};
 }
 
-void RouletteOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                           std::span<Word> visible, Counters& counters) {
-    weight_.assign(queries.size(), 1.f);
+Answer RouletteOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    const std::span<const ShadowQuery> queries = ask.as_queries(made_);
+    weights_.clear();
+    number_.clear();
     traced_.clear();
-    queries_.clear();
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
         const Chance chance(
-            map_.probability(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far)));
-        const uint64_t key = mix_point(eye_key(eyes, q.eye, q.group), q.far);
-        weight_[i] = chance.weight;
+            map_.probability(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far)));
+        const uint64_t key = mix_point(eye_key(ask.eyes, q.eye, q.group), q.far);
+        weights_.push_back(chance.weight);
         if (random_bits(uint32_t(key), uint32_t(key >> 32), 0) <= chance.threshold) {
-            traced_.push_back(uint32_t(i));
-            queries_.push_back(q);
+            number_.push_back(uint32_t(i));
+            traced_.push_back(q);
         } else {
             ++counters.group(q.group).queries;
             ++counters.group(q.group).occluded;
         }
     }
-    answer_.assign(words_for(queries_.size()), 0);
-    exact_.pairs(eyes, queries_, answer_, counters);
-    for_each_bit(answer_, [&](size_t i) { set_bit(visible.data(), traced_[i]); });
+    const Answer seen = exact_.pairs({ask.eyes, traced_}, counters);
+    BitMatrix& visible = new_bits(1, queries.size());
+    for_each_bit(seen.row(0), [&](size_t i) { visible.set(0, number_[i]); });
+    return {.bits = &visible, .weights = weights()};
 }
 
 }  // namespace viscache

@@ -7,6 +7,7 @@
 
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/kept_voxels.h"
+#include "viscache/visibility/voxel_rows.h"
 
 namespace viscache {
 
@@ -20,10 +21,8 @@ public:
 
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
     void add(uint32_t voxel, uint32_t far, bool seen) {
@@ -44,52 +43,33 @@ public:
     /// This is biased on purpose, for tests that must detect it.
     RouletteOracle(const VoxelVisibility& map, const RayCaster& caster, float extent, uint64_t seed,
                    bool weighted = true)
-        : map_(map),
-          exact_(caster, extent),
-          seed_(seed),
-          weighted_(weighted),
-          row_of_voxel_(map.voxels(), kNone) {}
+        : map_(map), exact_(caster, extent), seed_(seed), weighted_(weighted), voxels_(map) {}
 
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
-    std::span<const float> block_weights(uint32_t eye) const override {
-        return weighted_ ? std::span<const float>(rows_[row_of_eye_[eye]]->weight) : std::span<const float>{};
-    }
-    std::span<const float> pair_weights() const override {
-        return weighted_ ? std::span<const float>(weight_) : std::span<const float>{};
-    }
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
-    static constexpr uint32_t kNone = ~uint32_t{0};
-    /// Probabilities of the columns of a block for one voxel. A column is traced if 32 random bits are at
-    /// most its threshold.
-    struct Row {
-        uint32_t voxel = 0;
-        std::vector<uint32_t> threshold;
-        std::vector<float> weight;
-    };
-    void make_rows(const EyeBlock& eyes, const FarEnds& lights);
-    void keep_row(const EyeBlock& eyes, size_t eye, const FarEnds& lights, const Word* wanted,
-                  Word* kept) const;
+    void make_rows(const BlockAsk& ask);
+    void draw_row(const BlockAsk& ask, size_t eye, Word* drawn) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
+    std::span<const float> weights() const {
+        return weighted_ ? std::span<const float>(weights_) : std::span<const float>();
+    }
 
     const VoxelVisibility& map_;
     ExactOracle exact_;
     uint64_t seed_;
     bool weighted_;
-    // For `block`
-    std::vector<uint32_t> row_of_voxel_, row_of_eye_, far_;
-    std::vector<std::unique_ptr<Row>> rows_;
-    BitMatrix kept_;
-    // For `pairs`
-    std::vector<float> weight_;
-    std::vector<uint32_t> traced_;
-    std::vector<ShadowQuery> queries_;
-    std::vector<Word> answer_;
+    std::vector<float> weights_;  ///< 1/q of the columns of each voxel, or of pairs
+    // For `block`. A column is traced if 32 random bits are at most its threshold
+    VoxelRows voxels_;
+    std::vector<uint32_t> thresholds_;  ///< of each voxel; rows are whole words long
+    BitMatrix drawn_;
+    // For `pairs`: those that are traced, and their numbers
+    std::vector<uint32_t> number_;
+    std::vector<ShadowQuery> made_, traced_;
 };
 
 }  // namespace viscache

@@ -27,36 +27,37 @@ void ShadowMapOracle::watch(const Control& control) {
     exact_.watch(control);
 }
 
-void ShadowMapOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                            BitMatrix& visible, Counters& counters) {
+Answer ShadowMapOracle::block(const BlockAsk& ask, Counters& counters) {
+    const BitMatrix& wanted = ask.wanted;
     const uint64_t queries = count_bits(wanted);
-    if (!maps_.covers(lights)) {
-        exact_.block(eyes, lights, wanted, visible, counters);
+    if (!maps_.covers(ask.lights)) {
         counters.bypassed += queries;
-        return;
+        return {.bits = exact_.block(ask, counters).bits};
     }
+    BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
     for (size_t first = 0; first < wanted.rows(); first += 16) {
         check_cancelled();
-        const Receivers16 receivers = receivers_of(eyes, first);
+        const Receivers16 receivers = receivers_of(ask.eyes, first);
         for (size_t w = 0; w < wanted.row_words(); ++w) {
             uint16_t columns[64];
             columns16(wanted, first, w, columns);
             for (size_t j = 0; j < 64; ++j)
-                if (columns[j]) columns[j] &= maps_.lit16(lights, w * kWordBits + j, receivers);
+                if (columns[j]) columns[j] &= maps_.lit16(ask.lights, w * kWordBits + j, receivers);
             or_columns16(visible, first, w, columns);
         }
     }
-    GroupCounters& group = counters.group(lights.group);
+    GroupCounters& group = counters.group(ask.lights.group);
     group.queries += queries;
     group.occluded += queries - count_bits(visible);
     counters.lookups += queries;
+    return {.bits = &visible};
 }
 
-void ShadowMapOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                            std::span<Word> visible, Counters& counters) {
-    const uint64_t before = counters.bypassed;
-    exact_.pairs(eyes, queries, visible, counters);
-    counters.bypassed = before + queries.size();
+Answer ShadowMapOracle::pairs(const PairsAsk& ask, Counters& counters) {
+    const uint64_t bypassed = counters.bypassed + ask.size();
+    const Answer exact = exact_.pairs(ask, counters);
+    counters.bypassed = bypassed;
+    return {.bits = exact.bits};
 }
 
 }  // namespace viscache

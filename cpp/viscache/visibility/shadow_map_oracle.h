@@ -5,8 +5,9 @@
 
 namespace viscache {
 
-/// Answers for groups without maps are exact and count as bypassed: area, environment and ambient samples,
-/// and virtual point lights by default.
+/// Groups without maps are answered by rays and count as bypassed: area, environment and ambient samples, and
+/// virtual point lights by default. Their answers do not say that they are exact, so use="correct" checks
+/// them like all others.
 class ShadowMapOracle final : public VisibilityOracle {
 public:
     /// `maps` must outlive the oracle and may be shared by several.
@@ -14,11 +15,8 @@ public:
         : maps_(maps), exact_(caster, extent) {}
 
     void watch(const Control& control) override;
-    void begin_tile(const EyeBlock&) override {}
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override;
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override;
 
 private:
     const ShadowMaps& maps_;

@@ -47,14 +47,13 @@ uint64_t queries_in(const BitMatrix& wanted, Word some) {
     return n;
 }
 
-/// A copy without these lights of the first 64.
-BitMatrix copy_without(const BitMatrix& wanted, Word some) {
-    BitMatrix rest(wanted.rows(), wanted.columns());
+/// Copies all but these lights of the first 64.
+void copy_without(const BitMatrix& wanted, Word some, BitMatrix& rest) {
+    rest.reset(wanted.rows(), wanted.columns());
     for (size_t i = 0; i < wanted.rows(); ++i) {
-        std::copy(wanted.row(i), wanted.row(i) + wanted.row_words(), rest.row(i));
+        std::ranges::copy(wanted.row_span(i), rest.row(i));
         rest.row(i)[0] &= ~some;
     }
-    return rest;
 }
 
 void add_bits(const BitMatrix& from, BitMatrix& to) {
@@ -77,13 +76,8 @@ ShaftTotals::Sums ShaftTotals::sums() const {
 }
 
 void ShaftOracle::watch(const Control& control) {
-    control_ = &control;
+    VisibilityOracle::watch(control);
     exact_->watch(control);
-}
-
-void ShaftOracle::log(QueryLog* log) {
-    exact_->log(log);
-    is_logging_ = log != nullptr;
 }
 
 void ShaftOracle::begin_tile(const EyeBlock& eyes) {
@@ -111,16 +105,18 @@ void ShaftOracle::prepare(const EyeBlock& eyes) {
     is_prepared_ = true;
 }
 
-void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible, Counters& counters) {
-    if (is_direction(lights.semantic)) return exact_->block(eyes, lights, wanted, visible, counters);
+Answer ShaftOracle::block(const BlockAsk& ask, Counters& counters) {
+    const EyeBlock& eyes = ask.eyes;
+    const FarEnds& lights = ask.lights;
+    const BitMatrix& wanted = ask.wanted;
+    if (is_direction(lights.semantic)) return exact(exact_->block(ask, counters));
     const uint64_t queries = count_bits(wanted);
     const bool is_few = options_.choose && !is_sorted(eyes) && queries < kLeastLightsPerPoint * eyes.size();
     const bool is_sparse =
         options_.choose && queries * kShaftLanes < kLeastQueriesPerPacket * eyes.size() * lights.count;
-    if (queries == 0 || is_few || is_sparse || is_logging_ || !fits(eyes, lights)) {
+    if (queries == 0 || is_few || is_sparse || ask.log || !fits(eyes, lights)) {
         totals_.add({0, queries, {}});
-        return exact_->block(eyes, lights, wanted, visible, counters);
+        return exact(exact_->block(ask, counters));
     }
     prepare(eyes);
     gather_rows(wanted, order_, wanted_);
@@ -132,6 +128,7 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     const bool pays = shafts_pay(memory_.counts) || !trial;
     for (size_t w = 0; pays && w < words_for(lights.count); ++w)
         answer_word(w, w == 0 ? ~trial : ~Word{0}, eyes, lights);
+    BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
     scatter_rows(visible_, order_, visible);
     const uint64_t answered = pays ? queries : queries_in(wanted, trial);
     GroupCounters& group = counters.group(lights.group);
@@ -139,21 +136,21 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     group.rays += answered;
     group.occluded += answered - count_bits(visible);
     totals_.add({answered, queries - answered, memory_.counts});
-    if (pays) return;
-    rest_ = copy_without(wanted, trial);
-    rest_visible_.reset(wanted.rows(), wanted.columns());
-    exact_->block(eyes, lights, rest_, rest_visible_, counters);
-    add_bits(rest_visible_, visible);
+    if (!pays) {
+        copy_without(wanted, trial, rest_);
+        add_bits(*exact_->block({eyes, lights, rest_}, counters).bits, visible);
+    }
+    return exact({.bits = &visible});
 }
 
 /// Answers some of 64 lights.
 void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const FarEnds& lights) {
-    const ShaftTree& tree = scene_.tree(1, *control_);
+    const ShaftTree& tree = scene_.tree(1, control());
     const AnswerLight answer = shaft_kernel(options_.isa);
     const float scale = scene_.scale();
     columns_.read(wanted_, w, eyes_);
     for (Word rest = columns_.all() & some; rest; rest &= rest - 1) {
-        control_->check();
+        check_cancelled();
         const size_t j = size_t(std::countr_zero(rest)), k = w * kWordBits + j;
         const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]}, at = end * scale;
         TileRays rays(caster_, eyes, order_, end, extent_);

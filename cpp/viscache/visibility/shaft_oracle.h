@@ -51,22 +51,18 @@ public:
           totals_(totals) {}
 
     void watch(const Control& control) override;
-    void log(QueryLog* log) override;
-    bool is_exact(const FarEnds&) const override { return true; }
-    bool is_exact_own(int) const override { return true; }
     void begin_tile(const EyeBlock& eyes) override;
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override {
-        exact_->pairs(eyes, queries, visible, counters);
-    }
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override {
-        exact_->samples(eyes, samples, visible, counters);
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override {
+        return exact(exact_->pairs(ask, counters));
     }
 
 private:
+    /// Everything that this oracle says counts as exact, whichever engine answered.
+    static Answer exact(Answer answer) {
+        answer.exact.set();
+        return answer;
+    }
     bool fits(const EyeBlock& eyes, const FarEnds& lights);
     void prepare(const EyeBlock& eyes);
     bool is_sorted(const EyeBlock& eyes) const { return is_prepared_ && order_.size() == eyes.size(); }
@@ -78,15 +74,12 @@ private:
     std::unique_ptr<VisibilityOracle> exact_;
     ShaftOptions options_;
     ShaftTotals& totals_;
-    bool is_logging_ = false;
-    Control unwatched_;
-    const Control* control_ = &unwatched_;
     // Of the tile
     bool is_prepared_ = false, eyes_fit_ = false;
     std::vector<uint32_t> order_;
     ShaftEyes eyes_;
     // Of a block
-    BitMatrix wanted_, visible_, rest_, rest_visible_;
+    BitMatrix wanted_, visible_, rest_;  ///< the first two in the order of the shafts
     ShaftColumns columns_;
     ShaftMemory memory_;
 };

@@ -10,23 +10,18 @@ namespace viscache {
 
 class UnoccludedOracle final : public VisibilityOracle {
 public:
-    void begin_tile(const EyeBlock&) override {}
-    void block(const EyeBlock&, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override {
-        for (size_t i = 0; i < wanted.rows(); ++i) std::ranges::copy(wanted.row_span(i), visible.row(i));
-        counters.group(lights.group).queries += count_bits(wanted);
+    Answer block(const BlockAsk& ask, Counters& counters) override {
+        BitMatrix& visible = new_bits(ask.wanted.rows(), ask.wanted.columns());
+        for (size_t i = 0; i < visible.rows(); ++i) std::ranges::copy(ask.wanted.row_span(i), visible.row(i));
+        counters.group(ask.lights.group).queries += count_bits(visible);
+        return {.bits = &visible};
     }
-    void pairs(const EyeBlock&, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override {
-        for (size_t i = 0; i < queries.size(); ++i) {
-            set_bit(visible.data(), i);
-            ++counters.group(queries[i].group).queries;
-        }
-    }
-    void samples(const EyeBlock&, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override {
-        for (size_t i = 0; i < samples.size(); ++i) set_bit(visible.data(), i);
-        counters.group(samples.group).queries += samples.size();
+    Answer pairs(const PairsAsk& ask, Counters& counters) override {
+        BitMatrix& visible = new_bits(1, ask.size());
+        for (size_t i = 0; i < ask.size(); ++i) visible.set(0, i);
+        if (ask.samples) counters.group(ask.samples->group).queries += ask.size();
+        for (const ShadowQuery& q : ask.queries) ++counters.group(q.group).queries;
+        return {.bits = &visible};
     }
 };
 

@@ -74,10 +74,8 @@ public:
     /// The rows of some neighbouring points; row i is that of points[i].
     const BitMatrix& rows(const RowInput& input, std::span<const uint32_t> points) {
         block_.fill(input, sky_, points, extent_);
-        visible_.reset(points.size(), sky_.count);
         oracle_.begin_tile(block_.eyes);
-        oracle_.block(block_.eyes, sky_, block_.wanted, visible_, counters_);
-        return visible_;
+        return *oracle_.block({block_.eyes, sky_, block_.wanted}, counters_).bits;
     }
     uint64_t rays() const { return counters_.rays(); }
 
@@ -86,7 +84,6 @@ private:
     const FarEnds& sky_;
     ExactOracle oracle_;
     RowBlock block_;
-    BitMatrix visible_;
     Counters counters_;
 };
 

@@ -7,7 +7,7 @@ namespace viscache {
 
 /// The exact oracle, except that blocks of shared directions (such as a sky) are traced by the batch, if
 /// requested or predicted to be cheaper. Answers may differ from those of the exact oracle for rays within
-/// rounding error of an edge. The choice depends only on the block.
+/// rounding error of an edge, so no answer says that it is exact. The choice depends only on the block.
 class AlignedOracle final : public VisibilityOracle {
 public:
     /// With `choose`, the engine is chosen for every block. Without it, the batch traces all blocks except
@@ -17,26 +17,17 @@ public:
 
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
-    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-               Counters& counters) override;
-    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-               Counters& counters) override {
-        exact_.pairs(eyes, queries, visible, counters);
-    }
-    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
-                 Counters& counters) override {
-        exact_.samples(eyes, samples, visible, counters);
+    Answer block(const BlockAsk& ask, Counters& counters) override;
+    Answer pairs(const PairsAsk& ask, Counters& counters) override {
+        return {.bits = exact_.pairs(ask, counters).bits};
     }
 
 private:
-    bool by_batch(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                  Counters& counters);
+    BitMatrix* by_batch(const BlockAsk& ask, Counters& counters);
 
     const AlignedBatch& batch_;
     ExactOracle exact_;
     bool choose_;
-    Control unwatched_;
-    const Control* control_ = &unwatched_;
 };
 
 }  // namespace viscache
