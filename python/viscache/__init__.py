@@ -1,8 +1,11 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
 import copyreg as _copyreg
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import NoReturn as _NoReturn
 
 from viscache import (
+    aqvc,
     correlation,
     metrics,
     notebook,
@@ -29,7 +32,7 @@ from viscache.provenance import VERSION
 from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
-from viscache.scene.cameras import look_at, orthographic
+from viscache.scene.cameras import Camera, look_at, orthographic
 from viscache.settings.audit import AuditPixels, AuditQueries
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
@@ -64,6 +67,7 @@ __all__ = [
     "AuditQueries",
     "Bdpt",
     "Bsp",
+    "Camera",
     "Connections",
     "Correct",
     "Direct",
@@ -93,6 +97,7 @@ __all__ = [
     "Whitted",
     "__version__",
     "aligned_occlusion",
+    "aqvc",
     "cached_ambient_occlusion",
     "connections",
     "correlation",
@@ -127,3 +132,12 @@ _copyreg.pickle(Scene, _reduced)
 def __dir__() -> list[str]:
     """The public names, without modules that imports added."""
     return sorted(__all__)
+
+
+if not _TYPE_CHECKING:
+
+    def __getattr__(name: str) -> _NoReturn:
+        """Refuse a name that is not there; experiments are a package of their own."""
+        if name in ("bench", "extremes", "figures", "parity"):
+            raise ModuleNotFoundError(f"viscache.{name} is viscache_lab.{name} now")
+        raise AttributeError(f"module 'viscache' has no attribute {name!r}")

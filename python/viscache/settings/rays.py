@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import typing
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from viscache import _core
+from viscache._core import EmbreeCaster
 from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.spelling import setting
 
-__all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays", "is_robust"]
+__all__ = ["Bsp", "Caster", "Embree", "EmbreeCaster", "Rays", "Vlf", "check_rays", "is_robust"]
 
 BSP_ROWS = ParameterRows(_core.visibility.BspSettings)
 FIELD_ROWS = ParameterRows(_core.vlf.FieldSettings)
@@ -47,11 +48,11 @@ class Embree:
         check_types(self)
         require(self.robust or not self.watertight, "robust must be True with watertight", False)
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> EmbreeStructure:
-        """Embree's structure over a scene; it takes all cores."""
+    def build(self, scene: Any, threads: int = 0) -> EmbreeStructure:
+        """Embree's structure over a `Scene`; it takes all cores."""
         if self.watertight:
-            return _core.visibility.WatertightCaster(scene)
-        return _core.EmbreeCaster(scene, robust=self.robust)
+            return _core.visibility.WatertightCaster(scene._core)
+        return EmbreeCaster(scene._core, robust=self.robust)
 
 
 @setting
@@ -88,9 +89,9 @@ class Bsp:
         core: _core.visibility.BspSettings = BSP_ROWS.core(self)
         return core
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> _core.visibility.BspCaster:
-        """The tree over a scene; 0 threads = all cores."""
-        return _core.visibility.BspCaster(scene, self.core(), threads=threads)
+    def build(self, scene: Any, threads: int = 0) -> _core.visibility.BspCaster:
+        """The tree over a `Scene`; 0 threads = all cores."""
+        return _core.visibility.BspCaster(scene._core, self.core(), threads=threads)
 
 
 @setting
@@ -136,9 +137,9 @@ class Vlf:
         core: _core.vlf.FieldSettings = FIELD_ROWS.core(self)
         return core
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> _core.vlf.VisibilityField:
-        """The field over a scene; 0 threads = all cores."""
-        return _core.vlf.VisibilityField(scene, self.core(), threads=threads)
+    def build(self, scene: Any, threads: int = 0) -> _core.vlf.VisibilityField:
+        """The field over a `Scene`; 0 threads = all cores."""
+        return _core.vlf.VisibilityField(scene._core, self.core(), threads=threads)
 
 
 #: Settings that build a ray caster: what `rays=` takes.

@@ -1,0 +1,27 @@
+"""Equations of the visibility maps on arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+
+__all__ = ["record_weight"]
+
+
+def record_weight(
+    t: npt.ArrayLike, theta: npt.ArrayLike, steepness: npt.ArrayLike
+) -> npt.NDArray[np.float32]:
+    """The weight w of a record (Eq. 9).
+
+    Parameters
+    ----------
+    t : (...) float
+        Distance, in units of d_max.
+    theta : (...) float
+        Angle between the normals, in radians.
+    steepness : (...) float
+        λ.
+    """
+    return np.asarray(_core.vismap.record_weight(t, theta, steepness))
