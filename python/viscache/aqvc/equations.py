@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.settings.checks import checked_floats, is_number, require
 from viscache.settings.visibility import Aqvc
 
 __all__ = ["eye_keys", "hash_keys", "level_hashes", "resolution_eye"]
@@ -23,22 +26,29 @@ def resolution_eye(
 
     Parameters
     ----------
-    density : (N,) float
+    density : (...) float
         Eye paths per unit of area.
-    c_e : (N,) float
-    radius : (N,) float
+    c_e : (...) float
+    radius : (...) float
         Of the scene's bounding sphere.
+
+    Raises
+    ------
+    ValueError
+        An argument does not hold numbers, or their shapes do not match.
     """
-    return np.asarray(_core.aqvc.resolution_eye(density, c_e, radius), float)
+    given = {"density": density, "c_e": c_e, "radius": radius}
+    numbers = [checked_floats(values, name, np.float64) for name, values in given.items()]
+    return np.asarray(_core.aqvc.resolution_eye(*np.broadcast_arrays(*numbers)), float)
 
 
 def eye_keys(
     settings: Aqvc,
-    center: tuple[float, float, float],
+    center: Sequence[float],
     radius: float,
-    points: npt.NDArray[np.float32],
-    normals: npt.NDArray[np.float32],
-    resolutions: npt.NDArray[np.float64],
+    points: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    resolutions: npt.ArrayLike,
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.bool_]]:
     """The eye side of cluster keys (Eq. 4, Sec. 3.3).
 
@@ -57,19 +67,53 @@ def eye_keys(
         Points with equal keys are in one cell.
     valid : (N,) bool
         False where a point has no cell.
+
+    Raises
+    ------
+    ValueError
+        An argument has another type or shape.
     """
-    far = np.zeros((len(points), 3), np.float32)
+    require(isinstance(settings, Aqvc), "settings must be vc.Aqvc(...)", settings)
+    middle = checked_floats(center, "center", np.float64)
+    require(middle.shape == (3,), "center must have shape (3,)", middle.shape)
+    require(is_number(radius) and 0 < radius < math.inf, "radius must be in (0, inf)", radius)
+    places, sides = checked_floats(points, "points"), checked_floats(normals, "normals")
+    sizes = checked_floats(resolutions, "resolutions", np.float64)
+    fits = places.ndim == 2 and places.shape[1] == 3
+    require(fits, "points must have shape (N, 3)", places.shape)
+    require(sides.shape == places.shape, f"normals must have shape {places.shape}", sides.shape)
+    count = len(places)
+    require(sizes.shape == (count,), f"resolutions must have shape ({count},)", sizes.shape)
+    far = np.zeros_like(places)
     keys, _, valid, _ = _core.aqvc.full_keys(
-        settings.core(), center, radius, points, normals, resolutions,
-        0, far, far, np.ones(len(points)),
+        settings.core(), middle.tolist(), float(radius), places, sides, sizes,
+        0, far, far, np.ones(count),
     )  # fmt: skip
     return np.asarray(keys[:, :EYE_KEY]), np.asarray(valid, bool)
 
 
-def hash_keys(keys: npt.NDArray[np.int32]) -> npt.NDArray[np.uint32]:
-    """κ and c of Eq. 10, (N, 2), of keys (N, K); numbers that a key lacks are 0."""
-    whole = np.zeros((len(keys), KEY), np.int32)
-    whole[:, : keys.shape[1]] = keys
+def hash_keys(keys: npt.ArrayLike) -> npt.NDArray[np.uint32]:
+    """κ and c of Eq. 10.
+
+    Parameters
+    ----------
+    keys : (N, K) int32, K <= 15
+        As from `eye_keys`; numbers that a key lacks are 0.
+
+    Returns
+    -------
+    (N, 2) uint32
+
+    Raises
+    ------
+    ValueError
+        `keys` has another type or shape.
+    """
+    given = np.asarray(keys)
+    require(given.dtype == np.int32, "keys must be int32", given.dtype)
+    require(given.ndim == 2 and given.shape[1] <= KEY, f"keys must be (N, 0..{KEY})", given.shape)
+    whole = np.zeros((len(given), KEY), np.int32)
+    whole[:, : given.shape[1]] = given
     return _core.aqvc.hash_keys(whole)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
+
 import numpy.typing as npt
 
 from viscache import _core
@@ -10,10 +11,8 @@ from viscache import _core
 __all__ = ["record_weight"]
 
 
-def record_weight(
-    t: npt.ArrayLike, theta: npt.ArrayLike, steepness: npt.ArrayLike
-) -> npt.NDArray[np.float32]:
-    """The weight w of a record (Eq. 9).
+def record_weight(t: npt.ArrayLike, theta: npt.ArrayLike, steepness: npt.ArrayLike) -> Any:
+    """The weight w of a record (Eq. 9): a float, or an array where an argument is one.
 
     Parameters
     ----------
@@ -24,4 +23,4 @@ def record_weight(
     steepness : (...) float
         λ.
     """
-    return np.asarray(_core.vismap.record_weight(t, theta, steepness))
+    return _core.vismap.record_weight(t, theta, steepness)
