@@ -52,7 +52,7 @@ nitpick_ignore_regex = [
     ("py:exc", ".*"),
     ("py:class", r"(?!viscache\.).*"),
     ("py:class", r"viscache\.settings\.vismaps\.RecordCache"),
-    ("py:class", r"viscache\.(_core|figures\.outcome|scenes\.builder)\.(?!Camera$).*"),
+    ("py:class", r"viscache\.(_core|scenes\.builder)\.(?!Camera$).*"),
 ]
 
 html_theme = "furo"

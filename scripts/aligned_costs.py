@@ -19,9 +19,9 @@ import numpy.typing as npt
 from scipy.optimize import nnls
 
 from viscache import _core
-from viscache.bench.aligned import DISTANCES, FITTED, HELD_OUT, eye_points, opened, rays_of
-from viscache.bench.common import Sample, interleave, timed
 from viscache.scene import Scene
+from viscache_lab.bench.aligned import DISTANCES, FITTED, HELD_OUT, eye_points, opened, rays_of
+from viscache_lab.bench.common import Sample, interleave, timed
 
 #: Sizes, directions, and how many of the directions are traced.
 PICTURES = (

@@ -10,6 +10,7 @@ import hashlib
 import inspect
 import io
 import json
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -23,6 +24,8 @@ from pictures import howtos, methods, pages
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "images"
 MANIFEST = "pictures.json"
 DPI = 120
+#: Says where something is, not what a picture shows.
+IMPORT = re.compile(r"^(?:from|import) [^(\n]*(?:\([^)]*\))?\n", re.M)
 
 #: By name: functions that give a matplotlib figure, or the picture of a page in a browser.
 PICTURES: dict[str, Callable[[], Any]] = methods.PICTURES | howtos.PICTURES | pages.PICTURES
@@ -31,8 +34,9 @@ OF_BROWSERS = frozenset(pages.PICTURES)
 
 
 def recipe(name: str) -> str:
-    """SHA-256 of the file that makes a picture, in the first 16 digits."""
-    return digest(Path(inspect.getsourcefile(PICTURES[name]) or "").read_bytes())
+    """SHA-256 of the file that makes a picture without its imports, in the first 16 digits."""
+    text = Path(inspect.getsourcefile(PICTURES[name]) or "").read_text("utf-8")
+    return digest(IMPORT.sub("", text).encode())
 
 
 def digest(data: bytes) -> str:

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import viscache as vc
-from viscache.bench.aligned import FITTED, HELD_OUT, opened
-from viscache.bench.common import Sample, interleave
 from viscache.frame import Frame
 from viscache.render import render_part
+from viscache_lab.bench.aligned import FITTED, HELD_OUT, opened
+from viscache_lab.bench.common import Sample, interleave
 
 #: Size, samples per pixel, virtual lights, and parts of the frame, of which one is rendered.
 PICTURES = (

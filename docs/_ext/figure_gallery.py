@@ -20,7 +20,7 @@ from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
-from viscache.figures.registry import FIGURES, FigureInfo
+from viscache_lab.figures.registry import FIGURES, FigureInfo
 
 #: Pictures wider than this are shrunk: pages should open at once.
 WIDTH_PX = 1400

@@ -28,9 +28,9 @@ BASES = ("", "cpp/viscache/")
 TOP = ("cpp", "python", "tests", "scripts", "notebooks", ".ci")
 PAGES = "_source/"
 PATH = re.compile(r"[\w.-]+(?:/[\w.-]+)+")
-NAME = re.compile(r"viscache(?:\.\w+)+")
+NAME = re.compile(r"viscache(?:_lab)?(?:\.\w+)+")
 #: What all names of a column begin with.
-SHOWN = re.compile(r"^(?:cpp/viscache/|tests/|viscache\.)")
+SHOWN = re.compile(r"^(?:cpp/viscache/|tests/|viscache(?:_lab)?\.)")
 TAG = re.compile(r"(?:AQVC|VLF|VisMap) (?:Eq\.|Alg\.) \d+")
 
 

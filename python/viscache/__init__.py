@@ -1,8 +1,11 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
 import copyreg as _copyreg
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import NoReturn as _NoReturn
 
 from viscache import (
+    aqvc,
     correlation,
     metrics,
     notebook,
@@ -30,7 +33,7 @@ from viscache.provenance import VERSION
 from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
-from viscache.scene.cameras import look_at, orthographic
+from viscache.scene.cameras import Camera, look_at, orthographic
 from viscache.settings import integrators as _integrators
 from viscache.settings import rays as _rays
 from viscache.settings import visibility as _visibility
@@ -62,6 +65,7 @@ __all__ = [
     "AqvcTable",
     "AuditPixels",
     "AuditQueries",
+    "Camera",
     "Connections",
     "Correct",
     "EyePoints",
@@ -82,6 +86,7 @@ __all__ = [
     "Vpls",
     "__version__",
     "aligned_occlusion",
+    "aqvc",
     "cached_ambient_occlusion",
     "connections",
     "correlation",
@@ -117,3 +122,12 @@ _copyreg.pickle(Scene, _reduced)
 def __dir__() -> list[str]:
     """The public names, without modules that imports added."""
     return sorted(__all__)
+
+
+if not _TYPE_CHECKING:
+
+    def __getattr__(name: str) -> _NoReturn:
+        """Refuse a name that is not there; experiments are a package of their own."""
+        if name in ("bench", "extremes", "figures", "parity"):
+            raise ModuleNotFoundError(f"viscache.{name} is viscache_lab.{name} now")
+        raise AttributeError(f"module 'viscache' has no attribute {name!r}")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache._core import draw_audit_pixels
 from viscache.combinations import Request
 from viscache.emitted_light import light_on_surfaces
 from viscache.settings.audit import LEAST_PIXELS
@@ -18,6 +19,7 @@ from viscache.settings.visibility import Aqvc
 __all__ = [
     "LARGE_ERROR",
     "audit_record",
+    "draw_audit_pixels",
     "error_warnings",
     "joined",
     "nothing_found",

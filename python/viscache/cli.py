@@ -12,11 +12,16 @@ import errno
 import importlib
 import sys
 from collections.abc import Sequence
+from functools import cache
+from importlib import metadata
+from typing import Any
 
 from viscache.provenance import VERSION
 from viscache.settings.spelling import nearest
 
 #: Sub-command → description. The module of the same name in `viscache.commands` implements it.
+#: More come from other packages: their entry points of the group `viscache.commands` name modules
+#: with `add_arguments(parser)`, `run(arguments) -> exit status` and a docstring of one line.
 COMMANDS = {
     "scenes": "the built-in procedural scenes, their parameters and defaults",
     "params": "the parameters of integrators, rays and caches, with defaults and ranges",
@@ -27,9 +32,6 @@ COMMANDS = {
     "sweep": "run or resume a sweep of a file, or of a scene over some parameters",
     "tune": "the quantized cache's C_E for an error target",
     "report": "write the HTML report of a sweep",
-    "reproduce": "figures and tables of the papers",
-    "bench": "benchmarks: ratios against a named baseline of the same run",
-    "doctor": "versions, a self-test, and numerical extremes",
 }
 OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130
 
@@ -41,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         parser = _parser(given)
         parsed = parser.parse_args(given)
-        return int(importlib.import_module(f"viscache.commands.{parsed.command}").run(parsed))
+        return int(_module(parsed.command).run(parsed))
     except SystemExit as stop:  # argparse has printed the reason
         return stop.code if isinstance(stop.code, int) else BAD_USAGE
     except KeyboardInterrupt:
@@ -58,6 +60,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(_reason(error))
 
 
+@cache
+def _added() -> dict[str, metadata.EntryPoint]:
+    """The sub-commands of other packages."""
+    return {found.name: found for found in metadata.entry_points(group="viscache.commands")}
+
+
+def _module(name: str) -> Any:
+    """The module of a sub-command."""
+    if name in COMMANDS:
+        return importlib.import_module(f"viscache.commands.{name}")
+    return _added()[name].load()
+
+
+def _about(module: Any) -> str:
+    """The first line of a docstring, in the form of the texts of `COMMANDS`."""
+    line = str(module.__doc__ or module.__name__).partition("\n")[0].rstrip(".")
+    return line[0].lower() + line[1:]
+
+
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     """The parser. Only the sub-command in use is imported and adds its arguments."""
     parser = _Parser(prog="viscache", description="Trade shadow rays for accuracy, and measure it.")
@@ -65,9 +86,11 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
     subs = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     wanted = next((word for word in given if not word.startswith("-")), None)
-    if wanted is not None and wanted not in COMMANDS:
-        raise ValueError(f"unknown command {wanted!r}{nearest(wanted, COMMANDS)}")
-    for name, text in COMMANDS.items():
+    known = COMMANDS if wanted in COMMANDS else {**_added(), **COMMANDS}
+    if wanted is not None and wanted not in known:
+        raise ValueError(f"unknown command {wanted!r}{nearest(wanted, known)}")
+    for name in known if wanted is None else [wanted]:
+        text = COMMANDS.get(name) or _about(_module(name))
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         sub.add_argument(
             "--debug",
@@ -76,7 +99,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
             help="tracebacks instead of one line",
         )
         if name == wanted:
-            importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
+            _module(name).add_arguments(sub)
     return parser
 
 

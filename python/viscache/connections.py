@@ -21,6 +21,7 @@ from viscache.settings.checks import checked_floats, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
     Direct,
+    Integrator,
     Whitted,
     described,
     eye_settings,
@@ -296,6 +297,26 @@ def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
     good = bool(np.isfinite(rows).all())
     require(good, f"weights of answers[{group!r}] must be finite", "values that are not")
     return rows
+
+
+def trace_eye_points(
+    scene: Scene,
+    integrator: Integrator,
+    *,
+    size: tuple[int, int],
+    spp: int = 1,
+    camera: str | int | _core.Camera | None = None,
+) -> dict[str, npt.NDArray[Any]]:
+    """The eye points of a whole frame with exact rays, in one array each.
+
+    Returns
+    -------
+    dict
+        position, normal, origin and throughput (N, 3), density and pixel (N,).
+    """
+    frame = frame_settings(size, spp, 0, None)
+    view, core = find_camera(scene, camera), eye_settings(integrator)
+    return _core.trace_eye_points(scene._core, scene.caster(), view, core, frame)
 
 
 @spelled

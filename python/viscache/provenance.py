@@ -10,30 +10,20 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from viscache import _core
+
 #: The version of viscache.
 VERSION = "0.1.0"
 
 
-def _core() -> Any:
-    try:
-        from viscache import _core as core  # type: ignore[attr-defined,unused-ignore]
-    except ImportError:
-        return None
-    return core
-
-
 def embree_version() -> str:
-    """Version of the Embree library in use, "unknown" if the core does not have it."""
-    value = getattr(_core(), "embree_version", None)
-    return str(value() if callable(value) else value) if value is not None else "unknown"
+    """Version of the Embree library in use."""
+    return str(_core.embree_version())
 
 
 def isa() -> tuple[str, str]:
     """(variant of the kernels in use, best variant this CPU has)."""
-    core = _core()
-    if core is None:
-        return ("unknown", "unknown")
-    return (str(core.active_isa()), str(core.best_isa()))
+    return (str(_core.active_isa()), str(_core.best_isa()))
 
 
 def thread_count(threads: int | None = None) -> int:
@@ -70,10 +60,17 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
 
 
 @cache
-def code_hash() -> str:
-    """Hash of the code that determines a frame or a figure: the package's sources and its core."""
+def code_hash(more: Path | None = None) -> str:
+    """Hash of the code that determines a frame: the package's sources and its core.
+
+    Parameters
+    ----------
+    more : path, optional
+        A folder whose sources count, too.
+    """
     package = Path(__file__).parent
-    files = [Path(_core().__file__), *sorted(package.rglob("*.py"))]
+    files = [Path(_core.__file__), *sorted(package.rglob("*.py"))]
+    files += sorted(more.rglob("*.py")) if more is not None else []
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from viscache import _core, sources
+from viscache import sources
 from viscache._core import SceneDescription, SceneError
 from viscache.scene import Scene
 from viscache.sharing import Newest
@@ -22,7 +22,7 @@ def reduced(scene: Scene) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
     if scene._made.get("reopens", lambda: _reopens(scene)):
         spec = str(scene.spec)
         return _from_spec, (sources.absolute(spec, Path.cwd()), spec, scene.content_hash)
-    return _from_arrays, (_core.description_of(scene._core), scene.spec, scene.content_hash)
+    return _from_arrays, (scene.description(), scene.spec, scene.content_hash)
 
 
 def _reopens(scene: Scene) -> bool:

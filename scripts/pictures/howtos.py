@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache import tonemap
-from viscache.figures.drawing import draw_image, new_figure
+from viscache_lab.figures.drawing import draw_image, new_figure
 
 Floats = npt.NDArray[np.floating[Any]]
 

@@ -11,12 +11,12 @@ from matplotlib.patches import Rectangle
 
 import viscache as vc
 from viscache import tonemap
-from viscache._core.vlf import walk_tiles
 from viscache.correlation import plots as correlation_plots
-from viscache.figures.aqvc_clusters import Cells, EyeSamples, eye_samples, false_colors
-from viscache.figures.aqvc_runs import Shot
-from viscache.figures.drawing import draw_image, draw_records, new_figure, project
 from viscache.scene.cameras import find_camera
+from viscache.vlf.tiles import walk_tiles
+from viscache_lab.figures.aqvc_clusters import Cells, EyeSamples, eye_samples, false_colors
+from viscache_lab.figures.aqvc_runs import Shot
+from viscache_lab.figures.drawing import draw_image, draw_records, new_figure, project
 
 #: Tiles along the edge of the part that is shown larger.
 ZOOM = 12.0

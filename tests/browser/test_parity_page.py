@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from devtools import Browser
 
-from viscache.parity.blocks import block_means, compare
-from viscache.parity.judge import Judged, Verdict
-from viscache.parity.page import write_page
+from viscache_lab.parity.blocks import block_means, compare
+from viscache_lab.parity.judge import Judged, Verdict
+from viscache_lab.parity.page import write_page
 
 pytestmark = pytest.mark.browser
 

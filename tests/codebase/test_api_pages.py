@@ -16,10 +16,11 @@ from codebase.repository import sources
 
 #: Modules whose public names are for users; `viscache.__all__` besides.
 MODULES = (
+    "viscache.aqvc",
     "viscache.correlation",
     "viscache.correlation.pairs",
     "viscache.correlation.plots",
-    "viscache.figures",
+    "viscache_lab.figures",
     "viscache.metrics",
     "viscache.notebook",
     "viscache.over_time",

@@ -97,6 +97,7 @@ def test_the_version_is_the_same_everywhere() -> None:
         return match[1]
 
     version = find("pyproject.toml", r'^version = "(.+)"$')
+    assert find("python/viscache.dist-info/METADATA", r"^Version: (.+)$") == version
     assert find("CITATION.cff", r'^version: "?([^"\n]+)') == version
     assert find("CHANGELOG.md", r"^## (\d\S*)") == version
     assert viscache.__version__ == version

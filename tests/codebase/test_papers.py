@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import pytest
 
 from codebase.repository import paths, sources, text
-from figures.test_quick_runs import QUICK
-from viscache.figures import FIGURES
+from lab.figures.test_quick_runs import QUICK
+from viscache_lab.figures import FIGURES
 
 STATES = ("here", "later", "text")
 # All numbered items of the papers. The VLF paper does not number equations.
@@ -24,7 +24,7 @@ SECTIONS = {
     "VLF": ("3.1", "3.2", "3.3", "4", "5.1", "7", "8"),
     "VisMap": ("4.1", "5.1", "5.2", "5.3", "6.1", "6.2"),
 }
-QUICK_RUNS = "tests/figures/test_quick_runs.py"
+QUICK_RUNS = "tests/lab/figures/test_quick_runs.py"
 TAG = re.compile(r"\[((?:AQVC|VLF|VisMap) (?:Eq\.|Alg\.) \d+)\]")
 NOTHING = "–"
 
@@ -148,7 +148,7 @@ def test_what_is_built_names_an_existing_python_object() -> None:
 def figures_without_their_run(table: list[Row], functions: Mapping[str, str]) -> Iterator[str]:
     """Rows whose test is not the quick run of their figure; `functions`: Python name to figure."""
     for row in table:
-        if row.python.startswith("viscache.figures."):
+        if row.python.startswith("viscache_lab.figures."):
             name = functions.get(row.python)
             if name is None or row.test != f"{QUICK_RUNS}::{name}":
                 yield f"{row.item}: the test must be the quick run of {name}, got {row.test}"
@@ -168,8 +168,8 @@ def test_every_figure_names_the_test_that_runs_it() -> None:
 
 @pytest.mark.parametrize("test", [f"{QUICK_RUNS}::aqvc-fig3", QUICK_RUNS, "tests/a.py::aqvc-fig2"])
 def test_a_figure_with_another_test_is_reported(test: str) -> None:
-    row = replace(LATER, python="viscache.figures.a.f", test=f"{QUICK_RUNS}::aqvc-fig2")
-    functions = {"viscache.figures.a.f": "aqvc-fig2"}
+    row = replace(LATER, python="viscache_lab.figures.a.f", test=f"{QUICK_RUNS}::aqvc-fig2")
+    functions = {"viscache_lab.figures.a.f": "aqvc-fig2"}
     assert list(figures_without_their_run([row], functions)) == []
     assert len(list(figures_without_their_run([replace(row, test=test)], functions))) == 1
     assert len(list(figures_without_their_run([row], {}))) == 1

@@ -1,8 +1,9 @@
-"""Rooms of the Python package import downward only, checked in its import statements."""
+"""Rooms of the Python packages import downward only, checked in their import statements."""
 
 from __future__ import annotations
 
 import ast
+import posixpath
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
@@ -31,7 +32,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("emitted_light", "exact_cost", "frame", "frame_memory", "scene", "variance"),
     ("metrics", "notebook", "scenes", "temporal"),
     ("sources",),
-    ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),
+    ("aqvc", "aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),
     ("audited",),
     ("render",),
     ("shot",),
@@ -44,29 +45,42 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("correlation", "report"),
     ("testing",),
     ("viscache",),
-    ("cases", "extremes", "parity"),
-    ("bench", "figures"),
-    ("commands", "demo"),
+    ("commands",),
     ("cli",),
     ("__main__",),
 )
 RANKS = {room: rank for rank, floor in enumerate(FLOORS) for room in floor}
 PACKAGE = "python/viscache/"
-#: Files that find modules of the package by name: sub-commands, figures, families of checks.
-BY_NAME = tuple(
-    f"{PACKAGE}{file}"
-    for file in ("cli.py", "figures/__init__.py", "extremes/families/__init__.py")
+#: The experiments: beside the library, which knows nothing of them.
+LAB = "python/viscache_lab/"
+#: Its rooms.
+LAB_FLOORS: tuple[tuple[str, ...], ...] = (
+    ("viscache_lab",),
+    ("cases", "extremes", "parity"),
+    ("bench", "figures"),
+    ("commands",),
+)
+ROOMS = {
+    "viscache": RANKS,
+    "viscache_lab": {room: rank for rank, floor in enumerate(LAB_FLOORS) for room in floor},
+}
+#: Files that find modules of their package by name: sub-commands, figures, families of checks.
+BY_NAME = (
+    f"{PACKAGE}cli.py",
+    f"{LAB}figures/__init__.py",
+    f"{LAB}extremes/families/__init__.py",
 )
 
 
 def room_of(path: str) -> str:
-    """Which room a file of the package belongs to."""
-    first = PurePosixPath(path).relative_to(PACKAGE).parts[0]
-    return "viscache" if first == "__init__.py" else first.removesuffix(".py")
+    """Which room a file belongs to."""
+    package = LAB if path.startswith(LAB) else PACKAGE
+    first = PurePosixPath(path).relative_to(package).parts[0]
+    return PurePosixPath(package).name if first == "__init__.py" else first.removesuffix(".py")
 
 
-def imported(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Line and room of every import of the package, also in functions and under TYPE_CHECKING.
+def imported(tree: ast.Module) -> Iterator[tuple[int, str, str]]:
+    """Line, package and room of every import of ours, also in functions and under TYPE_CHECKING.
 
     An import for annotations is a dependency, too.
     """
@@ -75,27 +89,50 @@ def imported(tree: ast.Module) -> Iterator[tuple[int, str]]:
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             module = node.module or ""
-            one_by_one = module == "viscache"
-            names = [f"{module}.{a.name}" for a in node.names] if one_by_one else [module]
+            names = [f"{module}.{a.name}" for a in node.names] if module in ROOMS else [module]
         else:
             continue
         for name in names:
-            parts = name.split(".")
-            if parts[0] == "viscache":
-                room = parts[1] if len(parts) > 1 else "viscache"
-                yield node.lineno, room if room in RANKS else "viscache"
+            package, *parts = name.split(".")
+            if package in ROOMS:
+                known = parts and parts[0] in ROOMS[package]
+                yield node.lineno, package, parts[0] if known else package
+
+
+def private(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Line and name of what a file takes of viscache though it begins with an underscore."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            if re.match(r"viscache\.(\w+\.)*_", name):
+                yield node.lineno, name
 
 
 def violations(files: Mapping[str, str]) -> Iterator[str]:
     for path, text in files.items():
-        room = room_of(path)
-        if room not in RANKS:
+        here = PurePosixPath(path).parts[1]
+        ranks = ROOMS.get(here, {})
+        room = room_of(path) if ranks else here
+        if ranks and room not in ranks:
             yield f"{path}: {room} has no place among the floors of {__name__}"
             continue
         tree = ast.parse(text)
-        for line, target in imported(tree):
-            if target != room and RANKS[target] >= RANKS[room]:
+        for line, package, target in imported(tree):
+            if here != "viscache_lab" and package == "viscache_lab":
+                yield f"{path}:{line}: {here} must not import viscache_lab"
+            elif package == here and target != room and ranks[target] >= ranks[room]:
                 yield f"{path}:{line}: {room} must not import {target}"
+        if here == "viscache_lab":
+            for line, name in private(tree):
+                yield f"{path}:{line}: the lab imports public names, got {name}"
+            for line, source in enumerate(text.splitlines(), 1):
+                if re.search(r"\._core\b", source):
+                    yield f"{path}:{line}: the lab must not use _core"
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.level > 0:
                 yield f"{path}:{node.lineno}: imports name the package, got a relative one"
@@ -108,14 +145,15 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
 
 
 def test_rooms_import_downward() -> None:
-    files = sources(".py", under=PACKAGE)
-    assert len(files) > 100
+    files = sources(".py", under="python/")
+    assert len(files) > 300
     assert list(violations(files)) == []
 
 
-def test_every_room_of_the_table_is_there() -> None:
-    present = {room_of(path) for path in sources(".py", ".pyi", under=PACKAGE)}
-    assert set(RANKS) == present
+@pytest.mark.parametrize("package", [PACKAGE, LAB])
+def test_every_room_of_the_table_is_there(package: str) -> None:
+    present = {room_of(path) for path in sources(".py", ".pyi", under=package)}
+    assert set(ROOMS[PurePosixPath(package).name]) == present
 
 
 @pytest.mark.parametrize(
@@ -132,12 +170,29 @@ def test_every_room_of_the_table_is_there() -> None:
             "vlf must not import render",
         ),
         ("vlf/field.py", "if TYPE_CHECKING:\n    from viscache.render import g", "vlf must not"),
+        ("render.py", "from viscache_lab.figures import FIGURES", "must not import viscache_lab"),
+        ("../pytest_viscache/__init__.py", "import viscache_lab", "must not import viscache_lab"),
         (
-            "bench/rays.py",
-            "from viscache.figures.page import html",
+            "../viscache_lab/bench/rays.py",
+            "from viscache_lab.figures.page import html",
             "bench must not import figures",
         ),
-        ("figures/page.py", "import viscache.bench", "figures must not import bench"),
+        (
+            "../viscache_lab/figures/page.py",
+            "import viscache_lab.bench",
+            "figures must not import bench",
+        ),
+        (
+            "../viscache_lab/bench/rays.py",
+            "from viscache import _core",
+            "the lab imports public names",
+        ),
+        (
+            "../viscache_lab/bench/rays.py",
+            "from viscache.render import _part",
+            "the lab imports public names",
+        ),
+        ("../viscache_lab/bench/rays.py", "scene._core.radius", "the lab must not use _core"),
         (
             "sources.py",
             'importlib.import_module("viscache.scenes")',
@@ -148,7 +203,7 @@ def test_every_room_of_the_table_is_there() -> None:
     ],
 )
 def test_an_import_that_climbs_is_found(path: str, line: str, expected: str) -> None:
-    found = list(violations({PACKAGE + path: line + "\n"}))
+    found = list(violations({posixpath.normpath(PACKAGE + path): line + "\n"}))
     assert len(found) == 1
     assert expected in found[0]
 
@@ -162,7 +217,9 @@ def test_an_import_that_climbs_is_found(path: str, line: str, expected: str) -> 
         ("cli.py", 'importlib.import_module(f"viscache.commands.{name}")'),
         ("metrics.py", 'importlib.import_module("flip_evaluator")'),
         ("settings/rays.py", "from viscache import _core"),
+        ("../viscache_lab/bench/rays.py", "import viscache as vc"),
+        ("../viscache_lab/bench/rays.py", "from viscache.render import render"),
     ],
 )
 def test_an_import_that_goes_down_is_not_reported(path: str, line: str) -> None:
-    assert list(violations({PACKAGE + path: line + "\n"})) == []
+    assert list(violations({posixpath.normpath(PACKAGE + path): line + "\n"})) == []

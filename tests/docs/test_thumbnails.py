@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from codebase.repository import ROOT, paths
-from viscache import figures
+from viscache_lab import figures
 
 FOLDER = ROOT / "docs" / "gallery" / "thumbnails"
 #: All pictures of the pages, in bytes.

@@ -11,11 +11,11 @@ import pytest
 
 from codebase.repository import text
 from viscache import Aqvc, NeePlusPlus, Whitted, cli, metrics, render, scenes
-from viscache.bench import registry as benches
-from viscache.figures import FIGURES
-from viscache.figures.aqvc_nee import discarded
-from viscache.figures.aqvc_runs import Shot
-from viscache.figures.aqvc_setups import SETUPS
+from viscache_lab.bench import registry as benches
+from viscache_lab.figures import FIGURES
+from viscache_lab.figures.aqvc_nee import discarded
+from viscache_lab.figures.aqvc_runs import Shot
+from viscache_lab.figures.aqvc_setups import SETUPS
 
 PAGE, TOLERANCE = "docs/performance/where.md", 0.05
 COLUMNS = 6

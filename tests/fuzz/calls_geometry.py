@@ -153,9 +153,21 @@ def own(dice: Dice) -> None:
     vc.Vpls(dice.array((n, 3)), dice.array((n, 3), unit=True), dice.array((n, 3)))
 
 
+def equations(dice: Dice) -> None:
+    """Resolutions, keys and hashes of the quantized cache."""
+    n = dice.pick(0, 1, 30)
+    points, normals = dice.array((n, 3)), dice.array((n, 3), unit=True)
+    sizes = vc.aqvc.resolution_eye(dice.array((n,)), dice.real(0.1, 100), dice.real(0.1, 10))
+    keys, _ = vc.aqvc.eye_keys(
+        vc.Aqvc(), dice.array((3,)), dice.real(0.1, 10), points, normals, sizes
+    )
+    if vc.aqvc.hash_keys(keys).shape != (n, 2):
+        raise WrongError("a key has no hash")
+
+
 CALLS = {
     "scenes": ((scene, 5), (built_in, 2)),
-    "rays": ((rays, 8), (aligned, 2), (own, 1)),
+    "rays": ((rays, 8), (aligned, 2), (own, 1), (equations, 1)),
     "fields": ((field, 3), (moving, 2)),
     "maps": ((maps, 1),),
 }

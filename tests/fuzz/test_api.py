@@ -35,7 +35,7 @@ WITHOUT_INPUT = {
     "vismap",
 }
 # Reached by another name: what reads files, and what functions make
-ELSEWHERE = {"load_scene": "readers.py", "Connections": "vc.connections"}
+ELSEWHERE = {"load_scene": "readers.py", "Camera": "vc.look_at", "Connections": "vc.connections"}
 
 
 def target(group: str) -> campaign.Target:

@@ -13,10 +13,10 @@ import pytest
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
 from reference.built import built
-from viscache.extremes import scenes
-from viscache.extremes.families.leaks import SHAPES
-from viscache.extremes.families.rotation import turn
-from viscache.extremes.pictures import METHODS, picture
+from viscache_lab.extremes import scenes
+from viscache_lab.extremes.families.leaks import SHAPES
+from viscache_lab.extremes.families.rotation import turn
+from viscache_lab.extremes.pictures import METHODS, picture
 
 WATERTIGHT = vc.Embree(watertight=True)
 #: Rows of the table of methods that leave the choice of rays.

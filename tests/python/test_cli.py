@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import viscache
+from codebase.repository import text
 from viscache import cli, metrics
 from viscache.frame import Frame
 
@@ -216,7 +217,7 @@ def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from viscache import bench
+    from viscache_lab import bench
 
     figure = {"name": "x vs y", "value": 1.0, "unit": "s", "baseline": "y", "ratio": 0.5, "goal": 2}
     figure |= {"holds": False, "low": 0.4, "high": 0.6}
@@ -239,6 +240,46 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     assert run(capsys, "bench", "right")[0] == 0
     status, out, _ = run(capsys, "bench", "no", "--json")
     assert status == 1 and json.loads(out)["answers_hold"] is False
+
+
+def test_another_package_can_add_a_command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    info = tmp_path / "bakery-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: bakery\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[viscache.commands]\nbake = bakery\nscenes = bakery\n")
+    (tmp_path / "bakery.py").write_text(
+        '"""Light of a scene, baked."""\n\n'
+        "def add_arguments(parser):\n    parser.add_argument('scene')\n\n"
+        "def run(arguments):\n    print('baked', arguments.scene)\n    return 1\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    cli._added.cache_clear()
+    try:
+        assert run(capsys, "bake", "room") == (1, "baked room\n", "")
+        assert re.search(r"bake +light of a scene, baked\n", run(capsys, "--help")[1])
+        assert "Light of a scene, baked.\n" in run(capsys, "bake", "--help")[1]
+        assert "did you mean 'bake'" in run(capsys, "bakke")[2]
+        status, out, _ = run(capsys, "scenes")  # our own command stays
+        assert status == 0 and "baked" not in out
+    finally:
+        cli._added.cache_clear()
+
+
+def test_commands_of_the_lab_are_found_in_place_as_installed() -> None:
+    project, here = text("pyproject.toml"), text("python/viscache.dist-info/entry_points.txt")
+    entries = project.partition('[project.entry-points."viscache.commands"]\n')[2].partition("\n\n")
+    assert here == "[viscache.commands]\n" + entries[0].replace('"', "") + "\n"
+    assert {"bench", "demo", "doctor", "reproduce"} <= set(cli._added())
+    assert '"python/viscache_lab"' in project
+
+
+@pytest.mark.parametrize("name", ["bench", "extremes", "figures", "parity"])
+def test_modules_that_left_the_library_name_their_place(name: str) -> None:
+    with pytest.raises(ModuleNotFoundError, match=f"is viscache_lab.{name} now"):
+        exec(f"from viscache import {name}")
+    assert not hasattr(viscache, "no_such_name")
 
 
 def test_help_needs_no_heavy_imports() -> None:

@@ -18,7 +18,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import everything
+from viscache_lab.figures import everything
 
 SCENE = "cube_on_plane"
 PASSES = """
@@ -32,7 +32,7 @@ sys.exit(cli.main(sys.argv[1:]))
 FEW = """
 import sys
 from viscache import cli
-from viscache.figures import registry
+from viscache_lab.figures import registry
 names, log = sys.argv[1].split(","), sys.argv[2]
 for name in list(registry.FIGURES):
     if name not in names:

@@ -330,7 +330,7 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
 
 def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path: Path) -> None:
     import viscache as vc
-    from viscache.commands.self_test import small_scene
+    from viscache_lab.commands.self_test import small_scene
 
     ds = sweep(
         small_scene(),

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.extremes.moved import description_of, moved
-from viscache.extremes.scenes import lit_box
 from viscache.settings.by_name import replaced
+from viscache_lab.extremes.moved import description_of, moved
+from viscache_lab.extremes.scenes import lit_box
 
 __all__ = [
     "FORMS",

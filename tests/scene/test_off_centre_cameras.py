@@ -11,8 +11,8 @@ import pytest
 
 import viscache as vc
 from viscache import _core as core
-from viscache.parity import blocks
 from viscache.scene.cameras import camera_in_words
+from viscache_lab.parity import blocks
 
 FILM = (48, 32)
 #: A box under an even sky, and a lamp: every pixel sees something else.

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.extremes import scenes
-from viscache.extremes.families.offsets import shift
-from viscache.extremes.moved import moved
-from viscache.extremes.pictures import METHODS, picture, rel_l1
+from viscache_lab.extremes import scenes
+from viscache_lab.extremes.families.offsets import shift
+from viscache_lab.extremes.moved import moved
+from viscache_lab.extremes.pictures import METHODS, picture, rel_l1
 
 CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
 FAR = (5e7 + 0.125, -3e7, 7e6 + 0.5)

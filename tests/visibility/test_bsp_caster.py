@@ -12,7 +12,7 @@ import pytest
 import viscache as vc
 from reference.built import built
 from render.test_interrupt import LIMIT, quickest_stop
-from viscache.bench.ray_sets import SETS, make_ray_set
+from viscache_lab.bench.ray_sets import SETS, make_ray_set
 from visibility.moeller_trumbore import cross_all
 
 Array = npt.NDArray[Any]
@@ -127,7 +127,7 @@ def test_the_tree_and_its_answers_do_not_depend_on_threads() -> None:
     o, d = rays(20_000)
     answers = []
     for threads in (1, 2, 5):
-        caster = vc.Bsp().build(scene._core, threads)
+        caster = vc.Bsp().build(scene, threads)
         hits = caster.intersect(o, d, threads)
         answers.append(
             (caster.stats, caster.count_steps(o[:500], d[:500]), *(part.tobytes() for part in hits))

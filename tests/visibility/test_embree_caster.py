@@ -360,7 +360,7 @@ def test_coherent_packets_of_16_that_enter_instances_come_to_an_end():
     # Embree built by g++ looped for ever here on AVX-512, where incoherent packets went before
     code = """
 import viscache as vc
-from viscache.bench.ray_sets import make_ray_set
+from viscache_lab.bench.ray_sets import make_ray_set
 scene = vc.scenes.courtyard(triangles=30_000)
 rays = make_ray_set(scene, "camera", 3001)
 for coherent in (False, True):

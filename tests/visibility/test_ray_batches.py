@@ -95,7 +95,7 @@ def test_every_instruction_set_orders_rays_in_the_same_way(isa: str) -> None:
 
 def test_the_share_in_order_tells_images_from_rays_without_order() -> None:
     scene = built("room?triangles=2000")
-    from viscache.bench.ray_sets import make_ray_set
+    from viscache_lab.bench.ray_sets import make_ray_set
 
     shares = {}
     for which in ("camera", "hemi", "p2p"):

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from viscache.extremes.families.leaks import SHAPES, segments
-from viscache.extremes.families.rotation import turn
+from viscache_lab.extremes.families.leaks import SHAPES, segments
+from viscache_lab.extremes.families.rotation import turn
 
 Array = npt.NDArray[Any]
 WATERTIGHT = vc.Embree(watertight=True)

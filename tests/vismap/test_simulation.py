@@ -10,8 +10,6 @@ import pytest
 import viscache as vc
 from viscache import scenes
 from viscache._core import AlphaMode, PointSet
-from viscache.bench.common import Outcome
-from viscache.bench.vismap_variance import CASES, add_figures, all_ways, check_means
 from viscache.scenes.light_product import LUMINANCE
 from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
@@ -23,6 +21,8 @@ from viscache.vismap.simulation import (
     one_shot_passes,
     simulate,
 )
+from viscache_lab.bench.common import Outcome
+from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
 
 ONE, STEADY = Way(alpha=1.0), Way(alpha="previous_pass", passes=4)
 PRODUCT, GUIDED = Way(), Way(alpha="previous_pass", eta=0.25, passes=4)

@@ -12,7 +12,15 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.scene.coplanar import coplanar_share
 
-__all__ = ["far_away", "info", "lit_coats", "placed_coplanar_share", "problems"]
+__all__ = [
+    "far_away",
+    "info",
+    "lit_coats",
+    "offset_extent",
+    "placed_coplanar_share",
+    "problems",
+    "sphere",
+]
 
 MOST_COUNTED_TRIANGLES = 5_000_000
 #: Distance from the origin, in sizes of the scene, that causes a warning.
@@ -41,6 +49,16 @@ def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
         f"the scene lies {away:.3g} times its size from the origin, where single precision "
         f"leaves it {steps:.3g} steps across: give origin=({near}) to what makes it"
     ]
+
+
+def sphere(scene: Any) -> tuple[npt.NDArray[np.float64], float]:
+    """Centre (3,) and radius of the scene's bounding sphere."""
+    return np.array(scene._core.center), scene._core.radius
+
+
+def offset_extent(scene: Any) -> float:
+    """The size by which rays from points near the origin are offset from their surfaces."""
+    return float(scene._core.offset_extent)
 
 
 def problems(scene: Any) -> list[str]:

@@ -8,11 +8,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from viscache import _core
+from viscache._core import Camera
 from viscache.scene.scene import Scene
 from viscache.settings.checks import is_number, is_whole, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["look_at", "orthographic"]
+__all__ = ["Camera", "look_at", "orthographic"]
 
 
 Point: TypeAlias = Sequence[float]
@@ -21,7 +22,7 @@ Point: TypeAlias = Sequence[float]
 @spelled
 def look_at(
     origin: Point, target: Point, up: Point = (0.0, 1.0, 0.0), fov_deg: float = 45.0
-) -> _core.Camera:
+) -> Camera:
     """A pinhole camera at `origin` that looks at `target`.
 
     Parameters
@@ -45,7 +46,7 @@ def look_at(
 @spelled
 def orthographic(
     origin: Point, target: Point, up: Point = (0.0, 1.0, 0.0), height: float = 2.0
-) -> _core.Camera:
+) -> Camera:
     """A camera of parallel rays in the direction from `origin` to `target`.
 
     Parameters
@@ -77,7 +78,7 @@ def orthographic(
     return camera
 
 
-def _placed(origin: Point, target: Point, up: Point, fov_deg: float) -> _core.Camera:
+def _placed(origin: Point, target: Point, up: Point, fov_deg: float) -> Camera:
     for name, value in (("origin", origin), ("target", target), ("up", up)):
         three = np.ndim(value) == 1 and len(value) == 3 and all(is_number(v) for v in value)
         require(three, f"{name} must be 3 numbers", value)
@@ -87,7 +88,7 @@ def _placed(origin: Point, target: Point, up: Point, fov_deg: float) -> _core.Ca
     return _core.look_at((x, y, z), (tx, ty, tz), (ux, uy, uz), fov_deg)
 
 
-def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
+def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> Camera:
     """A camera by name or index; the first one by default, or one that sees the whole scene."""
     if isinstance(wish, _core.Camera):
         return wish

@@ -160,8 +160,6 @@ class Scene:
             apply_environment(description, env)
         return cls.from_description(description)
 
-    # Properties
-
     @property
     def name(self) -> str:
         """Name from the file or the built-in scene."""
@@ -209,6 +207,11 @@ class Scene:
         return _core.scene_lights(self._core)
 
     @property
+    def materials(self) -> list[dict[str, Any]]:
+        """One dict per material; triangles refer to them by index."""
+        return _core.scene_materials(self._core)
+
+    @property
     def warnings(self) -> list[str]:
         """Features of the file that are not modelled, with their place, and problems of the scene.
 
@@ -246,9 +249,13 @@ class Scene:
         """The facts that `viscache info --json` prints."""
         return info(self)
 
+    def description(self) -> SceneDescription:
+        """A copy to change, for `from_description`."""
+        return _core.description_of(self._core)
+
     def with_environment(self, env: Env, *, threads: int | None = None) -> Scene:
         """The same scene with another environment light."""
-        description = _core.description_of(self._core)
+        description = self.description()
         apply_environment(description, env)
         return Scene.from_description(description, spec=self.spec, threads=threads)
 
@@ -288,9 +295,9 @@ class Scene:
         """
         chosen = check_rays(rays)
         if isinstance(chosen, Embree):
-            return self._made.get(chosen, lambda: chosen.build(self._core))
+            return self._made.get(chosen, lambda: chosen.build(self))
         cores = checked_threads(threads)
-        return self._other_caster.get(chosen, lambda: chosen.build(self._core, cores))
+        return self._other_caster.get(chosen, lambda: chosen.build(self, cores))
 
     def aligned_batch(self) -> _core.vlf.AlignedBatch:
         """The triangles in the order of the aligned batch, sorted on first use."""

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
 from viscache._core import sampling
 from viscache.scene import Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import Camera, find_camera
 from viscache.settings.checks import require
 from viscache.tonemap import LUMINANCE as WEIGHTS
 
@@ -50,7 +49,7 @@ class Hits:
 def blocked_share(
     scene: Scene,
     *,
-    camera: str | int | _core.Camera | None = None,
+    camera: str | int | Camera | None = None,
     size: tuple[int, int] = (64, 48),
     samples: int = 256,
     seed: int = 0,
@@ -114,7 +113,7 @@ def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
     if kinds == ["constant"]:
         texels = np.ones((CONSTANT_EDGE, CONSTANT_EDGE, 3), np.float32)
     else:
-        description = _core.description_of(scene._core)
+        description = scene.description()
         n_images = len(description.images)
         require(n_images == 1, "scene must have one image, its environment", n_images)
         texels = sampling.EnvironmentMap.from_latlong(description.image_pixels(0)).pixels
@@ -124,7 +123,7 @@ def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
     return directions.astype(float), np.ascontiguousarray(texels * scale)
 
 
-def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hits:
+def first_hits(scene: Scene, camera: Camera, size: tuple[int, int]) -> Hits:
     """First hits through the centres of the pixels of a pinhole, row by row."""
     require(camera.view_height == 0, "camera must be a pinhole", camera.name)
     origin, ray = np.array(camera.origin), _pixel_rays(camera, size)
@@ -149,7 +148,7 @@ def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hit
 
 def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions: Array) -> Array:
     """B = BRDF·cos (T, 3) at one of the hits, for light from unit directions (T, 3)."""
-    material = _core.scene_materials(scene._core)[hits.materials[index]]
+    material = scene.materials[hits.materials[index]]
     cosine = directions @ hits.normals[index]
     above = cosine > 0
     normal = tuple(hits.normals[index].tolist())
@@ -174,7 +173,7 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
     return out
 
 
-def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:
+def _pixel_rays(camera: Camera, size: tuple[int, int]) -> Array:
     """Unit directions (H·W, 3) through the centres of the pixels."""
     width, height = size
     x = (np.arange(width) + 0.5) / width * 2 - 1 + 2 * camera.shift_x

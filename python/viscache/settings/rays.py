@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from viscache import _core
+from viscache._core import EmbreeCaster as EmbreeCaster
 from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import classes, is_setting, registered
@@ -46,11 +47,11 @@ class Embree:
         check_types(self)
         require(self.robust or not self.watertight, "robust must be True with watertight", False)
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> EmbreeStructure:
-        """Embree's structure over a scene; it takes all cores."""
+    def build(self, scene: Any, threads: int = 0) -> EmbreeStructure:
+        """Embree's structure over a `Scene`; it takes all cores."""
         if self.watertight:
-            return _core.visibility.WatertightCaster(scene)
-        return _core.EmbreeCaster(scene, robust=self.robust)
+            return _core.visibility.WatertightCaster(scene._core)
+        return EmbreeCaster(scene._core, robust=self.robust)
 
 
 @registered("rays", "bsp")
@@ -79,9 +80,9 @@ class Bsp(RowSettings):
     kernel: Literal["watertight", "wald"] = BSP_ROWS.default("kernel")
     max_bytes: int = BSP_ROWS.default("max_bytes")
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> _core.visibility.BspCaster:
-        """The tree over a scene; 0 threads = all cores."""
-        return _core.visibility.BspCaster(scene, self.core(), threads=threads)
+    def build(self, scene: Any, threads: int = 0) -> _core.visibility.BspCaster:
+        """The tree over a `Scene`; 0 threads = all cores."""
+        return _core.visibility.BspCaster(scene._core, self.core(), threads=threads)
 
 
 @registered("rays", "vlf")
@@ -119,9 +120,9 @@ class Vlf(RowSettings):
     max_bytes: int = FIELD_ROWS.default("max_bytes")
     max_build_s: float = FIELD_ROWS.default("max_build_s")
 
-    def build(self, scene: _core.Scene, threads: int = 0) -> _core.vlf.VisibilityField:
-        """The field over a scene; 0 threads = all cores."""
-        return _core.vlf.VisibilityField(scene, self.core(), threads=threads)
+    def build(self, scene: Any, threads: int = 0) -> _core.vlf.VisibilityField:
+        """The field over a `Scene`; 0 threads = all cores."""
+        return _core.vlf.VisibilityField(scene._core, self.core(), threads=threads)
 
 
 #: Settings that build a ray caster: what `rays=` takes.

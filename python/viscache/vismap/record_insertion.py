@@ -51,6 +51,16 @@ class RecordInsertion:
         reach, extent = self.settings.d_max, self.scene._core.offset_extent
         return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
 
+    def asking_points(
+        self, camera: Camera, size: tuple[int, int]
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """Positions (N, 3), normals (N, 3) and d_max (N,) of what pixel centres see, for `lookup`.
+
+        Row by row; d_max is 0 where a pixel sees no surface.
+        """
+        found, _, _ = self._pixels(camera, *size, (0.5, 0.5), 0)
+        return found.positions, found.normals, found.d_max
+
     def _pixels(
         self, view: Camera, width: int, height: int, at: tuple[float, float], threads: int
     ) -> tuple[CachePoints, int, int]:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, sources
+from viscache._core.vlf import embree_rows
 from viscache.array_output import ArrayOutput
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
@@ -20,7 +21,7 @@ from viscache.settings.spelling import spelled
 from viscache.vlf.directions import checked_directions
 from viscache.vlf.field import VisibilityField
 
-__all__ = ["AlignedRows", "Engine", "aligned_occlusion", "trace_aligned"]
+__all__ = ["AlignedRows", "Engine", "aligned_occlusion", "embree_rows", "trace_aligned"]
 
 Engine: TypeAlias = Literal["auto", "batch", "embree", "field"]
 #: Seconds to build one reference; a triangle has at least one per direction.
@@ -163,7 +164,7 @@ def trace_aligned(
             bits = _core.vlf.field_rows(core, points, normals, frames, **options)
         else:
             options["order"] = order
-            bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **options)
+            bits = embree_rows(scene.caster(), points, normals, frames, **options)
     return AlignedRows(
         bits=bits,
         n_directions=len(frames),

@@ -1,5 +1,0 @@
-"""Benchmarks. Each figure is a ratio to a named baseline of the same run; answers are checked."""
-
-from viscache.bench.registry import BENCHES, BenchInfo, run, run_all
-
-__all__ = ["BENCHES", "BenchInfo", "run", "run_all"]

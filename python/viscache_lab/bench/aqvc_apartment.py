@@ -1,0 +1,161 @@
+"""`viscache bench aqvc-apartment`: lights of every kind, also with separate samples per pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+from viscache.frame import Frame
+from viscache.metrics import compare
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
+from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+
+__all__ = ["aqvc_apartment"]
+
+GOAL = 6.0
+REL_L1_GOAL = 0.015
+#: A frame with a larger error than this is wrong, however fast it is.
+WRONG_REL_L1 = 0.2
+STAGES: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")
+Sky = Literal["mis", "shared"]
+
+
+def settings(c_e: float) -> dict[str, Visibility]:
+    """The visibilities compared; the first has the goal."""
+    cached = Aqvc(c_e=c_e, c_e_groups={"point": 4.0}, exact_groups=())
+    return {
+        "rows": cached,
+        "light's cells": replace(cached, paper=PaperForm(cell_density="light")),
+        "default": replace(cached, exact_groups="auto"),
+        "exact": Exact(),
+    }
+
+
+def aqvc_apartment(quick: bool = False) -> Outcome:
+    """24 lamps, 1024 virtual lights and 256 sky samples, per pixel or shared by all pixels."""
+    outcome = Outcome()
+    scene = build_scene(f"apartment?triangles={20_000 if quick else 750_000}")
+    scene.caster()  # not part of any frame
+    for sky in ("mis", "shared"):
+        measure(outcome, scene, sky, quick)
+    if not quick:
+        measure_table(outcome, scene)
+    outcome.notes.append(
+        "exact: our fastest exact order. Each pixel's own samples: 128 by radiance and 128 by the"
+        " BRDF; shared: 256 directions. C_E 10, of lamps 4. Ratios are of CPU seconds of whole"
+        " frames, one run each."
+    )
+    return outcome
+
+
+def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
+    """The paper's numbers of samples; an eighth of them if quick."""
+    share = 8 if quick else 1
+    each = 128 // share if sky == "mis" else 256 // share
+    return Whitted(
+        **({"n_vpls": 1024 // share} | more),
+        n_area=0,
+        n_environment=each,
+        n_brdf=each if sky == "mis" else 0,
+        environment=sky,
+    )
+
+
+def frame_of(
+    frames: dict[str, Frame], key: str, scene: Scene, light: Whitted, by: Visibility, quick: bool
+) -> Callable[[], Sample]:
+    """Render once, keep the frame, return the time."""
+
+    def run() -> Sample:
+        size = (160, 100) if quick else (1280, 800)
+        frame = frames[key] = render(scene, light, visibility=by, size=size)
+        t = frame.timings
+        return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
+
+    return run
+
+
+def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
+    """Compare whole frames with exact ones."""
+    frames: dict[str, Frame] = {}
+    light = integrator(sky, quick)
+    runs = {
+        key: frame_of(frames, key, scene, light, by, quick) for key, by in settings(10.0).items()
+    }
+    if sky == "shared":
+        del runs["light's cells"], runs["default"]
+    samples = interleave(runs, 1, warm_up=False)
+    name = "own sky samples" if sky == "mis" else "shared sky"
+    for key in runs:
+        if key == "exact":
+            continue
+        errors = {
+            group: _rel_l1(frames[key], frames["exact"], group)
+            for group in ("point", "vpl", "environment")
+        }
+        error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
+        goal = GOAL if key == "rows" and sky == "mis" and not quick else None
+        row = ratio_figure(
+            f"apartment, {name}, {key} whole-frame vs exact",
+            samples[key],
+            samples["exact"],
+            goal=goal,
+            rel_l1=error,
+            rel_l1_groups=errors,
+            stages_cpu_s=stages(frames[key]),
+            exact_stages_cpu_s=stages(frames["exact"]),
+            share_rays=ray_shares(frames[key]),
+        )
+        if goal is not None:
+            row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
+        outcome.figures.append(row)
+        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+
+
+def measure_table(outcome: Outcome, scene: Scene) -> None:
+    """Visibility of the sky samples alone: bit rows, the hash table and rays."""
+    frames: dict[str, Frame] = {}
+    light = integrator("mis", False, n_vpls=0)
+    ways: dict[str, Visibility] = {
+        "rows": Aqvc(c_e=10, exact_groups=()),
+        "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
+        "exact": Exact(),
+    }
+    for key, by in ways.items():
+        frame_of(frames, key, scene, light, by, False)()
+    queries = frames["exact"].counters["queries"]
+    for key in ("rows", "table"):
+        took = {
+            k: Sample(wall_s=f.timings["visibility_s"], cpu_s=f.timings["visibility_cpu_s"])
+            for k, f in frames.items()
+        }
+        outcome.figures.append(
+            ratio_figure(
+                f"apartment, lamps and own sky samples, {key}: visibility vs exact",
+                [took[key]],
+                [took["exact"]],
+                nanoseconds_per_query=took[key].cpu_s / queries * 1e9,
+                share_rays=ray_shares(frames[key]),
+                rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
+            )
+        )
+
+
+def stages(frame: Frame) -> dict[str, float]:
+    """CPU seconds."""
+    return {s: frame.timings[f"{s}_cpu_s"] for s in STAGES}
+
+
+def ray_shares(frame: Frame) -> dict[str, float]:
+    """Rays per query, by light group."""
+    groups = frame.counters["groups"]
+    return {n: g["rays"] / g["queries"] for n, g in groups.items() if g["queries"]}
+
+
+def _rel_l1(frame: Frame, exact: Frame, layer: str) -> float:
+    a, b = frame.layers[layer].astype(float), exact.layers[layer].astype(float)
+    return float(abs(a - b).sum() / max(b.sum(), 1e-300))

@@ -1,0 +1,198 @@
+"""Fair timing: both sides take turns, and a figure is the median of the ratios."""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from viscache.provenance import embree_version, isa
+from viscache.scene import Scene
+from viscache.scenes import build
+
+__all__ = [
+    "Clock",
+    "Outcome",
+    "Sample",
+    "at_most_figure",
+    "build_scene",
+    "figure",
+    "interleave",
+    "machine",
+    "ratio_figure",
+    "timed",
+]
+
+Clock: TypeAlias = Literal["cpu_s", "wall_s"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sample:
+    """Duration of one run: wall-clock seconds and CPU seconds of all threads."""
+
+    wall_s: float
+    cpu_s: float
+
+
+@dataclass(kw_only=True, slots=True)
+class Outcome:
+    """The results of a bench; `answers` lists each check of an answer and whether it holds."""
+
+    figures: list[dict[str, Any]] = field(default_factory=list)
+    answers: list[dict[str, Any]] = field(default_factory=list)
+    skipped: list[dict[str, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def check(self, what: str, value: float, limit: float) -> None:
+        """Record a check that holds if value <= limit."""
+        holds = bool(value <= limit)  # not-a-number does not hold
+        self.answers.append({"what": what, "value": float(value), "limit": limit, "holds": holds})
+
+    def skip(self, what: str, reason: str) -> None:
+        """Record what was left out, and why."""
+        self.skipped.append({"what": what, "reason": reason})
+
+    def extend(self, other: Outcome) -> None:
+        """Append all that another outcome has."""
+        self.figures += other.figures
+        self.answers += other.answers
+        self.skipped += other.skipped
+        self.notes += other.notes
+
+    @property
+    def answers_hold(self) -> bool:
+        """True if every answer that was checked is right."""
+        return all(a["holds"] for a in self.answers)
+
+
+def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
+    """Run a function once; CPU seconds count all threads of this process."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = function()
+    return Sample(wall_s=time.perf_counter() - wall, cpu_s=time.process_time() - cpu), result
+
+
+def interleave(
+    runs: Mapping[str, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
+) -> dict[str, list[Sample]]:
+    """Let all runs take turns, `repeats` times; every other round is in reverse order."""
+    names = list(runs)
+    if warm_up:
+        for name in names:
+            runs[name]()
+    samples: dict[str, list[Sample]] = {name: [] for name in names}
+    for i in range(repeats):
+        for name in names if i % 2 == 0 else reversed(names):
+            samples[name].append(runs[name]())
+    return samples
+
+
+def figure(
+    name: str,
+    value: float,
+    unit: str,
+    *,
+    baseline: float | None = None,
+    ratios: list[float] | None = None,
+    goal: float | None = None,
+    **more: Any,
+) -> dict[str, Any]:
+    """One figure of a bench's JSON; `baseline` is the baseline's value in the same unit."""
+    ratio = statistics.median(ratios) if ratios else None
+    return {
+        "name": name,
+        "value": value,
+        "unit": unit,
+        "baseline": baseline,
+        "ratio": ratio,
+        "goal": goal,
+        "holds": None if goal is None or ratio is None else bool(ratio >= goal),
+        "low": min(ratios) if ratios else None,
+        "high": max(ratios) if ratios else None,
+        **more,
+    }
+
+
+def at_most_figure(
+    name: str, value: float, unit: str, limit: float | None, **more: Any
+) -> dict[str, Any]:
+    """A figure that holds if its value is at most the limit; None: no limit."""
+    made = figure(name, value, unit, **more)
+    made["at_most"] = limit
+    made["holds"] = None if limit is None else bool(value <= limit)
+    return made
+
+
+def ratio_figure(
+    name: str,
+    ours: list[Sample],
+    theirs: list[Sample],
+    *,
+    clock: Clock = "cpu_s",
+    work: float | None = None,
+    goal: float | None = None,
+    **more: Any,
+) -> dict[str, Any]:
+    """How many times faster viscache is than the baseline named in `name`.
+
+    With `work` (rays, the same on both sides) values are millions per second, else seconds.
+    `clock` determines the ratio; the other clock's ratio is recorded, too.
+    """
+    other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
+
+    def of(samples: list[Sample], which: Clock) -> list[float]:
+        return [getattr(s, which) for s in samples]
+
+    def ratios(which: Clock) -> list[float]:
+        return [b / a for a, b in zip(of(ours, which), of(theirs, which), strict=True)]
+
+    def value(samples: list[Sample]) -> float:
+        seconds = statistics.median(of(samples, clock))
+        return seconds if work is None else work / seconds / 1e6
+
+    more[f"ratio_{other.removesuffix('_s')}"] = statistics.median(ratios(other))
+    return figure(
+        name,
+        value(ours),
+        "s" if work is None else "Mray/s",
+        baseline=value(theirs),
+        ratios=ratios(clock),
+        goal=goal,
+        clock=clock.removesuffix("_s"),
+        **more,
+    )
+
+
+def build_scene(spec: str) -> Scene:
+    """A built-in scene from its spec."""
+    made = build(spec)
+    return made if isinstance(made, Scene) else Scene.from_description(made, spec=spec)
+
+
+def machine() -> dict[str, Any]:
+    """The class of the machine that ran the bench, without names."""
+    return {
+        "processor": _processor(),
+        "architecture": platform.machine(),
+        "cores": len(os.sched_getaffinity(0)),
+        "isa": isa()[0],
+        "embree": embree_version(),
+        "python": platform.python_version(),
+        "system": platform.system(),
+        "load": round(os.getloadavg()[0], 2),
+    }
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown"

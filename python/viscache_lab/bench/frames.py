@@ -1,0 +1,126 @@
+"""`viscache bench frames`: exact frames against Mitsuba's rays per second."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.settings.integrators import AmbientOcclusion, Direct
+from viscache.settings.visibility import Exact
+from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
+from viscache_lab.bench.peers import Peer, missing
+from viscache_lab.bench.ray_sets import make_ray_set
+
+__all__ = ["frames"]
+
+
+def frames(quick: bool = False) -> Outcome:
+    """Ambient occlusion from a G-buffer, and 500 point lights at all pixels."""
+    outcome = Outcome()
+    side, lights, samples = (64, 20, 8) if quick else (512, 500, 64)
+    triangles = 20_000 if quick else 200_000
+    spec = f"room?triangles={triangles}&lights={lights}"
+    scene = build_scene(spec)
+    reason = missing("mitsuba", scene)
+    if reason:
+        outcome.skip(f"{spec} vs mitsuba", reason)
+        return outcome
+    with Peer("mitsuba", scene) as peer:
+        points, normals = g_buffer(scene, side)
+        positions = np.array([light["position"] for light in scene.lights], np.float32)
+        peer.give(points=points, normals=normals, lights=positions)
+        for name, integrator, job in (
+            (
+                "AO",
+                AmbientOcclusion(n_samples=samples, max_distance=None),
+                {"job": "ambient", "samples": samples},
+            ),
+            (f"{lights} point lights", Direct(), {"job": "lights"}),
+        ):
+            _compare(outcome, scene, f"room {side}x{side} {name}", integrator, peer, job, quick)
+    outcome.notes.append(
+        "Rays per CPU second: ours of whole frames (camera rays and sums included), Mitsuba's of"
+        " ray_test over a G-buffer that it is given. Robust scene flag on both sides."
+    )
+    return outcome
+
+
+def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """First hits of a square image, moved off the surface towards the camera."""
+    rays = make_ray_set(scene, "camera", side * side)
+    hits = scene.intersect(rays.origins, rays.directions)
+    hit = hits.triangle >= 0
+    meshes = [m for m in scene.meshes() if m["in_world"]]
+    corners = np.concatenate(
+        [np.asarray(m["vertices"])[np.asarray(m["triangles"])] for m in meshes]
+    )
+    tri = corners[hits.triangle[hit]].astype(np.float64)
+    n = np.cross(tri[:, 1] - tri[:, 0], tri[:, 2] - tri[:, 0])
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    d = rays.directions[hit]
+    n *= -np.sign(np.sum(n * d, axis=1, keepdims=True))
+    points = rays.origins[hit] + hits.t[hit, None] * d + n * 1e-4
+    return points.astype(np.float32), n.astype(np.float32)
+
+
+def _compare(
+    outcome: Outcome,
+    scene: Scene,
+    label: str,
+    integrator: AmbientOcclusion | Direct,
+    peer: Peer,
+    job: dict[str, Any],
+    quick: bool,
+) -> None:
+    side = 64 if quick else 512
+    ours: dict[str, Frame] = {}
+    reports: dict[str, Any] = {}
+
+    def run(coherent: bool) -> Sample:
+        frame = render(scene, integrator, visibility=Exact(coherent=coherent), size=(side, side))
+        ours[str(coherent)] = frame
+        return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+    def theirs() -> Sample:
+        time, report = peer.run(job)
+        reports.update(report)
+        return time
+
+    samples = interleave(
+        {"coherent": lambda: run(True), "incoherent": lambda: run(False), "mitsuba": theirs},
+        2 if quick else 3,
+    )
+    best = min(("coherent", "incoherent"), key=lambda k: min(s.cpu_s for s in samples[k]))
+    frame = ours["True" if best == "coherent" else "False"]
+    rate = [frame.counters["rays"] / s.cpu_s / 1e6 for s in samples[best]]
+    base = [reports["rays"] / s.cpu_s / 1e6 for s in samples["mitsuba"]]
+    wall = [
+        frame.counters["rays"] / a.wall_s * b.wall_s / reports["rays"]
+        for a, b in zip(samples[best], samples["mitsuba"], strict=True)
+    ]
+    outcome.figures.append(
+        figure(
+            f"{label} rays/s vs mitsuba",
+            float(np.median(rate)),
+            "Mray/s",
+            baseline=float(np.median(base)),
+            ratios=[a / b for a, b in zip(rate, base, strict=True)],
+            goal=1.0,
+            clock="cpu",
+            ratio_wall=float(np.median(wall)),
+            flag=best,
+        )
+    )
+    free = 1 - frame.counters["occluded"] / max(1, frame.counters["rays"])
+    their_free = reports.get("open", 1 - reports.get("blocked", 0) / reports["rays"])
+    outcome.check(f"{label}: free share unlike mitsuba's", abs(free - their_free), 0.02)
+    outcome.check(
+        f"{label}: bytes unlike under the other flag",
+        float(ours["True"].sha256 != ours["False"].sha256),
+        0,
+    )

@@ -1,0 +1,90 @@
+"""Lights for which corrections cannot win: passes then cost as much as exact ones."""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass
+from typing import Any
+
+from viscache.progressive import Progressive
+from viscache.scene import Scene
+from viscache.settings.integrators import Direct, Whitted
+from viscache.settings.visibility import Aqvc, Exact
+from viscache_lab.bench.aligned import opened
+from viscache_lab.bench.common import Outcome, figure
+from viscache_lab.bench.pass_runs import Run, take_turns
+
+__all__ = ["CASES", "QUICK", "Case", "never_slower"]
+
+#: Exact CPU seconds over ours must be at least this: 3 % more.
+GOAL = 1 / 1.03
+#: Pictures of each way, one after the other: a ratio is that of a pair whose passes took turns.
+TURNS = 5
+
+
+@dataclass(frozen=True)
+class Case:
+    """A picture."""
+
+    name: str
+    scene: str
+    light: Direct | Whitted
+    size: tuple[int, int] = (160, 100)
+    passes: int = 16
+    goal: float | None = GOAL
+
+
+def _alone(n: int) -> Whitted:
+    """N virtual lights and no samples of area lights or skies."""
+    return Whitted(n_vpls=n, n_area=0, n_environment=0, n_brdf=0)
+
+
+CASES = (
+    Case("24 lamps", "room?triangles=200000", Direct(n_area=0)),
+    Case("16 virtual lights", "garage", _alone(16)),
+    Case("32 virtual lights", "church", _alone(32)),
+    Case("own samples", "living-room/scene.xml", Direct()),
+    Case(
+        "open sky",
+        "courtyard",
+        Direct(n_area=0, environment="shared", n_environment=256, n_brdf=0),
+    ),
+    Case("light through a gap", "veach-ajar/scene.pbrt", Whitted(n_vpls=256)),
+)
+QUICK = (Case("24 lamps", "room?triangles=3000", Direct(n_area=0), (48, 32), 4, None),)
+
+
+def never_slower(outcome: Outcome, cases: tuple[Case, ...]) -> None:
+    """CPU seconds of exact passes over those of corrected ones."""
+    for case in cases:
+        scene = opened(case.scene)
+        if scene is None:
+            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+        else:
+            _measure(outcome, case, scene)
+
+
+def _measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+    def picture(visibility: Any, use: Any = None) -> Progressive:
+        return Progressive(scene, case.light, visibility=visibility, use=use, size=case.size)
+
+    picture(Exact()).passes(1)  # builds the trees
+    turns = []
+    for _ in range(TURNS if case.goal else 1):
+        exact, ours = Run(picture(Exact())), Run(picture(Aqvc(), "correct"))
+        take_turns([exact, ours], case.passes)
+        turns.append((exact.cpu_s, ours.cpu_s))
+    frame = ours.picture.frame
+    outcome.figures.append(
+        figure(
+            f"never slower, {case.name}: corrected vs exact passes, CPU time",
+            statistics.median(cpu_s for _, cpu_s in turns),
+            "s",
+            baseline=statistics.median(cpu_s for cpu_s, _ in turns),
+            ratios=[theirs / ours_s for theirs, ours_s in turns],
+            goal=case.goal,
+            exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
+            becomes_exact=any("exact visibility from" in text for text in frame.warnings),
+            passes=case.passes,
+        )
+    )

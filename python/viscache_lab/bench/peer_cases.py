@@ -1,0 +1,321 @@
+"""The pictures that peers render too: what is handed over, and our own frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import SceneDescription
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Camera, Scene
+from viscache.settings.aqvc import Aqvc
+from viscache.settings.integrators import AmbientOcclusion, Direct
+from viscache_lab.bench.common import build_scene
+
+__all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]
+
+Array = npt.NDArray[Any]
+
+#: Of every surface, in all pictures.
+ALBEDO = 0.6
+INTENSITY = 4.0
+#: Of the quantized cache, where lights are many.
+C_E = 8
+#: Directions that all eye points share: of a sky, and around both sides of a surface.
+SKY_DIRECTIONS, SPHERE_DIRECTIONS = 256, 513
+#: Directions of the sky in sets, which the eye points of a pixel ask in turns; the time that this
+#: saves goes into more eye points, one for each set.
+DEALT_DIRECTIONS, SETS = 512, 16
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Way:
+    """Another way of ours to make the same picture; it takes turns with the others.
+
+    Parameters
+    ----------
+    label : str
+        As in figures.
+    render : callable
+        As in `PictureCase`.
+    biased : bool
+        Its error is told beside our exact frame of the same seed. Otherwise its figure is the time
+        to equal error.
+    """
+
+    label: str
+    render: Callable[[int, int], Frame]
+    biased: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PictureCase:
+    """One square picture, at equal samples on both sides.
+
+    Parameters
+    ----------
+    name : str
+        As in figures.
+    scene : Scene
+        Grey surfaces, without vertex normals.
+    render : callable
+        Our exact frame of a number of samples per pixel and a seed.
+    job : dict
+        The peers' job and its fields, without `spp` and `seed`.
+    arrays : dict of ndarray
+        Given to the peers before the job.
+    spp, reference_spp : int >= 1
+        Samples per pixel that are compared, and those of our converged frame.
+    peer_reference_spp : int >= 1, optional
+        Those of the peers' converged frames; as many as of ours by default.
+    ways : tuple of Way
+        Caches and shared directions that take turns as well.
+    without : dict of str to str
+        Peers that are left out, and why.
+    """
+
+    name: str
+    scene: Scene
+    render: Callable[[int, int], Frame]
+    job: dict[str, Any]
+    arrays: dict[str, Array]
+    spp: int
+    reference_spp: int
+    peer_reference_spp: int | None = None
+    ways: tuple[Way, ...] = ()
+    without: Mapping[str, str] = field(default_factory=dict)
+
+
+def picture_cases(quick: bool = False) -> list[PictureCase]:
+    """Ambient occlusion, many lights in two sizes, a sky over five scenes, a room with a window."""
+    triangles = 5_000 if quick else 200_000
+    side = 32 if quick else 256
+    room, camera = _grey(f"room?triangles={triangles}")
+    sky = _sky()
+    grown = 5_000 if quick else 100_000
+    under = {
+        "bumpy spheres": "bumpy_spheres",
+        "stairs": "stairs",
+        "dynamics": "dynamics",
+        "mushrooms": f"mushrooms?triangles={grown}",
+        "hairball": f"hairball?triangles={grown}",
+    }
+    open_air = ("bumpy spheres", "dynamics", "mushrooms")
+    window = Scene.from_arrays(_window_room(), base_color=(ALBEDO,) * 3, env=sky)
+    return [
+        _ambient(room, camera, side),
+        *(_open_ambient(*_grey(under[name]), side, name) for name in open_air),
+        _lights(room, camera, side if quick else side // 2, quick),
+        _many_lights(room, camera, 2 * side, quick),
+        *(
+            _lit_by(sky, *_grey(spec, env=sky), side, quick, f"environment, {name}")
+            for name, spec in under.items()
+        ),
+        _lit_by(sky, window, _window_camera(), side, quick, "environment, room with a window"),
+    ]
+
+
+def _grey(spec: str, env: Array | None = None) -> tuple[Scene, Camera]:
+    """The triangles of a built-in scene as one grey mesh, and its camera."""
+    scene = build_scene(spec)
+    meshes = [
+        (np.asarray(m["vertices"]), np.asarray(m["triangles"]))
+        for m in scene.meshes()
+        if m["in_world"]
+    ]
+    return Scene.from_arrays(meshes, base_color=(ALBEDO,) * 3, env=env), scene.cameras[0]
+
+
+def _ambient(room: Scene, camera: Camera, side: int) -> PictureCase:
+    samples = 16
+    reach = 0.1 * float(np.linalg.norm(np.diff(room.bounds, axis=0)))
+    integrator = AmbientOcclusion(n_samples=samples, max_distance=reach)
+    return PictureCase(
+        name=f"AO room {side}x{side}, {samples} rays",
+        scene=room,
+        render=lambda spp, seed: render(
+            room, integrator, size=(side, side), spp=spp, seed=seed, camera=camera
+        ),
+        job={"job": "ao", "samples": samples, "reach": reach, **_view(camera, side)},
+        arrays={"camera": _axes(camera)},
+        spp=4,
+        reference_spp=64,
+    )
+
+
+def _open_ambient(scene: Scene, camera: Camera, side: int, name: str) -> PictureCase:
+    """Rays without end, as many per eye point as shared directions lie on its side."""
+    samples = SPHERE_DIRECTIONS // 2
+
+    def frame(integrator: AmbientOcclusion, spp: int, seed: int) -> Frame:
+        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
+
+    own = AmbientOcclusion(n_samples=samples, max_distance=None)
+    shared = AmbientOcclusion(n_samples=SPHERE_DIRECTIONS, max_distance=None, directions="shared")
+    return PictureCase(
+        name=f"AO {name} {side}x{side}, {samples} rays",
+        scene=scene,
+        render=lambda spp, seed: frame(own, spp, seed),
+        job={"job": "ao", "samples": samples, "reach": np.inf, **_view(camera, side)},
+        arrays={"camera": _axes(camera)},
+        spp=4,
+        reference_spp=32,
+        ways=(Way(label="shared directions", render=lambda spp, seed: frame(shared, spp, seed)),),
+    )
+
+
+def _lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
+    count = 20 if quick else 500
+    rng = np.random.Generator(np.random.PCG64(5))
+    low, high = np.asarray(room.bounds, np.float64)
+    # Under the ceiling, away from the walls
+    share = rng.random((count, 3)) * (0.8, 0.15, 0.8) + (0.1, 0.8, 0.1)
+    positions = (low + share * (high - low)).astype(np.float32)
+    description = SceneDescription()
+    grey = description.add_material(base_color=(ALBEDO,) * 3)
+    for mesh in room.meshes():
+        description.add_mesh(mesh["vertices"], mesh["triangles"], material=grey)
+    for position in positions:
+        description.add_point_light(position.tolist(), (INTENSITY / count,) * 3)
+    lit = Scene.from_description(description)
+    return PictureCase(
+        name=f"{count} point lights, room {side}x{side}",
+        scene=lit,
+        render=lambda spp, seed: render(
+            lit, Direct(), size=(side, side), spp=spp, seed=seed, camera=camera
+        ),
+        job={
+            "job": "points",
+            "albedo": ALBEDO,
+            "intensity": INTENSITY / count,
+            **_view(camera, side),
+        },
+        arrays={"camera": _axes(camera), "lights": positions},
+        spp=1,
+        # Errors are far below that of one sample of ours where many eye points share the lights
+        reference_spp=64 if quick else 256,
+        peer_reference_spp=64 if quick else 16,
+        ways=(
+            Way(
+                label=f"Aqvc(c_e={C_E})",
+                render=lambda spp, seed: render(
+                    lit,
+                    Direct(),
+                    size=(side, side),
+                    spp=spp,
+                    seed=seed,
+                    camera=camera,
+                    visibility=Aqvc(c_e=C_E),
+                ),
+                biased=True,
+            ),
+        ),
+    )
+
+
+def _many_lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
+    """The same in a larger picture, where eye points are dense."""
+    case = _lights(room, camera, side, quick)
+    if quick:
+        return case
+    return replace(
+        case,
+        # Sixteen times the pixels: fewer samples of each
+        reference_spp=16,
+        peer_reference_spp=4,
+        without=dict.fromkeys(("luxcore", "luxcore-cache"), "an estimated hour and more"),
+    )
+
+
+def _lit_by(
+    sky: Array, scene: Scene, camera: Camera, side: int, quick: bool, name: str
+) -> PictureCase:
+    samples = spp = 4
+
+    def frame(integrator: Direct, spp: int, seed: int) -> Frame:
+        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
+
+    own = Direct(n_area=0, n_environment=samples, n_brdf=samples)
+    shared = Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
+    dealt = replace(shared, n_environment=DEALT_DIRECTIONS, interleave=SETS)
+    return PictureCase(
+        name=f"{name} {side}x{side}, {samples} + {samples} samples",
+        scene=scene,
+        render=lambda spp, seed: frame(own, spp, seed),
+        job={"job": "sky", "samples": samples, "albedo": ALBEDO, **_view(camera, side)},
+        arrays={"camera": _axes(camera), "sky": sky},
+        spp=spp,
+        # Below the errors of all ways
+        reference_spp=1024 if quick else 512,
+        peer_reference_spp=1024 if quick else 256,
+        ways=(
+            Way(
+                label=f"{SKY_DIRECTIONS} shared directions",
+                render=lambda spp, seed: frame(shared, spp, seed),
+            ),
+            Way(
+                label=f"{DEALT_DIRECTIONS} shared directions in {SETS} sets",
+                render=lambda n, seed: frame(dealt, SETS // spp * n, seed),
+            ),
+        ),
+    )
+
+
+def _sky() -> Array:
+    """(64, 128, 3) grey radiance: brighter to one side and upwards, with one bright patch."""
+    row, column = np.mgrid[0:64, 0:128] / np.array([64, 128]).reshape(2, 1, 1)
+    value = 0.3 + 0.5 * (1 - row) + 0.4 * column
+    value[20:24, 40:46] = 40.0
+    return np.repeat(value[..., None], 3, axis=2).astype(np.float32)
+
+
+def _window_room() -> list[tuple[Array, Array]]:
+    """A room of 6 x 3 x 6 with a window of 1.6 x 1.2 in the wall at z = -3, and three boxes."""
+    inside = _box((-3, 0, -3), (3, 3, 3))
+    # The last face of a box is that at the lowest z: four strips around the window take its place
+    strips = (
+        ((-3, 0), (3, 1)),
+        ((-3, 2.2), (3, 3)),
+        ((-3, 1), (-0.8, 2.2)),
+        ((0.8, 1), (3, 2.2)),
+    )
+    meshes = [(inside[0], inside[1][:-2])]
+    for (x0, y0), (x1, y1) in strips:
+        corners = np.array([(x0, y0, -3), (x1, y0, -3), (x1, y1, -3), (x0, y1, -3)], np.float32)
+        meshes.append((corners, np.array([(0, 1, 2), (0, 2, 3)])))
+    boxes = (
+        ((-2, 0, -1), (-1, 1.4, 0)),
+        ((0.5, 0, -0.5), (1.8, 0.7, 1)),
+        ((-0.4, 0, 0.6), (0.1, 1.8, 1)),
+    )
+    return meshes + [_box(low, high) for low, high in boxes]
+
+
+def _box(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[Array, Array]:
+    """Twelve triangles; the last two have the lowest z."""
+    corners = np.array(
+        [[(low, high)[(i >> axis) & 1][axis] for axis in range(3)] for i in range(8)], np.float32
+    )
+    faces = ((0, 2, 6, 4), (1, 3, 7, 5), (0, 1, 5, 4), (2, 3, 7, 6), (4, 5, 7, 6), (0, 1, 3, 2))
+    return corners, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
+
+
+def _window_camera() -> Camera:
+    description = SceneDescription()
+    description.add_mesh(*_box((0, 0, 0), (1, 1, 1)))
+    description.add_camera((2.4, 1.7, 2.6), (-0.6, 1.0, -1.5), fov_deg=60, width=64, height=64)
+    return Scene.from_description(description).cameras[0]
+
+
+def _view(camera: Camera, side: int) -> dict[str, Any]:
+    return {"side": side, "fov_rad": float(camera.fov_rad)}
+
+
+def _axes(camera: Camera) -> Array:
+    rows = (camera.origin, camera.forward, camera.right, camera.up)
+    return np.array([np.asarray(row, np.float64) for row in rows])

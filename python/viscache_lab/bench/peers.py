@@ -1,0 +1,167 @@
+"""Other ray tracers in separate processes: they read arrays from files and take turns with us."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from viscache.scene import Scene
+from viscache_lab.bench.common import Sample
+
+__all__ = ["PEERS", "Peer", "PeerError", "missing", "missing_scene"]
+
+#: Name of a peer: (the package it needs, the module that runs it).
+PEERS = {
+    "mitsuba": ("mitsuba", "viscache_lab.bench.peer_mitsuba"),
+    "mitsuba-scalar": ("mitsuba", "viscache_lab.bench.peer_mitsuba"),
+    "cycles": ("bpy", "viscache_lab.bench.peer_cycles"),
+    "luxcore": ("pyluxcore", "viscache_lab.bench.peer_luxcore"),
+    "luxcore-cache": ("pyluxcore", "viscache_lab.bench.peer_luxcore"),
+    "embreex": ("embreex", "viscache_lab.bench.peer_embreex"),
+}
+
+
+#: Starts a module of this package under an interpreter that does not have the package.
+_START = """
+import runpy, sys, types
+for name, folder in (("viscache_lab", sys.argv[1]), ("viscache_lab.bench", sys.argv[1] + "/bench")):
+    sys.modules[name] = types.ModuleType(name)
+    sys.modules[name].__path__ = [folder]
+module = sys.argv[2]
+del sys.argv[1:3]
+runpy.run_module(module, run_name="__main__", alter_sys=True)
+"""
+
+
+class PeerError(RuntimeError):
+    """The other program failed; the message is its own, `peer` says which one it is."""
+
+    def __init__(self, message: str, peer: str = "") -> None:
+        super().__init__(message)
+        self.peer = peer
+
+
+def missing(name: str, scene: Scene) -> str | None:
+    """Why a peer cannot be used with this scene; None if it can."""
+    package = PEERS[name][0]
+    if importlib.util.find_spec(package) is None:
+        return f"{package} is not installed"
+    return missing_scene(scene)
+
+
+def missing_scene(scene: Scene) -> str | None:
+    """Why a scene cannot be handed over to any peer; None if it can."""
+    if scene.info()["instances"]:
+        return "the scene has instances, which are not handed over"
+    return None
+
+
+class Peer:
+    """One peer with its scene built; `run(job)` runs one job and returns its duration.
+
+    Each job is one line of JSON on standard input; each report is one line of JSON.
+
+    Parameters
+    ----------
+    name : str
+        One of `PEERS`.
+    scene : Scene
+        Its triangles are handed over; see `missing`.
+    python : Path, optional
+        The interpreter that has the peer's package; this package need not be there. The one that
+        runs now by default.
+
+    Raises
+    ------
+    PeerError
+        The peer did not start, ended, or reported an error. Its scene may be built already.
+    """
+
+    def __init__(self, name: str, scene: Scene, python: Path | None = None) -> None:
+        self._name = name
+        self._folder = tempfile.TemporaryDirectory(prefix="viscache-bench-")
+        self._path = Path(self._folder.name)
+        meshes = [m for m in scene.meshes() if m["in_world"]]
+        starts = np.cumsum([0] + [len(m["vertices"]) for m in meshes])
+        np.savez(
+            self._path / "scene.npz",
+            vertices=np.concatenate([m["vertices"] for m in meshes]),
+            triangles=np.concatenate(
+                [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
+            ).astype(np.uint32),
+        )
+        self._process = subprocess.Popen(
+            [
+                str(python or sys.executable),
+                "-c",
+                _START,
+                str(Path(__file__).parents[1]),
+                PEERS[name][1],
+                str(self._path),
+                name,
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            self.about = self._answer()
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
+
+    def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
+        """Run a job; return its time and the rest of its report."""
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # it has ended; the answer says how
+            self._process.stdin.write(json.dumps(job) + "\n")
+            self._process.stdin.flush()
+        report = self._answer()
+        return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
+
+    def give(self, **arrays: Any) -> None:
+        """Write arrays for the next jobs."""
+        np.savez(self._path / "input.npz", **arrays)
+        self.run({"job": "load"})
+
+    def result(self) -> dict[str, Any]:
+        """Arrays that the last job wrote."""
+        self.run({"job": "save"})
+        with np.load(self._path / "output.npz") as file:
+            return dict(file)
+
+    def _answer(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            status = self._process.wait()
+            raise PeerError(f"the other program ended with status {status}", self._name)
+        report: dict[str, Any] = json.loads(line)
+        if "error" in report:
+            raise PeerError(report["error"], self._name)
+        return report
+
+    def __enter__(self) -> Peer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        assert self._process.stdin is not None and self._process.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.close()
+        self._process.wait(timeout=60)
+        self._process.stdout.close()
+        self._folder.cleanup()

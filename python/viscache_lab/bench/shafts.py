@@ -1,0 +1,119 @@
+"""`viscache bench shafts`: exact visibility of shared lights by shafts and by packets of rays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from viscache.frame import Frame
+from viscache.render import render_part
+from viscache.scene import Scene
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Exact
+from viscache.shot import BareShot
+from viscache_lab.bench.aligned import opened
+from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure
+
+__all__ = ["shafts"]
+
+Engine = Literal["packets", "shafts", "auto"]
+ENGINES: tuple[Engine, ...] = ("packets", "shafts", "auto")
+#: Embree's coherent traversal changes one answer in 10⁹ by rounding; shafts have those of the
+#: other one.
+MOST_CHANGED = 1e-4
+
+
+@dataclass(frozen=True)
+class Case:
+    """Every `parts`-th tile of a frame with virtual point lights.
+
+    A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it.
+    """
+
+    name: str
+    scene: str
+    size: tuple[int, int]
+    spp: int
+    n_vpls: int
+    parts: int
+    goal: float | None = None
+
+
+CASES = (
+    Case("room, 512², 16 samples", "room?triangles=200000", (512, 512), 16, 256, 27, 2.9),
+    Case("room, 1024²", "room?triangles=200000", (1024, 1024), 1, 1024, 7, 1.9),
+    Case("room, 640×400", "room?triangles=200000", (640, 400), 1, 1024, 3, 1.15),
+    Case("apartment, 640×400", "apartment", (640, 400), 1, 1024, 3, 1.25),
+    Case("sponza, 640×400", "sponza-dabrovic/scene.xml", (640, 400), 1, 1024, 3, 1.8),
+    Case("living-room, 640×400", "living-room/scene.xml", (640, 400), 1, 1024, 3, 1.25),
+)
+QUICK = (Case("room, 64², 4 samples", "room?triangles=3000", (64, 64), 4, 70, 1),)
+
+
+def shafts(quick: bool = False) -> Outcome:
+    """CPU seconds of visibility in some tiles, one thread; frames must have equal bytes."""
+    outcome = Outcome()
+    for case in QUICK if quick else CASES:
+        scene = opened(case.scene)
+        if scene is None:
+            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+        else:
+            measure(outcome, case, scene, 1 if quick else 3)
+    outcome.notes.append(
+        "Visibility of some tiles, one thread, with all preparation but the tree of the scene;"
+        " packets by light with the coherent flag. open: share of queries that rays answer."
+    )
+    return outcome
+
+
+def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+    """Let the engines take turns, and compare the bytes of their frames."""
+    frames: dict[Engine, Frame] = {}
+    scene.caster()
+    runs: dict[str, Callable[[], Sample]] = {e: _run(frames, e, case, scene) for e in ENGINES}
+    samples = interleave(runs, repeats)
+    packets, incoherent = frames["packets"], _frame(case, scene, "packets", coherent=False)
+    queries = packets.counters["queries"]
+    for engine in ENGINES[1:]:
+        frame = frames[engine]
+        work = frame.parameters["engine"]
+        asked = max(1, work["shaft_queries"])
+        outcome.figures.append(
+            ratio_figure(
+                f"{case.name}: {engine} vs packets",
+                samples[engine],
+                samples["packets"],
+                goal=case.goal if engine == "shafts" else None,
+                nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
+                packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
+                by_shafts=work["shaft_queries"] / queries,
+                open=(work["shaft_doubted"] + work["shaft_long_lists"]) / asked,
+                counted=work,
+            )
+        )
+        differ = float(frame.sha256 != incoherent.sha256)
+        outcome.check(f"{case.name}: {engine}, frames with other bytes", differ, 0)
+    changed = float((packets.image != incoherent.image).any(axis=-1).mean())
+    outcome.check(f"{case.name}: share of pixels that Embree's flag changes", changed, MOST_CHANGED)
+
+
+def _frame(case: Case, scene: Scene, engine: Engine, *, coherent: bool) -> Frame:
+    exact = Exact(engine=engine, order="by_light", coherent=coherent)
+    more: dict[str, Any] = {"size": case.size, "spp": case.spp, "threads": 1}
+    part = (min(3, case.parts - 1), case.parts)
+    shot = BareShot(scene, Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
+    return render_part(shot, part)
+
+
+def _run(
+    frames: dict[Engine, Frame], engine: Engine, case: Case, scene: Scene
+) -> Callable[[], Sample]:
+    """Render some tiles; return the time of visibility and keep the frame."""
+
+    def run() -> Sample:
+        frame = frames[engine] = _frame(case, scene, engine, coherent=True)
+        cpu = frame.timings["visibility_cpu_s"]
+        return Sample(wall_s=cpu, cpu_s=cpu)
+
+    return run

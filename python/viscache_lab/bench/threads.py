@@ -1,0 +1,212 @@
+"""`viscache bench threads`: wall-clock time with 1, 2, 4, … threads, and the same bytes."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, partial
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.progressive import Progressive
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted
+from viscache.settings.rays import Vlf
+from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
+from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave, timed
+
+__all__ = ["threads"]
+
+#: Least speed-up with two threads.
+GOAL_OF_TWO = 1.9
+REPEATS, QUICK_REPEATS = 3, 1
+ROOM = "room?triangles=200000"
+SEGMENTS = 4_000_000
+FIELD = Vlf(n_directions=129, n_tiles=64)
+
+
+class Work(Protocol):
+    """What a case times, e.g. a frame."""
+
+    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
+        """The answers, whose bytes must not depend on `threads`."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Picture:
+    """A frame."""
+
+    integrator: Integrator
+    visibility: Visibility = field(default_factory=lambda: Exact(engine="packets"))
+    size: tuple[int, int] = (512, 512)
+    spp: int = 1
+
+    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
+        return render(
+            scene,
+            self.integrator,
+            visibility=self.visibility,
+            size=self.size,
+            spp=self.spp,
+            threads=threads,
+        ).image
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Passes:
+    """Two corrected passes of one sample."""
+
+    size: tuple[int, int] = (512, 512)
+
+    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
+        picture = Progressive(scene, Whitted(n_vpls=256), size=self.size, threads=threads)
+        return picture.passes(2).image
+
+
+@cache
+def random_ends(scene: Scene) -> npt.NDArray[np.float32]:
+    """Both ends of segments in the scene's box; the turn that warms up makes them."""
+    ends = np.random.default_rng(0).random((2, SEGMENTS, 3), dtype=np.float32)
+    low, high = scene.bounds
+    return np.asarray(ends * (high - low) + low, np.float32)
+
+
+def segments(scene: Scene, threads: int) -> npt.NDArray[Any]:
+    """Visibility of pairs of random points."""
+    x, y = random_ends(scene)
+    return scene.visible(x, y, threads=threads)
+
+
+def built_field(scene: Scene, threads: int) -> npt.NDArray[Any]:
+    """Answers of a visibility field to some rays, its build included."""
+    made = FIELD.build(scene, threads=threads)
+    rays = np.random.default_rng(0).normal(size=(2, 1000, 3)).astype(np.float32)
+    return np.asarray(made.occluded(rays[0], rays[1], np.inf, threads))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Case:
+    """Work in a scene."""
+
+    name: str
+    work: Work
+    scene: str = ROOM
+
+
+LIGHTS, AQVC = Whitted(n_vpls=256), Aqvc(c_e=10)
+SETS = Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
+OWN = Direct(n_area=0, n_environment=4, n_brdf=4)
+CASES = (
+    Case(name="packets, 192x192", work=Picture(integrator=LIGHTS, size=(192, 192))),
+    Case(name="packets, 512x512", work=Picture(integrator=LIGHTS)),
+    Case(
+        name="shafts, 512x512",
+        work=Picture(integrator=LIGHTS, visibility=Exact(engine="shafts")),
+    ),
+    Case(
+        name="quantized cache, 192x192",
+        work=Picture(integrator=LIGHTS, visibility=AQVC, size=(192, 192)),
+    ),
+    Case(name="quantized cache, 512x512", work=Picture(integrator=LIGHTS, visibility=AQVC)),
+    Case(
+        name="quantized cache, 256x256, 16 samples",
+        work=Picture(integrator=LIGHTS, visibility=Aqvc(c_e=24), size=(256, 256), spp=16),
+    ),
+    Case(name="2 corrected passes, 512x512", work=Passes()),
+    Case(
+        name="ambient occlusion, 16 rays of each pixel's own",
+        work=Picture(integrator=AmbientOcclusion(n_samples=16)),
+    ),
+    Case(
+        name="ambient occlusion, 513 shared directions",
+        scene="bumpy_spheres?triangles=15000",
+        work=Picture(integrator=AmbientOcclusion(n_samples=513, directions="shared")),
+    ),
+    Case(name="sky, 4 + 4 own samples", scene="stairs", work=Picture(integrator=OWN, spp=4)),
+    Case(
+        name="sky, 512 directions in 16 sets, 256x256, 16 samples",
+        scene="stairs",
+        work=Picture(integrator=SETS, size=(256, 256), spp=16),
+    ),
+    Case(
+        name="sky, visibility maps, 320x240",
+        scene="garage",
+        work=Picture(
+            integrator=Direct(environment="product"), visibility=VisMaps(), size=(320, 240)
+        ),
+    ),
+    Case(
+        name="bidirectional paths, quantized cache, 256x256, 4 samples",
+        scene="cornell_box",
+        work=Picture(integrator=Bdpt(), visibility=Aqvc(), size=(256, 256), spp=4),
+    ),
+    Case(name="4 million random segments", work=segments),
+    Case(name="a visibility field", scene="bumpy_spheres?triangles=15000", work=built_field),
+)
+SMALL = Picture(integrator=Whitted(n_vpls=16), visibility=AQVC, size=(80, 50))
+QUICK = (
+    Case(name="quantized cache, 80x50", scene="room?triangles=3000", work=SMALL),
+    Case(
+        name="2 corrected passes, 80x50",
+        scene="room?triangles=3000",
+        work=Passes(size=(80, 50)),
+    ),
+)
+
+
+def threads(quick: bool = False) -> Outcome:
+    """Each case with every number of threads, in turns."""
+    outcome = Outcome()
+    counts = thread_counts(len(os.sched_getaffinity(0)))
+    if counts == [1]:
+        outcome.skip("speed-ups", "this process may use one core only")
+    for case in QUICK if quick else CASES:
+        measure(outcome, case, counts, QUICK_REPEATS if quick else REPEATS)
+    outcome.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
+    return outcome
+
+
+def thread_counts(cores: int) -> list[int]:
+    """1, 2, 4, … and all cores."""
+    return sorted({1 << k for k in range(cores.bit_length())} | {cores})
+
+
+def measure(outcome: Outcome, case: Case, counts: list[int], repeats: int) -> None:
+    """Let all numbers of threads take turns."""
+    scene = build_scene(case.scene)
+    digests: dict[int, str] = {}
+
+    def run(n: int) -> Sample:
+        sample, answers = timed(lambda: case.work(scene, n))
+        digests[n] = hashlib.sha256(answers.tobytes()).hexdigest()
+        return sample
+
+    runs: dict[str, Callable[[], Sample]] = {str(n): partial(run, n) for n in counts}
+    samples = interleave(runs, repeats)
+    one = samples["1"]
+    for n in counts[1:]:
+        mine = samples[str(n)]
+        pairs = list(zip(one, mine, strict=True))
+        outcome.figures.append(
+            figure(
+                f"{case.name}: {n} threads vs one",
+                statistics.median(s.wall_s for s in mine),
+                "s",
+                baseline=statistics.median(s.wall_s for s in one),
+                ratios=[a.wall_s / b.wall_s for a, b in pairs],
+                goal=GOAL_OF_TWO if n == 2 else None,
+                clock="wall",
+                cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
+            )
+        )
+    outcome.check(
+        f"{case.name}: numbers of threads whose answers differ from those of one",
+        float(sum(digest != digests[1] for digest in digests.values())),
+        0.0,
+    )

@@ -1,0 +1,184 @@
+"""`viscache bench vismap-variance`: variance with visibility maps against product sampling.
+
+Random pixels of a picture are estimated many times in a model whose lights are the environment's
+texels, so that the true value is a sum (`viscache.vismap.simulation`). Both sides take the same
+number of samples from the same kind of points. In the *steady state*, α comes from earlier passes.
+In *one shot*, there are no earlier passes: the samples are taken in passes of 10, 20, 40, ….
+Rendered pictures in equal time follow (`vismap_time`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.variance import VarianceRatio, variance_ratio
+from viscache.vismap import MapSettings, VisibilityMapCache
+from viscache.vismap.simulation import PixelEstimates, Way, simulate
+from viscache_lab.bench.common import Outcome, build_scene, figure
+from viscache_lab.bench.vismap_time import equal_time
+
+__all__ = ["vismap_variance"]
+
+ETA = 0.25
+#: Passes of a pixel in the steady state: the first five give α for the last.
+STEADY = 6
+#: Probability that a bench without bias fails.
+FALSE_ALARM = 1e-3
+
+WAYS: dict[str, Way] = {
+    "control variate, alpha 1": Way(alpha=1.0),
+    "control variate, alpha of earlier passes": Way(alpha="previous_pass", passes=STEADY),
+    "guided": Way(alpha="previous_pass", eta=ETA, passes=STEADY),
+    "one pass, alpha of a pilot": Way(alpha="previous_pass", first="pilot"),
+    "one shot, first alpha of a pilot": Way(alpha="previous_pass", one_shot=True, first="pilot"),
+    "one shot, first alpha 1": Way(alpha="previous_pass", one_shot=True),
+    "one shot, guided": Way(alpha="previous_pass", eta=ETA, one_shot=True, first="pilot"),
+}
+#: All samples in one pass, hence also one shot.
+IID_ONLY = {"control variate, leave-one-out": Way(alpha="loo", points="iid")}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Case:
+    """A picture, and the largest remaining share of the variance for some of the ways."""
+
+    name: str
+    scene: str
+    quick_scene: str
+    camera: int = 0
+    m: int = 5
+    """A map has 2^m × 2^m cells."""
+    goals: Mapping[tuple[str, str, int], float]
+    """By way, points and samples."""
+
+
+STEADY_WAY, PAPER = "control variate, alpha of earlier passes", "control variate, alpha 1"
+GARDEN_GOALS = {
+    **{(STEADY_WAY, points, n): 1.03 for points in ("iid", "rqmc") for n in (10, 30, 100)},
+    **{("control variate, leave-one-out", "iid", n): 1.03 for n in (30, 100)},
+}
+CASES = (
+    Case(
+        name="garage",
+        scene="garage",
+        quick_scene="garage?triangles=60000",
+        goals={
+            (PAPER, "rqmc", 10): 0.45,
+            ("guided", "rqmc", 10): 0.27,
+            ("guided", "rqmc", 30): 0.2,
+        },
+    ),
+    Case(
+        name="garage, maps of 64x64",
+        scene="garage",
+        quick_scene="garage?triangles=60000",
+        m=6,
+        goals={("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2},
+    ),
+    Case(name="garden1", scene="garden", quick_scene="garden?triangles=60000", goals=GARDEN_GOALS),
+    Case(
+        name="garden2",
+        scene="garden",
+        quick_scene="garden?triangles=60000",
+        camera=1,
+        goals=GARDEN_GOALS,
+    ),
+    Case(
+        name="window_room",
+        scene="window_room",
+        quick_scene="window_room",
+        goals={("guided", "rqmc", 30): 1 / 20},
+    ),
+)
+SAMPLES, QUICK_SAMPLES = (10, 30, 100), (10, 30)
+FULL, QUICK = {"n_pixels": 512, "replicates": 64}, {"n_pixels": 24, "replicates": 16}
+SIZE, QUICK_SIZE = (640, 480), (160, 120)
+
+
+def vismap_variance(quick: bool = False) -> Outcome:
+    """Run every case, way and point set."""
+    outcome = Outcome()
+    size = QUICK_SIZE if quick else SIZE
+    for case in CASES:
+        scene = build_scene(case.quick_scene if quick else case.scene)
+        cache = VisibilityMapCache(scene, MapSettings(m=case.m))
+        cache.update(case.camera, size=size)
+        samples = QUICK_SAMPLES if quick else SAMPLES
+        found = simulate(
+            cache, all_ways(), samples, camera=case.camera, size=size, **(QUICK if quick else FULL)
+        )
+        add_figures(outcome, case, found, samples, len(cache))
+        check_means(outcome, case.name, found)
+    equal_time(outcome, quick)
+    outcome.notes.append(
+        "values are variances left; ratios are gains, product sampling over ours, with the 95 % "
+        "interval of a bootstrap over replicates; in the world of the environment's texels"
+    )
+    return outcome
+
+
+def all_ways() -> list[Way]:
+    """The baseline and every way, each with both kinds of points."""
+    return [way for pair in _pairs().values() for way in pair]
+
+
+def _pairs() -> dict[tuple[str, str], tuple[Way, Way]]:
+    """By name and points: product sampling, and the way."""
+    sets: tuple[tuple[str, Mapping[str, Way]], ...] = (
+        ("iid", {**WAYS, **IID_ONLY}),
+        ("rqmc", WAYS),
+    )
+    return {
+        (name, points): (Way(points=points), replace(way, points=points))  # type: ignore[arg-type]
+        for points, ways in sets
+        for name, way in ways.items()
+    }
+
+
+def add_figures(
+    outcome: Outcome, case: Case, found: PixelEstimates, samples: Sequence[int], n_records: int
+) -> None:
+    """A figure of every way, point set and number of samples."""
+    for (name, points), (baseline, way) in _pairs().items():
+        for n in samples:
+            left = _left(found.estimates[way, n], found.estimates[baseline, n])
+            limit = case.goals.get((name, points, n))
+            outcome.figures.append(
+                figure(
+                    f"{case.name}, {name}, {points}, {n} samples vs product sampling",
+                    left.ratio,
+                    "of the variance",
+                    baseline=1.0,
+                    ratios=left.gains,
+                    goal=None if limit is None else 1 / limit,
+                    records=n_records,
+                    trimmed=left.trimmed,
+                    worse_share=left.worse_share,
+                )
+            )
+
+
+def _left(ours: npt.NDArray[np.float64], baseline: npt.NDArray[np.float64]) -> VarianceRatio:
+    """Replicates (K, P) as renders of one row."""
+    return variance_ratio(
+        [row[None, :, None] for row in ours], [row[None, :, None] for row in baseline]
+    )
+
+
+def check_means(outcome: Outcome, name: str, found: PixelEstimates) -> None:
+    """Check for each way that sums over pixels agree with the true values within chance."""
+    from scipy.stats import t  # type: ignore[import-untyped,unused-ignore]
+
+    worst, n_replicates = 0.0, 2
+    for estimates in found.estimates.values():
+        error = (estimates - found.truth).sum(axis=1)
+        n_replicates = len(error)
+        spread = error.std(ddof=1) / np.sqrt(n_replicates)
+        worst = max(worst, abs(float(error.mean())) / max(float(spread), 1e-300))
+    single = 1 - (1 - FALSE_ALARM) ** (1 / (len(found.estimates) * len(CASES)))
+    limit = float(t.ppf(1 - single / 2, n_replicates - 1))
+    outcome.check(f"{name}: largest |z| of {len(found.estimates)} means", worst, limit)

@@ -1,0 +1,69 @@
+"""Part of `viscache bench vlf-build`: moving an object in a field against rebuilding the field."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from viscache.scene import Scene
+from viscache.settings.rays import Vlf
+from viscache.vlf.dynamic import DynamicField
+from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+from viscache_lab.cases.beams import chords
+from viscache_lab.cases.moving_object import STOPS, ball, with_object
+
+__all__ = ["compare_updates"]
+
+SCENE, QUICK_SCENE = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
+FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
+QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+#: Triangles of the object that moves.
+SIZES, QUICK_SIZES = (100, 1000, 10_000), (100,)
+RAYS, QUICK_RAYS = 20_000, 2000
+REPEATS = 2
+#: Allowed share of rays whose nearest hit differs from that of the rebuilt field.
+DIFFERING = 1e-4
+
+
+def compare_updates(outcome: Outcome, quick: bool) -> None:
+    """CPU seconds of an update, in both modes, and of a field built with the object in place."""
+    scene = build_scene(QUICK_SCENE if quick else SCENE)
+    settings = QUICK_FIELD if quick else FIELD
+    beams = chords(scene, QUICK_RAYS if quick else RAYS)
+    modes: tuple[Literal["overlay", "in_place"], ...] = ("overlay", "in_place")
+    for mode in modes:
+        field = DynamicField(scene, settings, mode=mode)
+        for size in QUICK_SIZES if quick else SIZES:
+            vertices, triangles = ball(size, (0.0, 0.5, 0.0))
+            number = field.insert(vertices, triangles)
+            moved = with_object(scene, vertices + np.array(STOPS[REPEATS - 1]), triangles)
+            stops = iter(STOPS)
+            built: dict[str, Any] = {}
+            runs: dict[str, Callable[[], Any]] = {
+                "update": partial(_move, field, number, stops),
+                "rebuild": partial(_rebuild, settings, moved, built),
+            }
+            samples = interleave(runs, REPEATS, warm_up=False)
+            label = f"field of {scene.triangles} triangles, {mode}, {len(triangles)} moved"
+            outcome.figures.append(
+                ratio_figure(f"{label} vs rebuild", samples["update"], samples["rebuild"])
+            )
+            found = field.intersect(beams.origins, beams.directions).t
+            expected = built["field"].intersect(beams.origins, beams.directions)[0]
+            differ = float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0)))
+            outcome.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
+            field.delete(number)
+
+
+def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> Sample:
+    matrix = np.eye(4)
+    matrix[:3, 3] = next(stops)
+    return timed(lambda: field.transform(number, matrix))[0]
+
+
+def _rebuild(settings: Vlf, scene: Scene, built: dict[str, Any]) -> Sample:
+    time, built["field"] = timed(lambda: settings.build(scene))
+    return time

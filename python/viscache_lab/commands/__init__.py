@@ -1,0 +1,1 @@
+"""Sub-commands of `viscache`, which finds them as entry points of `viscache.commands`."""

@@ -1,0 +1,10 @@
+"""Numerical extremes: checks that anyone can run, and the map of where numbers hold.
+
+`viscache doctor --extremes` runs the checks, `viscache reproduce extremes` draws the map.
+"""
+
+from viscache_lab.extremes.case import Case, Check
+from viscache_lab.extremes.registry import FAMILIES, Family
+from viscache_lab.extremes.runner import run
+
+__all__ = ["FAMILIES", "Case", "Check", "Family", "run"]

@@ -1,0 +1,158 @@
+"""Zero lights and 10⁵ of them; lights on surfaces, in vertices, in cubes, of next to no area."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+
+import viscache as vc
+from viscache_lab.extremes import scenes
+from viscache_lab.extremes.case import Case
+from viscache_lab.extremes.pictures import METHODS, bad_pixels, picture, rel_l1
+from viscache_lab.extremes.registry import family
+
+#: What asks every light.
+ALL = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
+FEW_PIXELS = (8, 5)
+MANY = 100_000
+#: Places of a point light in the scene of the cube.
+PLACES = {
+    "at the camera": (-1.2, 2.6, 4.2),
+    "in the floor": (0.5, 0.0, 0.5),
+    "1e-7 above the floor": (0.5, 1e-7, 0.5),
+    "in a vertex of the table": (0.5, 0.6, 0.5),
+    "on an edge of the table": (0.5, 0.6, 0.0),
+    "in the table": (0.1, 0.6, 0.2),
+    "1e15 away": (1e15, 1e15, 1e15),
+}
+
+
+@family("lights", "zero lights, 10⁵ lights, lights on surfaces and of next to no area")
+def lights(full: bool) -> Iterator[Case]:
+    for name, method in METHODS.items():
+        if not method.maps:
+            yield Case(
+                name=f"{name}, no light: light and queries",
+                measure=partial(_no_light, method.settings),
+                why="nothing to ask",
+            )
+    yield Case(
+        name=f"{MANY} lights in one place: rel_l1 against one light {MANY} times as bright",
+        measure=lambda: rel_l1(_frame("one place"), _frame("one light")),
+        limit=MANY / 16 * 6e-8,
+        why="a pixel's sum runs in 16 lanes of single precision: as many roundings of 6e-8",
+    )
+    yield Case(
+        name=f"{MANY} lights: rel_l1 against the sum of their halves",
+        measure=_not_additive,
+        limit=2e-6,
+        why="light is additive; measured 2.4e-7, eight times that",
+    )
+    for name, limit in {
+        "quantized cache": 0.15,
+        'quantized cache "fast"': 0.15,
+        "quantized cache, corrected": 0.02,
+        "NEE++": 2e-3,
+    }.items():
+        yield Case(
+            name=f"{name}, {MANY} lights: rel_l1",
+            measure=partial(_error_of_many, name),
+            limit=limit,
+            why="cells are as large as this small picture: measured 0.066, 0.058, 0.008, 5e-4",
+        )
+    yield from _placed()
+    for area in (1e-10, 1e-20, 1e-30):
+        for name in ("exact by Embree", "exact by BSP"):
+            yield Case(
+                name=f"{name}, a lamp of area {area:g}: rel_l1 against 1e-6 and the same power",
+                measure=partial(_tiny_lamp, METHODS[name].settings, area),
+                limit=2e-3,
+                why="the larger lamp is 1.4e-3 wide: measured 4.4e-4, 5 times that",
+            )
+    if full:
+        yield Case(
+            name="10⁴ emitting spheres: pixels that are not finite",
+            measure=_spheres,
+            why="a tree chooses among them",
+        )
+
+
+def _placed() -> Iterator[Case]:
+    for name in ("exact by Embree", "exact by BSP", "quantized cache", "shadow maps", "NEE++"):
+        for place, position in PLACES.items():
+            yield Case(
+                name=f"{name}, a light {place}: pixels that are not finite",
+                measure=partial(_at, METHODS[name].settings, position),
+                why="distances and cosines of 0 bring no light, and no division by 0",
+            )
+
+
+def _no_light(settings: dict[str, Any]) -> float:
+    scene = scenes.with_parts(scenes.floor(), scenes.table(), lights=())
+    frame = picture(scene, integrator=vc.Direct(), **settings)
+    return float(np.abs(frame.image).sum() + frame.counters["queries"])
+
+
+@cache
+def _many(which: str) -> vc.Scene:
+    """The floor and the table under 10⁵ lights, or parts of them."""
+    rng = np.random.default_rng(2)
+    places = rng.uniform(-1.5, 1.5, (MANY, 3)) + np.array([0, 2.5, 0])
+    if which in ("one place", "one light"):
+        places[:] = (2.2, 3.0, 1.2)
+    power = 12.0 / MANY
+    if which == "one light":
+        places, power = places[:1], 12.0
+    if which in ("even", "odd"):
+        places = places[which == "odd" :: 2]
+    lamps = tuple((tuple(map(float, p)), power) for p in places)
+    return scenes.with_parts(scenes.floor(), scenes.table(), lights=lamps)
+
+
+@cache
+def _frame(which: str) -> vc.Frame:
+    return picture(_many(which), integrator=ALL, size=FEW_PIXELS)
+
+
+def _not_additive() -> float:
+    whole, even, odd = (np.asarray(_frame(which).image, float) for which in ("all", "even", "odd"))
+    return float(np.abs(whole - even - odd).sum() / whole.sum())
+
+
+def _error_of_many(name: str) -> float:
+    frame = picture(_many("all"), METHODS[name], integrator=ALL, size=FEW_PIXELS)
+    return rel_l1(frame, _frame("all"))
+
+
+def _at(settings: dict[str, Any], position: tuple[float, float, float]) -> float:
+    lit = ((position, 12.0), ((2.2, 3.0, 1.2), 12.0))
+    scene = scenes.with_parts(scenes.floor(), scenes.table(), lights=lit)
+    return bad_pixels(picture(scene, integrator=ALL, **settings))
+
+
+def _lamp(area: float) -> vc.Scene:
+    """A triangle of this area and of a power that does not depend on it, above the table."""
+    description = scenes.described(scenes.floor(), scenes.table(), lights=())
+    black = description.add_material(base_color=(0.0, 0.0, 0.0))
+    edge = np.sqrt(2 * area)
+    corners = np.array([[0, 2, 0], [edge, 2, 0], [0, 2, edge]])
+    one = np.array([[0, 1, 2]], np.uint32)
+    description.add_mesh(corners, one, material=black, emission=(1.0 / area,) * 3)
+    return vc.Scene.from_description(description)
+
+
+def _tiny_lamp(settings: dict[str, Any], area: float) -> float:
+    given = {"integrator": vc.Direct(n_area=1, n_brdf=0), **settings}
+    return rel_l1(picture(_lamp(area), **given), picture(_lamp(1e-6), **given))
+
+
+def _spheres() -> float:
+    description = scenes.described(scenes.floor(), scenes.table(), lights=())
+    rng = np.random.default_rng(4)
+    for place in rng.uniform(-1.5, 1.5, (10_000, 3)) + np.array([0, 2.5, 0]):
+        description.add_sphere_light(tuple(map(float, place)), 1e-3, (100.0,) * 3)
+    scene = vc.Scene.from_description(description)
+    return bad_pixels(picture(scene, integrator=vc.Direct(n_area=4), size=FEW_PIXELS))

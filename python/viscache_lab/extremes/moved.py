@@ -1,0 +1,84 @@
+"""Scenes written anew: rotated, scaled, moved, shaken. The picture stays the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import SceneDescription
+from viscache.scene import Scene
+
+Array = npt.NDArray[np.float64]
+
+__all__ = ["description_of", "moved"]
+
+
+def description_of(
+    made: Scene,
+    *,
+    scale: float = 1.0,
+    rotation: npt.ArrayLike | None = None,
+    shift: npt.ArrayLike = (0.0, 0.0, 0.0),
+    noise: float = 0.0,
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> SceneDescription:
+    """A scene rotated, then scaled, then moved. Point lights have `scale²` times their intensity.
+
+    Materials without textures, meshes in world space, point and directional lights, and cameras.
+
+    Parameters
+    ----------
+    made : Scene
+    scale : float > 0
+    rotation : (3, 3) float, optional
+    shift : (3,) float
+        Scene units.
+    noise : float >= 0
+        Shakes the vertices: scene units before `scale`, uniform, fixed seed.
+    origin : (3,) float
+        Of the new scene.
+    """
+    turn: Array = np.eye(3) if rotation is None else np.asarray(rotation, float)
+    rng = np.random.default_rng(5)
+
+    def point(p: npt.ArrayLike) -> Array:
+        return np.asarray(scale * (np.asarray(p, float) @ turn.T) + np.asarray(shift, float))
+
+    def place(p: npt.ArrayLike) -> list[float]:
+        moved_to: list[float] = point(p).tolist()
+        return moved_to
+
+    old, new = made.description(), SceneDescription(origin)
+    for material in old.materials:
+        new.add_material(material.pop("kind"), **material)
+    for mesh in made.meshes():
+        shaken = mesh["vertices"] + noise * rng.uniform(-1, 1, mesh["vertices"].shape)
+        new.add_mesh(
+            point(shaken),
+            mesh["triangles"],
+            material=mesh["material"],
+            emission=mesh["emission"],
+            name=mesh["name"],
+        )
+    for light in old.lights:
+        if light["kind"] == "point":
+            intensity = (np.asarray(light["intensity"]) * scale**2).tolist()
+            new.add_point_light(place(light["position"]), intensity)
+        elif light["kind"] == "directional":
+            new.add_directional_light(turn @ light["direction"], light["irradiance"])
+    for camera in old.cameras:
+        target = np.add(camera["origin"], camera["forward"])
+        new.add_camera(
+            place(camera["origin"]),
+            place(target),
+            up=turn @ camera["up"],
+            fov_deg=camera["fov_deg"],
+        )
+    return new
+
+
+def moved(made: Scene, **transform: Any) -> Scene:
+    """The scene of `description_of`."""
+    return Scene.from_description(description_of(made, **transform))

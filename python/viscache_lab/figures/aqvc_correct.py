@@ -1,0 +1,130 @@
+"""Answers as control variates: noise over rays, with the cache and without any shadows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from viscache import scenes
+from viscache.oracles.correct import Correct
+from viscache.render import render
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc, Exact, Unoccluded, Visibility
+from viscache_lab.figures import aqvc_bands as bands
+from viscache_lab.figures.aqvc_runs import Shot
+from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.drawing import draw_lines
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+from viscache_lab.figures.vlf_tracers import write_csv
+
+SIZE, QUICK_SIZE = (192, 120), (64, 40)
+#: q, the share of the queries that are also traced; None: no correction.
+SHARES = (None, 0.05, 0.1, 0.25, 0.5)
+#: The share whose rows have bands.
+SHOWN = 0.1
+METHODS: dict[str, Visibility] = {"AQVC C_E 12": Aqvc(exact_groups=()), "no shadows": Unoccluded()}
+
+
+@dataclass(frozen=True, slots=True)
+class Corrected:
+    """Frames of one method and share against exact frames of the same samples."""
+
+    rays_left: float
+    """Rays per query."""
+    noise: float
+    """Root mean squared error of a pixel, over the mean of the picture."""
+    energy: float
+    """Relative error of the energy, over all frames."""
+    z: float
+    """The energy error in standard errors."""
+
+
+@figure("aqvc-correct", 'use="correct": noise over rays, with the cache and without shadows')
+def correction(
+    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
+) -> Outcome:
+    """Both are unbiased; a cache pays off if its corrections have less noise."""
+    outcome, table, lines = Outcome(), [], {}
+    for scene, shot in shots(quick, size).items():
+        found = corrected(shot, seeds=6 if quick else 16)
+        for method in METHODS:
+            mine = {share: found[method, share] for share in SHARES}
+            drawn = [c for share, c in mine.items() if share]
+            lines[f"{method}, {scene}"] = ([c.rays_left for c in drawn], [c.noise for c in drawn])
+            table += [
+                {
+                    "scene": scene,
+                    "method": method,
+                    "share": share or 0,
+                    "rays_left": c.rays_left,
+                    "noise": c.noise,
+                    "energy": c.energy,
+                    "z": c.z,
+                }
+                for share, c in mine.items()
+            ]
+            plain, shown = mine[None], mine[SHOWN]
+            note = f"{shown.energy:+.2%} of the light, {plain.energy:+.2%} without corrections"
+            outcome.rows.append(
+                Row(f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note)
+            )
+        cache, none = (found[method, SHOWN] for method in METHODS)
+        ratio = (cache.noise / none.noise) ** 2
+        note = f"rays over queries {cache.rays_left:.3f} and {none.rays_left:.3f}"
+        outcome.rows.append(
+            Row(
+                f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
+                ratio,
+                band=bands.CACHE_IS_THE_BETTER_VARIATE,
+                note=note,
+            )
+        )
+    outcome.files += [
+        draw_lines(lines, folder / "aqvc-correct.png", x="rays over queries", y="noise"),
+        write_csv(folder / "aqvc-correct.csv", table),
+    ]
+    return outcome
+
+
+def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:
+    """Many lights in one room, mostly hidden lamps, an area light."""
+    pixels = size or (QUICK_SIZE if quick else SIZE)
+    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
+    lit = {"room": Shot(scene=scenes.room(), integrator=room, size=pixels)}
+    return lit | {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
+
+
+def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Corrected]:
+    """Every method with every share, from frames of several seeds."""
+    exact = [np.asarray(shot.frame(Exact(), seed=s).image, np.float64) for s in range(seeds)]
+    light = np.array([image.mean() for image in exact])
+    found = {}
+    for method, visibility in METHODS.items():
+        for share in SHARES:
+            use = None if share is None else Correct(share=share)
+            frames = [
+                render(
+                    shot.scene,
+                    shot.integrator,
+                    visibility=visibility,
+                    use=use,
+                    seed=s,
+                    size=shot.size,
+                    spp=shot.spp,
+                    camera=shot.camera,
+                )
+                for s in range(seeds)
+            ]
+            off = [f.image - image for f, image in zip(frames, exact, strict=True)]
+            sums = np.array([o.mean() for o in off])
+            rays, queries = (sum(f.counters[n] for f in frames) for n in ("rays", "queries"))
+            found[method, share] = Corrected(
+                rays_left=rays / queries,
+                noise=float(np.sqrt(np.mean(np.square(off))) / light.mean()),
+                energy=float(sums.sum() / light.sum()),
+                z=float(sums.mean() / (sums.std(ddof=1) / np.sqrt(seeds))),
+            )
+    return found

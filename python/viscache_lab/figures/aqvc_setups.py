@@ -1,0 +1,148 @@
+"""Stand-ins for the scenes of the quantized cache's paper, lit and sampled as in Section 5."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Literal, TypeAlias
+
+from viscache import SceneDescription, scenes
+from viscache.scene import Scene
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc
+from viscache_lab.figures import aqvc_printed as printed
+from viscache_lab.figures.aqvc_runs import Shot
+
+__all__ = ["CLOSE_UP", "PRESETS", "QUICK_SIZE", "SETUPS", "SIZE", "Preset", "Setup", "delta"]
+
+Preset: TypeAlias = Literal["default", "fast", "paper"]
+#: Presets whose pictures are compared with exact ones.
+PRESETS: tuple[Preset, ...] = ("default", "fast", "paper")
+
+SIZE, QUICK_SIZE = (640, 400), (80, 50)
+#: Direction to the sun of APARTMENT DELTA, and its irradiance.
+SUN, SUNLIGHT = (-0.35, 0.45, -0.8), (4.0, 3.8, 3.4)
+#: Under a chair of the living room: the camera's place, its target, its angle of view.
+CLOSE_UP = ((-1.89, 0.31, -1.18), (-2.29, 0.01, -1.52), 40.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Setup:
+    """One of the paper's renderings, full or quick."""
+
+    name: str
+    printed: str
+    """The paper's scene, a key of `aqvc_printed.SCENES`."""
+    make: Callable[[int], Scene]
+    """Takes the number of triangles."""
+    triangles: tuple[int, int]
+    """Of full and of quick runs."""
+    n_vpls: int = 0
+    n_area: int = 0
+    n_environment: int = 0
+    """Samples of the environment by its radiance; the same number by the BRDF."""
+    antialiased: int = 16
+    """Samples per pixel in the paper's anti-aliased frames."""
+    delta_lights: bool = False
+    square: bool = False
+    c_e_groups: Mapping[str, float] = field(default_factory=dict)
+
+    def integrator(self, quick: bool) -> Whitted:
+        """The paper's numbers of samples; an eighth of them if quick."""
+        share = 8 if quick else 1
+        environment = self.n_environment // share
+        return Whitted(
+            n_vpls=self.n_vpls // share,
+            n_area=self.n_area // share,
+            n_environment=environment,
+            n_brdf=environment,
+        )
+
+    def pixels(self, quick: bool, size: tuple[int, int] | None = None) -> tuple[int, int]:
+        """The requested size, or this setup's own."""
+        if size is not None:
+            return size
+        if self.square:
+            return (128, 128) if quick else (512, 512)
+        return QUICK_SIZE if quick else SIZE
+
+    def shot(self, quick: bool, size: tuple[int, int] | None = None, spp: int = 1) -> Shot:
+        """Ready to be rendered."""
+        return Shot(
+            scene=self.scene(quick),
+            integrator=self.integrator(quick),
+            spp=spp,
+            size=self.pixels(quick, size),
+        )
+
+    def scene(self, quick: bool) -> Scene:
+        """The scene; recent scenes are cached."""
+        return _made(self.name, self.triangles[quick])
+
+    def cache(self, preset: Preset, c_e: float, **given: Any) -> Aqvc:
+        """A preset at one C_E, except for the light groups whose C_E the paper keeps fixed."""
+        groups = dict(self.c_e_groups)
+        return Aqvc(preset=preset, c_e=c_e, c_e_groups=groups, exact_groups=(), **given)
+
+
+@lru_cache(maxsize=4)
+def _made(name: str, triangles: int) -> Scene:
+    return SETUPS[name].make(triangles)
+
+
+def delta(triangles: int) -> Scene:
+    """The apartment with its 24 lamps and sunlight through the windows, without a sky."""
+    d: SceneDescription = scenes.SCENES["apartment"].builder(triangles=triangles).description
+    d.clear_environment()
+    d.add_directional_light(SUN, SUNLIGHT)
+    return Scene.from_description(d)
+
+
+SETUPS: dict[str, Setup] = {
+    setup.name: setup
+    for setup in (
+        Setup(
+            name="delta",
+            printed="delta",
+            make=delta,
+            triangles=(750_000, 20_000),
+            delta_lights=True,
+        ),
+        Setup(
+            name="apartment",
+            printed="apartment",
+            make=scenes.apartment,
+            triangles=(750_000, 20_000),
+            n_vpls=1024,
+            n_environment=128,
+            c_e_groups={"point": printed.APARTMENT_POINT_C_E},
+        ),
+        Setup(
+            name="conference",
+            printed="conference",
+            make=scenes.conference,
+            triangles=(280_000, 20_000),
+            n_area=64,
+        ),
+        Setup(
+            name="courtyard",
+            printed="san miguel",
+            make=scenes.courtyard,
+            triangles=(2_200_000, 60_000),
+            n_vpls=1024,
+            n_environment=128,
+            antialiased=9,
+        ),
+        Setup(
+            name="hairball",
+            printed="hairball",
+            make=scenes.hairball,
+            triangles=(3_000_000, 30_000),
+            n_vpls=256,
+            n_environment=32,
+            antialiased=9,
+            square=True,
+        ),
+    )
+}

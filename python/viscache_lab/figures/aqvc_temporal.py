@@ -1,0 +1,255 @@
+"""The quantized cache over frames: a camera path, a moving ball, tables kept or dropped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscache import metrics
+from viscache.aqvc_table import AqvcTable
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Camera, Scene
+from viscache.scenes.shapes import bumpy_sphere
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import Aqvc, Exact, PaperForm
+from viscache.temporal import flicker
+from viscache_lab.figures import aqvc_bands as bands
+from viscache_lab.figures.aqvc_flicker import cameras
+from viscache_lab.figures.aqvc_setups import delta
+from viscache_lab.figures.drawing import new_figure, save_figure
+from viscache_lab.figures.outcome import Band, Outcome, Row
+from viscache_lab.figures.registry import figure
+from viscache_lab.figures.vlf_tracers import write_csv
+
+C_E = 12.0
+FRAMES, QUICK_FRAMES = 32, 4
+SIZE, QUICK_SIZE = (320, 200), (160, 100)
+TRIANGLES, QUICK_TRIANGLES = 100_000, 20_000
+#: A ball crosses the living room between the camera and the corner.
+BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
+#: Shares of the reused bits that are traced: for counting, and for repair.
+CHECK, REPAIR = 0.1, 0.1
+WAYS = ("dropped", "kept", "epochs", "repaired")
+
+
+@dataclass(slots=True)
+class Sequence:
+    """The frames of one path, with one way to keep tables."""
+
+    frames: list[Frame] = field(default_factory=list)
+
+    def total(self, name: str) -> int:
+        """A counter summed over all frames; 0 if absent."""
+        return sum(int(f.counters.get(name, 0)) for f in self.frames)
+
+    @property
+    def ray_reduction(self) -> float:
+        """Queries per ray, including rays for repair."""
+        return self.total("queries") / max(1, self.total("rays"))
+
+    def wrong(self, where: str) -> float:
+        """Share of the checked bits that the ray contradicts; NaN without checked bits."""
+        n = self.total(f"checked_{where}")
+        return self.total(f"wrong_{where}") / n if n else float("nan")
+
+
+@cache
+def _apartment(triangles: int) -> Scene:
+    return delta(triangles)
+
+
+@cache
+def with_ball(triangles: int, x: float, y: float, z: float) -> Scene:
+    """The apartment with a ball in the air."""
+    d = _apartment(triangles).description()
+    vertices, faces = bumpy_sphere(BALL_RADIUS, 12).mesh(1.0)
+    ball = np.asarray(vertices, np.float32) + np.array([x, y, z], np.float32)
+    d.add_mesh(ball, np.asarray(faces, np.uint32), material=0, name="ball")
+    return Scene.from_description(d)
+
+
+def views(path: str, quick: bool) -> list[tuple[Scene, Camera]]:
+    """Scene and camera of every frame: "camera" moves the camera, "ball" the ball."""
+    n = QUICK_FRAMES if quick else FRAMES
+    triangles = QUICK_TRIANGLES if quick else TRIANGLES
+    # Quick runs have the first frames, at the same spacing
+    steps = np.linspace(0, 1, FRAMES)[:n]
+    along = cameras(FRAMES)[:n]
+    if path == "camera":
+        return [(_apartment(triangles), view) for view in along]
+    start, end = (np.array(place) for place in BALL_PATH)
+    places = [(start + t * (end - start)).round(4).tolist() for t in steps]
+    return [(with_ball(triangles, *place), along[0]) for place in places]
+
+
+def run(
+    shots: list[tuple[Scene, Camera]], way: str, refinement: str, size: tuple[int, int]
+) -> Sequence:
+    """Render all frames of a path in one way."""
+    settings = Aqvc(
+        c_e=C_E,
+        paper=PaperForm(form="pairs", scale_free=True),
+        refinement="on" if refinement == "on" else "off",
+    )
+    table = None
+    if way != "dropped":
+        repair = way == "repaired"
+        table = AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
+    made = Sequence()
+    for scene, view in shots:
+        if table is not None:
+            table.moved(scene, forget=way == "epochs")
+        made.frames.append(
+            render(scene, Direct(), visibility=settings, size=size, camera=view, keep=table)
+        )
+    return made
+
+
+@figure(
+    "aqvc-temporal", "tables kept, dropped or repaired while things move: rays, flicker, stale bits"
+)
+def temporal(
+    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
+) -> Outcome:
+    """Both paths, with refinement on and off, and tables dropped, kept, forgotten and repaired."""
+    pixels = size or (QUICK_SIZE if quick else SIZE)
+    outcome, table = Outcome(), []
+    curves: dict[str, Mapping[str, Sequence]] = {}
+    for path in ("camera", "ball"):
+        shots = views(path, quick)
+        exact = [
+            render(scene, Direct(), visibility=Exact(), size=pixels, camera=view)
+            for scene, view in shots
+        ]
+        for refinement in ("off", "on"):
+            ways = WAYS if path == "ball" else WAYS[:2]
+            found = {way: run(shots, way, refinement, pixels) for way in ways}
+            label = f"{path}, refinement {refinement}"
+            outcome.rows += _rows(path, label, found, exact)
+            table += _table(path, refinement, found, exact)
+            curves[label] = found
+    outcome.files += [
+        _draw(curves, folder / "aqvc-temporal.png"),
+        write_csv(folder / "aqvc-temporal.csv", table),
+    ]
+    outcome.notes.append(
+        f"{pixels[0]}x{pixels[1]}, {len(exact)} frames, the apartment's living room under 24 lamps "
+        f"and a sun, C_E {C_E:g}, scale-free cells, one query at a time. Rays that only check are "
+        "not counted, those that repair are."
+    )
+    return outcome
+
+
+def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame]) -> list[Row]:
+    rows = []
+    variance = {way: flicker(s.frames, exact) for way, s in found.items()}
+    for way, s in found.items():
+        f = variance[way]
+        rows.append(Row(f"{label}, {way}: RR over the path", s.ray_reduction))
+        rows.append(
+            Row(
+                f"{label}, {way}: deviation of the error over time, of white",
+                float(np.sqrt(f.error)),
+                note=f"pictures' variance {f.above:+.2e} above the exact one's "
+                f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}",
+            )
+        )
+        if s.total("checked_kept"):
+            rows.append(
+                Row(
+                    f"{label}, {way}: share of wrong bits from frames before",
+                    s.wrong("kept"),
+                    note=f"of the frame's own {s.wrong('fresh'):.4f}; "
+                    f"{s.total('checked_kept')} checked",
+                )
+            )
+
+    def banded(what: str, value: float, band: Band) -> None:
+        rows.append(Row(f"{label}: {what}", value, band=band))
+
+    kept, dropped = found["kept"], found["dropped"]
+    banded("RR kept over dropped", kept.ray_reduction / dropped.ray_reduction, bands.KEPT_REDUCTION)
+    ratio = kept.wrong("kept") / kept.wrong("fresh") if kept.wrong("fresh") else float("inf")
+    banded(
+        "wrong bits from frames before, over the frame's own",
+        ratio,
+        bands.NOTHING_STALE if path == "camera" else bands.STALE,
+    )
+    if path == "camera":
+        banded(
+            "variance of the error, kept over dropped",
+            variance["kept"].error / variance["dropped"].error,
+            bands.KEPT_FLICKER,
+        )
+    else:
+        banded(
+            "rays with epochs over dropped",
+            found["epochs"].total("rays") / dropped.total("rays"),
+            bands.EPOCHS_FORGET,
+        )
+        banded(
+            "wrong bits from frames before, repaired over kept",
+            found["repaired"].wrong("kept") / kept.wrong("kept"),
+            bands.REPAIR,
+        )
+    return rows
+
+
+def _mean_error(s: Sequence, exact: list[Frame]) -> float:
+    return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
+
+
+def _error(frame: Frame, exact: Frame) -> float:
+    cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
+    return metrics.rel_l1(cached, truth) or 0.0
+
+
+def _table(
+    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[Frame]
+) -> list[dict[str, Any]]:
+    names = (
+        "queries",
+        "rays",
+        "reused_kept",
+        "checked_kept",
+        "wrong_kept",
+        "checked_fresh",
+        "wrong_fresh",
+    )
+    return [
+        {
+            "path": path,
+            "refinement": refinement,
+            "table": way,
+            "frame": i,
+            **{name: frame.counters.get(name, 0) for name in names},
+            "rel_l1": _error(frame, exact[i]),
+        }
+        for way, s in found.items()
+        for i, frame in enumerate(s.frames)
+    ]
+
+
+def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
+    figure = new_figure(11.0, 5.5)
+    for column, (label, found) in enumerate(curves.items()):
+        rays = figure.add_subplot(2, len(curves), 1 + column)
+        wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)
+        for way, s in found.items():
+            counters = [f.counters for f in s.frames]
+            color = f"C{WAYS.index(way)}"
+            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color, label=way)
+            if way != "dropped":
+                share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
+                wrong.plot(share, lw=1.2, color=color, label=way)
+        rays.set_title(label, fontsize=9)
+        rays.set(ylabel="rays per query", ylim=(0, None))
+        wrong.set(xlabel="frame", ylabel="share of kept bits that are wrong", ylim=(0, None))
+        rays.legend(fontsize=7)
+    return save_figure(figure, path)

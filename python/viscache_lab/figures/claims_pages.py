@@ -1,0 +1,152 @@
+"""The tables of the documentation that come from the last full runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+
+from viscache_lab.figures.claim_rules import RULES, interval
+from viscache_lab.figures.full_run import RUNS, FullRun, Judged
+
+__all__ = ["PAGES", "filled"]
+
+Runs = Mapping[str, FullRun]
+#: Rows of a claim that are named one by one; more are counted.
+NAMED = 2
+
+
+def rules() -> str:
+    """The rules of docs/claims.md."""
+    lines = [f"| `{rule}` | {says} |" for rule, says in RULES.items()]
+    return "\n".join(["| rule | found at |", "| --- | --- |", *lines]) + "\n"
+
+
+def times(runs: Runs) -> str:
+    """When and how long each figure ran, and how many bands held."""
+    lines = [
+        "| command | date | machine | minutes | CPU minutes | bands that hold |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    lines += [
+        f"| `viscache reproduce {name}` | {run.date} | {run.machine} | {run.seconds / 60:.1f} "
+        f"| {run.cpu_s / 60:.1f} | {_share(run.bands - len(run.failing), run.bands) or '–'} |"
+        for name, run in runs.items()
+    ]
+    minutes, cpu = (sum(getattr(r, a) for r in runs.values()) / 60 for a in ("seconds", "cpu_s"))
+    bands, failing = (
+        sum(run.bands for run in runs.values()),
+        sum(len(run.failing) for run in runs.values()),
+    )
+    lines.append(
+        f"| all {len(runs)} | | | {minutes:.0f} | {cpu:.0f} | {_share(bands - failing, bands)} |"
+    )
+    return "\n".join(lines) + "\n"
+
+
+def failing(runs: Runs) -> str:
+    """The bands that do not hold."""
+    lines = ["| command | row | measured | band |", "| --- | --- | --- | --- |"]
+    lines += [
+        f"| `viscache reproduce {name}` | {row.what} | {_number(row.measured)} "
+        f"| {interval(row.low, row.high)} |"
+        for name, run in runs.items()
+        for row in run.failing
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def claims(paper: str, runs: Runs) -> str:
+    """All claims of a paper: those of docs/claims.md."""
+    lines = [
+        "| figure | the paper | rule | row | found at | full run here | verdict |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for name, rows in _judged(runs):
+        if name.startswith(f"{paper}-"):
+            one, found = rows[0], sum(row.found for row in rows)
+            rule = f"`{one.rule}`" + (f": {one.because}" if one.because else "")
+            verdict = {0: "not found", len(rows): "found"}.get(found)
+            lines.append(
+                f"| `{name}` | {one.said} | {rule} | {_what(rows)} | {interval(one.low, one.high)} "
+                f"| {_values(rows)} | {verdict or f'found in {_share(found, len(rows))}'} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def not_found(runs: Runs) -> str:
+    """The rows outside the papers' claims: those of docs/limits.md."""
+    lines = [
+        "| command | the paper | measured | found at | full run here |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for name, rows in _judged(runs):
+        missed = [row for row in rows if not row.found]
+        if missed:
+            of = "" if len(missed) == len(rows) else f" (others: {len(rows) - len(missed)} found)"
+            lines.append(
+                f"| `viscache reproduce {name}` | {rows[0].said} | {_what(missed)}{of} "
+                f"| {interval(rows[0].low, rows[0].high)} | {_values(missed)} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _judged(runs: Runs) -> Iterator[tuple[str, list[Judged]]]:
+    """Figure and rows of each claim, in the order in which the claims come up."""
+    for name, run in runs.items():
+        order = {claim: n for n, claim in enumerate(dict.fromkeys(r.claim for r in run.judged))}
+        rows = sorted(run.judged, key=lambda row: order[row.claim])
+        for _, same in groupby(rows, key=lambda row: row.claim):
+            yield name, list(same)
+
+
+def _what(rows: list[Judged]) -> str:
+    names = "; ".join(row.what for row in rows)
+    return names if len(rows) <= NAMED else f"{len(rows)} rows"
+
+
+def _values(rows: list[Judged]) -> str:
+    if len(rows) <= NAMED:
+        return "; ".join(_number(row.measured) for row in rows)
+    known = [row.measured for row in rows if row.measured is not None]
+    ends = dict.fromkeys(_number(end(known)) for end in (min, max)) if known else ["–"]
+    return " to ".join(ends)
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.4g}"
+
+
+def _share(part: int, of: int) -> str:
+    return f"{part} of {of}" if of else ""
+
+
+#: Page to the tables between its comments `<!-- name -->` and `<!-- end of name -->`.
+PAGES: dict[str, dict[str, str]] = {
+    "docs/claims.md": {
+        "rules": rules(),
+        "aqvc": claims("aqvc", RUNS),
+        "vlf": claims("vlf", RUNS),
+        "vismap": claims("vismap", RUNS),
+    },
+    "docs/limits.md": {"claims not found": not_found(RUNS)},
+    "docs/performance/sweeps.md": {"full runs": times(RUNS), "failing bands": failing(RUNS)},
+}
+
+
+def filled(page: str, text: str) -> str:
+    """The page's text with its tables as they must be.
+
+    Raises
+    ------
+    ValueError
+        The text lacks a pair of comments.
+    """
+    for name, table in PAGES[page].items():
+        begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+        if begin not in text or end not in text:
+            raise ValueError(f"{page} must have the comments of {name!r}")
+        before, _, rest = text.partition(begin)
+        text = before + begin + table + end + rest.partition(end)[2]
+    return text

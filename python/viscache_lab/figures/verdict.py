@@ -1,0 +1,79 @@
+"""Two verdicts on a figure: whether the paper's claims are found, and whether our bands hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+from viscache_lab.figures.full_run import CLAIMING
+
+__all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
+
+Result: TypeAlias = Mapping[str, Any]
+#: Words for none, all, and some or none of the rows. Some claims are judged at full size only.
+CLAIM = ("not stated", "found", "not found")
+QUICK_CLAIM = ("not judged", "found", "not found")
+EXPECTATION = ("no band", "holds", "does not hold")
+
+
+def verdicts(rows: Sequence[Result], *, quick: bool, figure: str) -> dict[str, Any]:
+    """The verdicts on a figure.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Rows of the figure as `Row.as_dict` gives them.
+    quick : bool
+        Whether the run was quick.
+    figure : str
+        Name of the figure.
+
+    Returns
+    -------
+    dict
+        claim and expectation: each a dict of verdict, yes and all. `verdict` of the claim is
+        "found" if it is in every row that can judge it, or "not found". Without such rows it is
+        "not stated", or "not judged" if the run is quick and full runs judge one. Of the
+        expectation it is "holds", "does not hold", or "no band". `yes` and `all` count rows.
+    """
+    words = QUICK_CLAIM if quick and figure in CLAIMING else CLAIM
+    return {
+        "claim": _counted([row.get("found") for row in rows], words),
+        "expectation": _counted([row["holds"] for row in rows], EXPECTATION),
+    }
+
+
+def _counted(answers: Iterable[bool | None], words: tuple[str, str, str]) -> dict[str, Any]:
+    known = [answer for answer in answers if answer is not None]
+    verdict = words[0] if not known else words[1] if all(known) else words[2]
+    return {"verdict": verdict, "yes": sum(known), "all": len(known)}
+
+
+def claim_of(result: Result) -> str:
+    """The verdict on the claim of a figure's result."""
+    both = verdicts(result["rows"], quick=result["quick"], figure=result["figure"])
+    verdict: str = both["claim"]["verdict"]
+    return verdict
+
+
+def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:
+    """Both verdicts in one line; those of a quick run say so, as claims are about full sizes."""
+    found = verdicts(rows, quick=quick, figure=figure)
+    words = [
+        f"{name}: {part['verdict']}" + (f" ({part['yes']} of {part['all']})" if part["all"] else "")
+        for name, part in (
+            ("The paper's claim", found["claim"]),
+            ("Our expectation", found["expectation"]),
+        )
+    ]
+    return ". ".join(words) + (", at quick sizes." if quick else ".")
+
+
+def claims_not_found(results: Iterable[Result]) -> list[dict[str, Any]]:
+    """The rows of all figures whose measured value is outside the paper's claim."""
+    return [
+        {"figure": result["figure"], **row}
+        for result in results
+        for row in result["rows"]
+        if row.get("found") is False
+    ]

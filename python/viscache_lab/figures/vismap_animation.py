@@ -1,0 +1,203 @@
+"""The visibility cache in an animation: records, misses and variance (not in the paper).
+
+The paper shows this in a video. A camera swings through the garage while a crate slides across the
+floor, into the light and out again.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.plots import COLORS
+from viscache.progress import progress_bar
+from viscache.scene import Camera, Scene
+from viscache.scene.cameras import look_at
+from viscache.scenes import SCENES
+from viscache.scenes.light_product import (
+    LUMINANCE,
+    drawn_texels,
+    environment_texels,
+    first_hits,
+    reflected,
+)
+from viscache.scenes.shapes import place, soft_box
+from viscache.variance import variance_ratio
+from viscache.vismap import MapSettings, VisibilityMapCache
+from viscache.vismap.simulation import Way, simulate
+from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.drawing import new_figure, save_figure
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+
+#: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
+FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256
+QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS, QUICK_COMPARED = 20, (80, 60), 12, 64
+TRIANGLES = 60_000
+#: Light-product rays per compared pixel.
+RAYS = 64
+PRODUCT, PAPER = Way(), Way(alpha=1.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Frame:
+    """Results of one frame."""
+
+    records: int
+    inserted: int
+    wrong: int
+    """Records removed for their errors."""
+    unused: int
+    miss_share: float
+    ratio: float
+
+
+@figure("vismap-temporal", "records and misses over the frames of a moving scene")
+def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Records, misses and variance ratio per frame."""
+    outcome = Outcome()
+    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
+    pixels = (QUICK_PIXELS, QUICK_COMPARED) if quick else (PIXELS, COMPARED)
+    outcome.rows.append(
+        Row(
+            "records inserted in a second frame in which nothing moves",
+            _inserted_again(size),
+            band=bands.NOTHING_NEW,
+        )
+    )
+    frames: list[Frame] = []
+    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    with progress_bar(progress, unit="frame") as report:
+        for k in range(n_frames):
+            frames.append(_frame(cache, k / n_frames, size, *pixels))
+            if report is not None:
+                report(k + 1, n_frames)
+    outcome.rows += _rows(frames)
+    path = folder / "vismap-temporal.png"
+    save_figure(_picture(frames), path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def crate_and_garage(t: float) -> Scene:
+    """The garage with a crate that slides from the camera's left to its right, t in [0, 1]."""
+    b = SCENES["garage"].builder(triangles=TRIANGLES)
+    vertices, triangles = soft_box((0.9, 0.9, 0.9), (6, 6, 6), power=14, bulge=0.05).mesh(1.0)
+    at = place([9.6, 0.46, 6.6 - 5.0 * t], yaw=60.0 * t)
+    b.add_mesh(vertices @ at[:3, :3].T + at[:3, 3], triangles, b.diffuse("crate", (0.6, 0.5, 0.3)))
+    return Scene.from_description(b.description)
+
+
+def swinging_camera(t: float) -> Camera:
+    """One swing to and fro before the gate."""
+    swing = math.sin(2 * math.pi * t)
+    return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
+
+
+def _inserted_again(size: tuple[int, int]) -> int:
+    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    cache.update(swinging_camera(0.0), size=size)
+    return cache.update(swinging_camera(0.0), size=size).inserted
+
+
+def _frame(
+    cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
+) -> Frame:
+    """Update, estimate, compare the records with exact rays, remove."""
+    view, scene = swinging_camera(t), crate_and_garage(t)
+    report = cache.update(view, size=size, scene=scene)
+    made = simulate(
+        cache,
+        [PRODUCT, PAPER],
+        [10],
+        camera=view,
+        size=size,
+        n_pixels=pixels,
+        replicates=32,
+        seed=cache.frame,
+    ).estimates
+    rays, misses = _compare(cache, view, size, compared)
+    removed = cache.end_frame()
+    left = variance_ratio(
+        [r[None, :, None] for r in made[PAPER, 10]], [r[None, :, None] for r in made[PRODUCT, 10]]
+    )
+    return Frame(
+        records=len(cache),
+        inserted=report.inserted,
+        wrong=removed["wrong"],
+        unused=removed["unused"],
+        miss_share=misses / max(rays, 1),
+        ratio=left.ratio,
+    )
+
+
+def _compare(
+    cache: VisibilityMapCache, view: Camera, size: tuple[int, int], pixels: int
+) -> tuple[int, int]:
+    """Count how often records contradict exact light-product rays of random pixels."""
+    scene = cache.scene
+    directions, texels = environment_texels(scene)
+    radiance = texels.reshape(-1, 3).astype(float)
+    hits = first_hits(scene, view, size)
+    positions, normals, d_max = cache.asking_points(view, size)
+    rng = np.random.Generator(np.random.PCG64(cache.frame))
+    there = np.flatnonzero((d_max > 0) & (hits.materials >= 0))
+    chosen, drawn = [], []
+    for pixel in rng.permutation(there)[:pixels]:
+        product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE
+        if product.sum() > 0:
+            chosen.append(pixel)
+            drawn.append(directions[drawn_texels(product, RAYS, rng)])
+    towards = np.stack(drawn)
+    starts = np.repeat(hits.starts[chosen][:, None], RAYS, axis=1)
+    visible = ~scene.occluded(starts.reshape(-1, 3), towards.reshape(-1, 3))
+    lookup = cache.lookup(positions[chosen], normals[chosen], d_max[chosen])
+    return cache.compare(lookup, towards, visible.reshape(len(chosen), RAYS))
+
+
+def _rows(frames: list[Frame]) -> list[Row]:
+    ratios = np.array([f.ratio for f in frames])
+    first = ratios[:10].mean()
+    later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
+    removed = sum(f.wrong + f.unused for f in frames)
+    return [
+        Row(
+            "largest mean variance ratio of ten frames over that of the first ten",
+            float(later.max() / first),
+            band=bands.RATIO_STAYS,
+            note=f"first ten frames {first:.3f}, product sampling 1",
+        ),
+        Row(
+            "records at the end",
+            frames[-1].records,
+            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
+        ),
+        Row(
+            "share of wrong answers, mean of the last ten frames",
+            float(np.mean([f.miss_share for f in frames[-10:]])),
+        ),
+    ]
+
+
+def _picture(frames: list[Frame]) -> Any:
+    figure = new_figure(12.0, 3.4)
+    axes: Any = figure.subplots(1, 3)
+    number: npt.NDArray[np.int64] = np.arange(len(frames))
+    axes[0].plot(number, [f.records for f in frames], color=COLORS[0], label="there")
+    axes[0].plot(number, [f.inserted for f in frames], color=COLORS[1], label="new")
+    axes[0].plot(number, [f.wrong + f.unused for f in frames], color=COLORS[2], label="removed")
+    axes[0].set(yscale="symlog", ylabel="records")
+    axes[0].legend(frameon=False, fontsize=8)
+    axes[1].plot(number, [100 * f.miss_share for f in frames], color=COLORS[0])
+    axes[1].set(ylabel="wrong answers [%]")
+    axes[2].plot(number, [f.ratio for f in frames], color=COLORS[0])
+    axes[2].set(ylabel="variance left, 10 samples")
+    for each in axes:
+        each.set_xlabel("frame")
+        each.set_ylim(bottom=0)
+    return figure

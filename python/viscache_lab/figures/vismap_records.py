@@ -1,0 +1,228 @@
+"""Table 2, Figures 8 and 12 of the visibility-map paper: number and places of records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.correlation import measure
+from viscache.render import render
+from viscache.scene import Camera, Scene
+from viscache.scene.cameras import find_camera
+from viscache.scenes import build
+from viscache.settings.integrators import Direct
+from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
+from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.drawing import draw_records, new_figure, save_figure
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+from viscache_lab.figures.vismap_density import (
+    equal_cells,
+    per_cell_angle,
+    per_cell_mean,
+    rank_correlation,
+    records_per_cell,
+)
+from viscache_lab.figures.vismap_living_room import living_rooms
+
+Floats = npt.NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A scene of the paper with its camera, and the M of its maps."""
+
+    scene: str
+    quick_scene: str
+    camera: int = 0
+    m: int = 5
+
+    def open(self, quick: bool) -> Scene:
+        """The scene, smaller for quick runs."""
+        made = build(self.quick_scene if quick else self.scene)
+        assert isinstance(made, Scene)
+        return made
+
+
+VIEWS = {
+    "garage": View("garage", "garage?triangles=60000"),
+    "dynamics": View("dynamics", "dynamics", m=6),
+    "garden1": View("garden", "garden?triangles=100000"),
+    "garden2": View("garden", "garden?triangles=100000", camera=1),
+}
+MUSHROOMS = View("mushrooms", "mushrooms?triangles=60000")
+FULL, QUICK = (1600, 1200), (160, 120)
+#: Figures 8 and 12.
+FULL_PICTURE, QUICK_PICTURE = (800, 600), (200, 150)
+#: Points at which ρ of the surroundings is measured, in 2^9 cells of 16.
+POINTS, LEVELS, MAP_SIZE = 8192, 9, 24
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Built:
+    """A cache after its first update."""
+
+    cache: VisibilityMapCache
+    report: UpdateReport
+
+    @property
+    def added(self) -> Floats:
+        """(N, 3) positions of the records that a criterion requested, without the start-up's."""
+        return np.asarray(self.cache.records().positions[self.report.startup :])
+
+
+def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapSettings) -> Built:
+    """A cache for one picture."""
+    cache = VisibilityMapCache(scene, settings)
+    return Built(cache=cache, report=cache.update(camera, size=size))
+
+
+@figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
+def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Records, resolutions and rays per pixel of three scenes, and of two not in the paper."""
+    outcome = Outcome()
+    size = QUICK if quick else FULL
+    for name, view in VIEWS.items():
+        scene = view.open(quick)
+        built = build_cache(scene, view.camera, size, MapSettings(m=view.m))
+        outcome.rows += _table_rows(name, built, size)
+        automatic = MapSettings(preset="auto", m=view.m)
+        outcome.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
+    for label, scene in living_rooms(outcome):
+        rows = _table_rows(label, build_cache(scene, 0, size, MapSettings()), size)
+        outcome.rows += [replace(row, band=None) for row in rows]
+    if quick:
+        outcome.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
+    return outcome
+
+
+def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
+    r, cache, said = built.report, built.cache, printed.CACHES.get(name)
+    m, n = cache.settings.m, len(built.cache)
+    bytes_each = cache.nbytes // max(n, 1)
+    w_min, delta_max = cache.thresholds
+    why = (
+        f"start-up {r.startup}, none in reach {r.no_candidate}, weight {r.weight}, "
+        f"difference {r.difference}, too near {r.suppressed}; "
+        f"w_min {w_min:g}, delta_max {delta_max:g}"
+    )
+    return [
+        Row(f"{name}: records", n, printed=said.records if said else None, note=why),
+        Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None),
+        Row(
+            f"{name}: rays per pixel",
+            r.rays / (size[0] * size[1]),
+            printed=said.rays_per_pixel if said else None,
+        ),
+        Row(
+            f"{name}: rays over records · 4^M / 2",
+            r.rays / (n * 4**m / 2),
+            printed=1.0,
+            band=bands.RAYS_OF_RECORDS,
+        ),
+        Row(
+            f"{name}: bytes of a record",
+            bytes_each,
+            printed=printed.RECORD_BYTES if m == 5 else None,
+            band=bands.RECORD_BYTES if m == 5 else None,
+            note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
+        ),
+    ]
+
+
+def _automatic_row(name: str, built: Built) -> Row:
+    said = printed.CACHES.get(name)
+    w_min, delta_max = built.cache.thresholds
+    return Row(
+        f'{name}: records with preset="auto"',
+        len(built.cache),
+        printed=said.records if said else None,
+        note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}",
+    )
+
+
+@figure("vismap-fig8", "positions of the records")
+def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Records by weight only, and by the difference of maps only."""
+    outcome = Outcome()
+    scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
+    by_weight = build_cache(scene, 0, size, MapSettings(w_min=0.4, delta_max=1.0))
+    by_difference = build_cache(scene, 0, size, MapSettings(w_min=0.0, delta_max=0.06))
+    outcome.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
+    titles = (
+        f"weight: {len(by_weight.added)} records",
+        f"difference: {len(by_difference.added)} records",
+    )
+    path = folder / "vismap-fig8.png"
+    _dots(scene, 0, size, {titles[0]: by_weight.added, titles[1]: by_difference.added}, path)
+    outcome.files.append(path)
+    return outcome
+
+
+def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
+    """Rank correlations of the densities with curvature, and with 1 − ρ of the surroundings."""
+    ds = measure(scene, n_points=POINTS, map_size=MAP_SIZE)
+    positions, normals = ds["position"].values, ds["normal"].values
+    cell = equal_cells(positions, LEVELS)
+    low_rho = per_cell_mean(1 - ds["local_mean"].values, cell)
+    curved = per_cell_angle(normals, cell)
+    rows = []
+    for name, records in (("weight", by_weight), ("difference", by_difference)):
+        density = records_per_cell(records, positions, cell)
+        for what, attraction in (("1 - rho", low_rho), ("mean angle of normals", curved)):
+            band = {
+                ("weight", "mean angle of normals"): bands.WEIGHT_FINDS_CURVATURE,
+                ("difference", "1 - rho"): bands.DIFFERENCE_FINDS_LOW_RHO,
+            }.get((name, what))
+            rows.append(
+                Row(
+                    f"rank correlation of the density by {name} with {what}",
+                    rank_correlation(density, attraction),
+                    band=band,
+                    note=f"{len(records)} records, {1 << LEVELS} cells",
+                )
+            )
+    return rows
+
+
+@figure("vismap-fig12", "records in the garden scene")
+def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Records of the garden, and their ratio to those of a simple scene."""
+    outcome = Outcome()
+    size = QUICK_PICTURE if quick else FULL_PICTURE
+    built = {}
+    for name in ("garden1", "dynamics"):
+        view = VIEWS[name]
+        scene = view.open(quick)
+        built[name] = build_cache(scene, view.camera, size, MapSettings())
+        path = folder / f"vismap-fig12-{name}.png"
+        records = built[name].cache.records().positions
+        _dots(scene, view.camera, size, {f"{name}: {len(records)} records": records}, path)
+        outcome.files.append(path)
+    counts = {name: len(b.cache) for name, b in built.items()}
+    outcome.rows.append(
+        Row(
+            "records of garden1 over records of dynamics, same parameters",
+            counts["garden1"] / counts["dynamics"],
+            band=bands.HARD_SCENES_GET_MORE,
+            note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
+        )
+    )
+    return outcome
+
+
+def _dots(
+    scene: Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
+) -> None:
+    view: Camera = find_camera(scene, camera)
+    image = render(scene, Direct(n_environment=16), camera=camera, size=size).image
+    figure = new_figure(5.0 * len(records), 4.0)
+    both = figure.subplots(1, len(records), squeeze=False)[0]
+    for axes, (title, positions) in zip(both, records.items(), strict=True):
+        draw_records(axes, image, view, positions, title)
+    save_figure(figure, path, dpi=150)

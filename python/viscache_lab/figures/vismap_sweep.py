@@ -1,0 +1,163 @@
+"""Variance, rays, bytes and time over the visibility cache's parameters (not in the paper)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from viscache.plots import COLORS, pareto
+from viscache.progress import progress_bar
+from viscache.scene import Scene
+from viscache.scenes import build
+from viscache.variance import VarianceRatio, variance_ratio
+from viscache.vismap import MapSettings, VisibilityMapCache
+from viscache.vismap.simulation import Way, simulate
+from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.drawing import new_figure, save_figure
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+
+SCENE, QUICK_SCENE = "garage", "garage?triangles=60000"
+SIZE, QUICK_SIZE = (640, 480), (160, 120)
+FULL: dict[str, Any] = {"n_pixels": 256, "replicates": 32}
+QUICK: dict[str, Any] = {"n_pixels": 24, "replicates": 16}
+SAMPLES = 30
+PRODUCT = Way()
+VARIATE = Way(alpha="previous_pass", passes=6)
+GUIDED = Way(alpha="previous_pass", passes=6, eta=0.25)
+
+#: One parameter at a time around the preset "medium"; both thresholds change together, by preset.
+GRID: dict[str, tuple[dict[str, Any], ...]] = {
+    "m": tuple({"m": m} for m in (4, 5, 6, 7)),
+    "n_best": tuple({"n_best": n} for n in (1, 2, 4, 8)),
+    "theta_max_deg": tuple({"theta_max_deg": t} for t in (10.0, 20.0, 30.0, 45.0)),
+    "w_min": tuple({"w_min": w} for w in (0.1, 0.2, 0.3, 0.4, 0.6)),
+    "delta_max": tuple({"delta_max": d} for d in (0.2, 0.1, 0.06, 0.04, 0.02)),
+    "both thresholds": tuple(
+        {"w_min": w, "delta_max": d} for w, d in ((0.1, 0.2), (0.3, 0.06), (0.6, 0.02))
+    ),
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Setting:
+    """Costs and remaining variance of one setting."""
+
+    records: int
+    rays_per_pixel: float
+    nbytes: int
+    seconds: float
+    variate: VarianceRatio
+    guided: VarianceRatio
+
+
+@figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
+def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """The grid in the garage, and the settings that are Pareto-optimal in rays and variance."""
+    scene = build(QUICK_SCENE if quick else SCENE)
+    found: dict[str, dict[str, Setting]] = {}
+    total = sum(len(values) for values in GRID.values())
+    with progress_bar(progress, unit="setting") as report:
+        for name, values in GRID.items():
+            found[name] = {}
+            for value in values:
+                found[name][_label(value)] = measure(scene, value, quick)
+                if report is not None:
+                    report(sum(len(f) for f in found.values()), total)
+    outcome = Outcome(rows=_rows(found))
+    path = folder / "vismap-sweep.png"
+    save_figure(_picture(found), path, dpi=150)
+    outcome.files.append(path)
+    outcome.notes.append(
+        f"variance left at {SAMPLES} samples, rqmc, alpha of earlier passes, in the world of the "
+        "environment's texels"
+    )
+    return outcome
+
+
+def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
+    """Build a cache, and estimate random pixels with it."""
+    size = QUICK_SIZE if quick else SIZE
+    cache = VisibilityMapCache(scene, MapSettings(**value))
+    start = time.perf_counter()
+    report = cache.update(size=size)
+    seconds = time.perf_counter() - start
+    made = simulate(
+        cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size, **(QUICK if quick else FULL)
+    ).estimates
+
+    def left(way: Way) -> VarianceRatio:
+        return variance_ratio(
+            [r[None, :, None] for r in made[way, SAMPLES]],
+            [r[None, :, None] for r in made[PRODUCT, SAMPLES]],
+        )
+
+    return Setting(
+        records=len(cache),
+        rays_per_pixel=report.rays / (size[0] * size[1]),
+        nbytes=cache.nbytes,
+        seconds=seconds,
+        variate=left(VARIATE),
+        guided=left(GUIDED),
+    )
+
+
+def _label(value: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} {number:g}" for name, number in value.items())
+
+
+def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
+    rows = []
+    for settings in found.values():
+        for label, s in settings.items():
+            note = (
+                f"{s.records} records, {s.rays_per_pixel:.3g} rays per pixel, "
+                f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided "
+                f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"
+            )
+            rows.append(Row(f"{label}: variance left", s.variate.ratio, note=note))
+    maps = list(found["m"].values())
+    ends = list(found["both thresholds"].values())
+    rows += [
+        Row(
+            "variance left with 64x64 cells over that with 32x32",
+            maps[2].variate.ratio / maps[1].variate.ratio,
+            band=bands.LARGER_MAPS,
+        ),
+        Row(
+            "variance left with the tightest thresholds over that with the loosest",
+            ends[-1].variate.ratio / ends[0].variate.ratio,
+            band=bands.MORE_RECORDS_HELP,
+        ),
+    ]
+    return rows
+
+
+def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
+    figure = new_figure(11.0, 4.4)
+    both: Any = figure.subplots(1, 2)
+    for axes, kind in zip(both, ("variate", "guided"), strict=True):
+        everything: list[tuple[float, float]] = []
+        for k, (name, settings) in enumerate(found.items()):
+            points = [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
+            axes.plot(
+                *zip(*points, strict=True),
+                "o-",
+                ms=4,
+                lw=0.8,
+                label=name,
+                color=COLORS[k % len(COLORS)],
+            )
+            everything += points
+        best = pareto(everything)
+        axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")
+        axes.set(xscale="log", xlabel="rays for records, per pixel", ylabel="variance left")
+        axes.set_title(
+            {"variate": "control variate", "guided": "control variate, guided sampling"}[kind]
+        )
+        axes.set_ylim(bottom=0)
+    both[1].legend(frameon=False, fontsize=8)
+    return figure

@@ -1,0 +1,249 @@
+"""Beyond the visibility field's paper: occlusion directions (X2), the aligned batch's gain (X4)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import scenes, vlf
+from viscache.scene import Scene
+from viscache.scene.about import offset_extent
+from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+from viscache_lab.figures.vlf_occlusion import OFFSET
+from viscache_lab.figures.vlf_tracers import first_hits, in_turns, write_csv
+
+COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
+#: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
+REFERENCE, QUICK_REFERENCE = 16_384, 512
+X2_SIZE, QUICK_X2_SIZE = (48, 48), (20, 20)
+X2_TRIANGLES, QUICK_X2_TRIANGLES = 15_000, 3_000
+
+#: X4: points per triangle.
+SHARES, QUICK_SHARES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0), (0.05, 0.5, 5.0)
+X4_SCENES = ("bumpy_spheres?triangles=15000", "random_triangles?triangles=15000&edge_factor=1")
+QUICK_X4_SCENES = ("bumpy_spheres?triangles=3000",)
+X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
+
+
+@figure("vlf-x2", "error of ambient occlusion over the number of directions")
+def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Error of ambient occlusion by number of directions, with equal and solid-angle weights."""
+    triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
+    scene: Scene = scenes.bumpy_spheres(triangles=triangles)
+    size = QUICK_X2_SIZE if quick else X2_SIZE
+    points, normals, seen = first_hits(scene, scene.cameras[0], size)
+    reference = hemisphere_reference(
+        scene, points, normals, QUICK_REFERENCE if quick else REFERENCE
+    )
+    counts = QUICK_COUNTS if quick else COUNTS
+    errors: dict[str, dict[int, npt.NDArray[np.float64]]] = {"equal": {}, "solid angle": {}}
+    for count in counts:
+        free = bits_of(scene, points, normals, count)
+        weights = vlf.direction_weights(count).astype(float)
+        errors["equal"][count] = free.mean(axis=1) - reference
+        errors["solid angle"][count] = free @ weights / weights.sum() - reference
+    rmse = {w: {n: _rms(e) for n, e in found.items()} for w, found in errors.items()}
+    bias = {
+        w: {n: float(e.mean() / reference.mean()) for n, e in found.items()}
+        for w, found in errors.items()
+    }
+    outcome = Outcome(rows=_error_rows(counts, rmse, bias))
+    lines = {w: (counts, [rmse[w][n] for n in counts]) for w in errors}
+    outcome.files += [
+        draw_lines(lines, folder / "vlf-x2.png", x="directions", y="RMSE"),
+        _draw_banding(errors["solid angle"], reference, seen, folder),
+        write_csv(
+            folder / "vlf-x2.csv",
+            [
+                {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
+                for w in errors
+                for n in counts
+            ],
+        ),
+    ]
+    outcome.notes.append(
+        "All points share the directions, so the error is no noise but bands: vlf-x2-bands.png. "
+        "Ambient occlusion is the uniform mean over the hemisphere, without the cosine, as in the "
+        "paper's Section 7."
+    )
+    return outcome
+
+
+def hemisphere_reference(
+    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
+) -> npt.NDArray[np.float64]:
+    """Share of unoccluded directions among `rays` uniform random directions per point."""
+    rng = np.random.default_rng(11)
+    extent = np.float32(offset_extent(scene))
+    size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
+    starts = (points + normals * (np.float32(OFFSET) * size)).astype(np.float32)
+    share = np.zeros(len(points))
+    for i, (start, n) in enumerate(zip(starts, normals, strict=True)):
+        d = rng.normal(size=(rays, 3))
+        d /= np.linalg.norm(d, axis=1, keepdims=True)
+        d *= np.where(d @ n >= 0, 1, -1)[:, None]
+        o = np.broadcast_to(start, d.shape)
+        share[i] = 1 - scene.occluded(o, d.astype(np.float32)).mean()
+    return share
+
+
+def bits_of(
+    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
+) -> npt.NDArray[np.bool_]:
+    """(N, l): which directions are unoccluded."""
+    words = vlf.aligned_occlusion(scene, points, normals, count)
+    return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
+
+
+def _rms(errors: npt.NDArray[np.float64]) -> float:
+    return math.sqrt(float((errors**2).mean()))
+
+
+def _error_rows(
+    counts: tuple[int, ...],
+    rmse: dict[str, dict[int, float]],
+    bias: dict[str, dict[int, float]],
+) -> list[Row]:
+    rows = [
+        Row(
+            f"RMSE, {n} directions, {w} weights", rmse[w][n], note=f"bias {100 * bias[w][n]:+.2f} %"
+        )
+        for n in counts
+        for w in rmse
+    ]
+    fine = [n for n in counts if n >= 33]
+    sizes = {w: float(np.mean([abs(bias[w][n]) for n in fine])) for w in bias}
+    weighted = "solid angle"
+    return [
+        *rows,
+        Row(
+            "RMSE, 513 directions over 33, solid-angle weights",
+            rmse[weighted][513] / rmse[weighted][33],
+            band=bands.ERROR_FALLS,
+        ),
+        Row(
+            "bias, 513 directions, solid-angle weights",
+            bias[weighted][513],
+            band=bands.WEIGHTED_BIAS,
+        ),
+        Row(
+            "size of the bias, solid-angle over equal weights",
+            sizes[weighted] / sizes["equal"],
+            band=bands.WEIGHTS_PAY,
+        ),
+    ]
+
+
+def _draw_banding(
+    errors: dict[int, npt.NDArray[np.float64]],
+    reference: npt.NDArray[np.float64],
+    seen: npt.NDArray[np.bool_],
+    folder: Path,
+) -> Path:
+    figure = new_figure(3.0 * (len(errors) + 1), 3.2)
+    pictures = {"reference": reference} | {
+        f"{n} directions": reference + e for n, e in errors.items()
+    }
+    for column, (title, values) in enumerate(pictures.items()):
+        image = np.zeros((*seen.shape, 1))
+        image[seen, 0] = values
+        draw_image(figure.add_subplot(1, len(pictures), column + 1), image, title, exposure=1.0)
+    return save_figure(figure, folder / "vlf-x2-bands.png")
+
+
+@figure("vlf-x4", "the aligned batch against Embree over points per triangle")
+def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """The aligned batch against Embree, by points per triangle, and the engine chosen by "auto"."""
+    outcome, table = Outcome(), []
+    lines: dict[str, tuple[list[float], list[float]]] = {}
+    directions = QUICK_X4_DIRECTIONS if quick else X4_DIRECTIONS
+    for spec in QUICK_X4_SCENES if quick else X4_SCENES:
+        scene: Scene = scenes.build(spec)
+        name = spec.partition("?")[0]
+        gains, chosen = [], []
+        shares = QUICK_SHARES if quick else SHARES
+        for share in shares:
+            seconds, engine = _engines(scene, share, directions)
+            gains.append(seconds["embree"] / seconds["batch"])
+            chosen.append(min(seconds["embree"], seconds["batch"]) / seconds["auto"])
+            table.append(
+                {
+                    "scene": spec,
+                    "points per triangle": share,
+                    "gain": gains[-1],
+                    "auto": engine,
+                    "auto over best": chosen[-1],
+                }
+            )
+            outcome.rows.append(
+                Row(
+                    f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
+                    gains[-1],
+                    band=_share_band(share, shares, quick),
+                    note=f"auto takes {engine}",
+                )
+            )
+        lines[name] = (list(shares), gains)
+        outcome.rows.append(
+            Row(
+                f"{name}: speed-up at the most points over that at the fewest",
+                gains[-1] / gains[0],
+                band=bands.POINTS_PAY,
+            )
+        )
+        outcome.rows.append(
+            Row(
+                f"{name}: speed of auto over the faster engine, at its worst",
+                min(chosen),
+                band=None if quick else bands.CHOOSER,
+            )
+        )
+    outcome.files += [
+        draw_lines(
+            lines,
+            folder / "vlf-x4.png",
+            x="points per triangle",
+            y="speed-up of the batch over Embree",
+        ),
+        write_csv(folder / "vlf-x4.csv", table),
+    ]
+    outcome.notes.append(
+        f"{directions} directions, one thread, CPU seconds; Embree by the faster of its orders"
+    )
+    return outcome
+
+
+def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
+    if quick:
+        return None
+    return {shares[0]: bands.FEW_POINTS, shares[-1]: bands.MANY_POINTS}.get(share)
+
+
+def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
+    """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
+    wanted = max(16, round(share * scene.triangles))
+    side = math.ceil(math.sqrt(2.5 * wanted))
+    points, normals, _ = first_hits(scene, scene.cameras[0], (side, side))
+    points, normals = points[:wanted], normals[:wanted]
+    scene.aligned_batch()
+    taken = ""
+
+    def run(engine: Any) -> Callable[[], None]:
+        def trace() -> None:
+            nonlocal taken
+            rows = vlf.trace_aligned(scene, points, normals, directions, engine=engine, threads=1)
+            if engine == "auto":
+                taken = rows.engine
+
+        return trace
+
+    names = ("batch", "embree", "auto")
+    return in_turns({name: run(name) for name in names}, 3), taken

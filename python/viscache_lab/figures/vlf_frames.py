@@ -1,0 +1,359 @@
+"""Figures 4 to 7 of the visibility field's paper: random triangles and the walk in a classroom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import scenes, vlf
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Camera, Scene, look_at
+from viscache.settings.integrators import Whitted
+from viscache.settings.rays import Rays, Vlf
+from viscache_lab.cases.beams import Beams
+from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
+from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.figures.registry import figure
+from viscache_lab.figures.vlf_tracers import (
+    FAST_EMBREE,
+    MAX_BYTES,
+    QUICK_DIRECTIONS,
+    QUICK_TILES,
+    Tuned,
+    best_bsp,
+    best_field,
+    camera_rays,
+    embree,
+    in_turns,
+    write_csv,
+)
+
+#: Numbers of random triangles, and the largest for which a full field is built.
+COUNTS = (1_000, 4_000, 9_000, 16_000, 64_000, 250_000, 1_000_000)
+QUICK_COUNTS = (1_000, 4_000)
+EDGE_FACTOR = 1.0
+#: Places on the way into the cube of triangles; the camera looks at the centre.
+STATIONS = ((1.6, 1.3, 2.0), (1.1, 0.9, 1.4), (0.6, 0.55, 0.9))
+#: Interval of the frames taken from the walk's 420.
+STRIDE = 6
+#: Of the walk.
+METHODS = ("CRT", "VLF-RT", "Embree", FAST_EMBREE)
+QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
+
+
+def _random(count: int) -> Scene:
+    made: Scene = scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
+    return made
+
+
+@figure("vlf-fig4", "the scenes of random triangles")
+def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Pictures of the scenes of random triangles."""
+    outcome, figure = Outcome(), new_figure(8.0, 4.2)
+    for column, count in enumerate(printed.RANDOM_SHOWN):
+        scene = _random(count)
+        view = look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
+        size = QUICK_SIZE if quick else printed.RANDOM_SIZE
+        frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
+        axes = figure.add_subplot(1, 2, column + 1)
+        draw_image(axes, frame.image, f"{count} triangles")
+        outcome.rows.append(
+            Row(
+                f"triangles, {'left' if column == 0 else 'right'}",
+                scene.triangles,
+                printed=count,
+                band=bands.RANDOM_TRIANGLES[count],
+                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
+            )
+        )
+    outcome.files.append(save_figure(figure, folder / "vlf-fig4.png"))
+    return outcome
+
+
+@figure("vlf-fig5", "frame time over the number of triangles")
+def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Time of primary rays by number of random triangles."""
+    size = QUICK_SIZE if quick else printed.RANDOM_SIZE
+    counts = QUICK_COUNTS if quick else COUNTS
+    outcome, table = Outcome(), []
+    times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": [], FAST_EMBREE: []}
+    steps = []
+    for count in counts:
+        scene = _random(count)
+        beams = _stations(size)
+        tuned = {
+            "CRT": best_bsp(scene, beams, quick),
+            "VLF-RT": best_field(scene, beams, quick, lazy=True),
+            "Embree": embree(scene),
+            FAST_EMBREE: embree(scene, robust=False),
+        }
+        runs: dict[str, Callable[[], Any]] = {
+            name: partial(beams.trace, t.caster) for name, t in tuned.items()
+        }
+        found = in_turns(runs, 1 if quick else 3)
+        for name, seconds in found.items():
+            times[name].append(1e3 * seconds / len(STATIONS))
+            table.append(
+                {
+                    "triangles": count,
+                    "method": name,
+                    "ms": times[name][-1],
+                    "bytes": tuned[name].nbytes,
+                    "build_s": tuned[name].build_s,
+                }
+            )
+        outcome.rows += _count_rows(count, found, tuned, quick)
+        steps.append(steps_of_a_ray(scene, beams, quick))
+    outcome.rows += _growth_rows(counts, times, steps, quick)
+    lines = {name: (counts, ms) for name, ms in times.items()}
+    outcome.files += [
+        draw_lines(lines, folder / "vlf-fig5.png", x="triangles", y="CPU ms per frame"),
+        write_csv(folder / "vlf-fig5.csv", table),
+    ]
+    outcome.notes.append(
+        f"{size[0]}x{size[1]} primary rays, one thread, {len(STATIONS)} places of the camera, "
+        f"edges of {EDGE_FACTOR:g} n^(-1/3) of the cube: the paper tells neither its triangles' "
+        "size nor its path. The field builds only the directions its rays need."
+    )
+    return outcome
+
+
+def _stations(size: tuple[int, int]) -> Beams:
+    parts = [
+        camera_rays(look_at(p, (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0), size) for p in STATIONS
+    ]
+    return Beams(
+        origins=np.concatenate([p.origins for p in parts]),
+        directions=np.concatenate([p.directions for p in parts]),
+    )
+
+
+def _count_rows(
+    count: int, found: dict[str, float], tuned: dict[str, Tuned], quick: bool
+) -> list[Row]:
+    gain, ahead = found["CRT"] / found["VLF-RT"], found["VLF-RT"] / found["Embree"]
+    return [
+        Row(
+            f"{count} triangles: speed-up of VLF-RT over CRT",
+            gain,
+            band=None if quick else bands.RANDOM_SPEEDUP,
+            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
+        ),
+        Row(
+            f"{count} triangles: speed-up of Embree over VLF-RT",
+            ahead,
+            band=None if quick else bands.EMBREE_AHEAD,
+        ),
+        Row(
+            f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
+            found["VLF-RT"] / found[FAST_EMBREE],
+        ),
+    ]
+
+
+def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
+    """Tiles, leaves and triangles that a ray visits in a field of depth 3, mean."""
+    n_directions = QUICK_DIRECTIONS if quick else printed.DIRECTIONS
+    settings = Vlf(
+        n_directions=n_directions,
+        n_tiles=QUICK_TILES if quick else printed.TILES,
+        bsp_depth=3,
+        lazy=True,
+        max_bytes=MAX_BYTES,
+    )
+    field = settings.build(scene)
+    axes = vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
+    steps = field.trace_by(beams.origins, beams.directions, axes)[3]
+    return float(sum(steps[name] for name in ("tiles", "leaves", "tests")) / len(beams))
+
+
+def _growth_rows(
+    counts: Sequence[int], times: dict[str, list[float]], steps: Sequence[float], quick: bool
+) -> list[Row]:
+    more = counts[-1] / counts[0]
+    rows = [
+        Row(
+            "VLF-RT: growth of a ray's steps over the growth of the triangles",
+            steps[-1] / steps[0] / more,
+            band=bands.RANDOM_STEPS,
+            note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
+        )
+    ]
+    for name, ms in times.items():
+        rows.append(
+            Row(
+                f"{name}: growth of the time over the growth of the triangles",
+                ms[-1] / ms[0] / more,
+                band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
+                note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
+            )
+        )
+    return rows
+
+
+@figure("vlf-fig6", "frame times of a walk through a classroom")
+def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """A walk through the classroom: CPU time of each frame."""
+    frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
+    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    # One scene per tracer: a scene keeps only one caster besides Embree's
+    rooms = {name: _classroom(quick) for name in METHODS}
+    views = [scenes.classroom_camera(k) for k in frames]
+    trial = camera_rays(views[len(views) // 2], size)
+    tuned = {
+        "CRT": best_bsp(rooms["CRT"], trial, quick),
+        "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
+        "Embree": embree(rooms["Embree"]),
+        FAST_EMBREE: embree(rooms[FAST_EMBREE], robust=False),
+    }
+    table, more_rays = [], []
+    for k, view in zip(frames, views, strict=True):
+        rays = camera_rays(view, size)
+        primary = in_turns({n: partial(rays.trace, t.caster) for n, t in tuned.items()}, 1)
+        lit = {n: _whitted(rooms[n], tuned[n].settings, view, size) for n in rooms}
+        whitted = {n: float(frame.timings["cpu_s"]) for n, frame in lit.items()}
+        counters = lit["VLF-RT"].counters
+        more_rays.append((counters["camera_rays"] + counters["rays"]) / len(rays))
+        table += [
+            {"frame": k, "method": n, "shading": shading, "ms": 1e3 * seconds[n]}
+            for shading, seconds in (("OpenGL-like", primary), ("Whitted", whitted))
+            for n in rooms
+        ]
+    outcome = Outcome(rows=_walk_rows(table, tuned, quick))
+    outcome.rows.append(
+        Row(
+            "rays of a Whitted frame over its primary rays, median",
+            _median(np.array(more_rays)),
+            band=bands.WHITTED_RAYS,
+        )
+    )
+    outcome.files += [_draw_walk(table, folder), write_csv(folder / "vlf-fig6.csv", table)]
+    outcome.notes.append(
+        "OpenGL-like: the primary rays alone. Whitted: whole frames through viscache.render with "
+        "shadow rays to the four lights, shading included; single-ray tracers get them one by one, "
+        "Embree in packets of 16. One thread."
+    )
+    return outcome
+
+
+def _classroom(quick: bool) -> Scene:
+    made: Scene = scenes.classroom_like(triangles=5000 if quick else printed.CLASSROOM_TRIANGLES)
+    return made
+
+
+def _whitted(scene: Scene, rays: Rays, view: Camera, size: tuple[int, int]) -> Frame:
+    """A frame; its time excludes building the caster."""
+    scene.caster(rays)
+    return render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
+
+
+def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[np.float64]:
+    return np.array([r["ms"] for r in table if (r["method"], r["shading"]) == (method, shading)])
+
+
+def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> list[Row]:
+    rows = []
+    for shading, band in bands.WALK_SPEEDUP.items():
+        crt, field, packets, fast = (_ms(table, n, shading) for n in METHODS)
+        gain = crt / field
+        rows += [
+            Row(
+                f"{shading}: speed-up of VLF-RT over CRT, median",
+                _median(gain),
+                band=None if quick else band,
+                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
+            ),
+            Row(
+                f"{shading}: speed-up of Embree over VLF-RT, median",
+                _median(field / packets),
+                band=None if quick else bands.EMBREE_AHEAD,
+            ),
+            Row(
+                f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
+                _median(field / fast),
+            ),
+        ]
+    cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
+    rows.append(
+        Row(
+            "VLF-RT: a Whitted frame over an OpenGL-like one, median",
+            _median(cost),
+            band=None if quick else bands.WHITTED_COST,
+        )
+    )
+    depths = {"CRT": printed.CLASSROOM_CRT_DEPTH, "VLF-RT": printed.CLASSROOM_FIELD_DEPTH}
+    for name, depth in depths.items():
+        s: Any = tuned[name].settings
+        best = s.max_depth if name == "CRT" else s.bsp_depth
+        rows.append(Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text))
+    return rows
+
+
+def _median(values: npt.NDArray[np.float64]) -> float:
+    return float(np.median(values))
+
+
+def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
+    lines = {}
+    for shading in bands.WALK_SPEEDUP:
+        for method in METHODS:
+            at = [r["frame"] for r in table if (r["method"], r["shading"]) == (method, shading)]
+            lines[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
+    return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
+
+
+@figure("vlf-fig7", "the classroom")
+def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """The classroom with Whitted and with OpenGL-like shading."""
+    scene: Scene = scenes.classroom_like()
+    lights = [light for light in scene.lights if light["kind"] == "point"]
+    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    view = scene.cameras[1]
+    frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
+    figure = new_figure(8.0, 4.2)
+    pictures: dict[str, npt.NDArray[Any]] = {
+        "Whitted": frame.image,
+        "OpenGL-like": local_shading(frame, view, lights),
+    }
+    for column, (title, image) in enumerate(pictures.items()):
+        draw_image(figure.add_subplot(1, 2, column + 1), image, title)
+    rows = [
+        Row(
+            "triangles",
+            scene.triangles,
+            printed=printed.CLASSROOM_TRIANGLES,
+            band=bands.CLASSROOM_TRIANGLES,
+        ),
+        Row(
+            "point lights",
+            len(lights),
+            printed=printed.CLASSROOM_LIGHTS,
+            band=bands.CLASSROOM_LIGHTS,
+        ),
+    ]
+    return Outcome(rows=rows, files=[save_figure(figure, folder / "vlf-fig7.png")])
+
+
+def local_shading(
+    frame: Any, view: Camera, lights: list[dict[str, Any]]
+) -> npt.NDArray[np.float64]:
+    """(H, W, 3): local shading by the lights' distances and directions, without shadows."""
+    layers = frame.layers
+    height, width = layers["depth"].shape[:2]
+    along = camera_rays(view, (width, height)).directions.reshape(height, width, 3)
+    position = np.asarray(view.origin) + layers["depth"] * along
+    shaded = np.zeros((height, width, 3))
+    for light in lights:
+        to_light = np.asarray(light["position"]) - position
+        squared = (to_light**2).sum(axis=-1, keepdims=True)
+        cosine = (layers["normal"] * to_light).sum(axis=-1, keepdims=True) / np.sqrt(squared)
+        shaded += np.asarray(light["intensity"]) * np.maximum(0, cosine) / squared
+    return np.asarray(shaded * layers["albedo"] / np.pi * (layers["coverage"] > 0))

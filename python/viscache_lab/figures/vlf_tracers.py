@@ -1,0 +1,221 @@
+"""Shared by the visibility field's figures: rays, tracers tuned by a grid search, CPU seconds."""
+
+from __future__ import annotations
+
+import csv
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.scene import Camera, Scene
+from viscache.settings.rays import Bsp, Embree, Rays, Vlf
+from viscache_lab.cases.beams import Beams
+from viscache_lab.figures import vlf_printed as printed
+
+__all__ = [
+    "FAST_EMBREE",
+    "Tuned",
+    "best_bsp",
+    "best_field",
+    "camera_rays",
+    "cpu_seconds",
+    "embree",
+    "first_hits",
+    "in_turns",
+    "write_csv",
+]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+
+#: The searched grids: depth and leaf size of the BSP, depth of the field's tiles.
+BSP_DEPTHS, BSP_LEAVES = (12, 14, 16, 18, 20, 22, 24, 26), (2, 4, 8, 16)
+QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES = (14, 18), (4, 16)
+FIELD_DEPTHS, QUICK_FIELD_DEPTHS = (0, 1, 2, 3, 4, 5, 6), (0, 3)
+QUICK_DIRECTIONS, QUICK_TILES = 129, 64
+#: Rays that a grid search traces.
+TRIAL_RAYS = 20_000
+MAX_BYTES = 6 << 30
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tuned:
+    """A tracer with the fastest parameters of a grid."""
+
+    settings: Rays
+    caster: Any
+    build_s: float
+    """CPU seconds of all threads."""
+    nbytes: int
+    grid: tuple[dict[str, Any], ...] = ()
+    """All grid points: parameters, CPU seconds, bytes."""
+
+    @property
+    def text(self) -> str:
+        """The parameters, as text for a note."""
+        s = self.settings
+        if isinstance(s, Bsp):
+            kind = f"depth {s.max_depth}, leaf {s.leaf_size}"
+        elif isinstance(s, Vlf):
+            kind = f"l {s.n_directions}, n {s.n_tiles}, depth {s.bsp_depth}"
+        else:
+            kind = "robust" if s.robust else "not robust"
+        return f"{kind}, {self.nbytes / 1e6:.1f} MB, built in {self.build_s:.2f} CPU s"
+
+
+def cpu_seconds(run: Callable[[], Any], repeats: int = 2) -> float:
+    """The smallest CPU seconds of several runs."""
+    best = math.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        run()
+        best = min(best, time.process_time() - start)
+    return best
+
+
+def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, float]:
+    """The smallest CPU seconds of each; they take turns, so a busy machine slows all of them."""
+    best = dict.fromkeys(runs, math.inf)
+    for _ in range(repeats):
+        for name, run in runs.items():
+            best[name] = min(best[name], cpu_seconds(run, 1))
+    return best
+
+
+def best_bsp(scene: Scene, beams: Beams, quick: bool) -> Tuned:
+    """The fastest BSP for some rays, from the paper's pre-test over depth and leaf size."""
+    depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
+    return _best(
+        scene, beams, (Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
+    )
+
+
+def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
+    """The fastest field over tile depths, with the paper's directions and tiles."""
+    axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
+    depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
+    return _best(
+        scene,
+        beams,
+        (
+            Vlf(
+                n_directions=axes,
+                n_tiles=n,
+                bsp_depth=d,
+                kernel="wald",
+                lazy=lazy,
+                max_bytes=MAX_BYTES,
+            )
+            for d in depths
+        ),
+    )
+
+
+def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
+    trial = beams.some(TRIAL_RAYS)
+    grid: list[dict[str, Any]] = []
+    best: tuple[float, Rays] | None = None
+    for settings in candidates:
+        caster: Any = settings.build(scene)
+        trial.trace(caster)  # the first rays build a lazy field
+        seconds = cpu_seconds(partial(trial.trace, caster))
+        row = {"seconds": seconds, "bytes": caster.stats["bytes"]}
+        names = ("max_depth", "leaf_size", "n_directions", "n_tiles", "bsp_depth")
+        grid.append({n: getattr(settings, n) for n in names if hasattr(settings, n)} | row)
+        if best is None or seconds < best[0]:
+            best = seconds, settings
+        del caster
+    assert best is not None
+    chosen = best[1]
+    start = time.process_time()
+    caster = chosen.build(scene)
+    if isinstance(chosen, Vlf) and chosen.lazy:
+        beams.trace(caster)
+    built = time.process_time() - start
+    return Tuned(
+        settings=chosen,
+        caster=caster,
+        build_s=built,
+        nbytes=caster.stats["bytes"],
+        grid=tuple(grid),
+    )
+
+
+#: Embree without its robust flag: it leaks at edges, as Wald's test of the others does.
+FAST_EMBREE = "fast Embree"
+
+
+def embree(scene: Scene, *, robust: bool = True) -> Tuned:
+    """Embree with the flag that all other rays of this package have, or without it."""
+    settings = Embree(robust=robust)
+    start = time.process_time()
+    caster = settings.build(scene)
+    # Embree does not report its bytes; about 100 per triangle were measured
+    return Tuned(
+        settings=settings,
+        caster=caster,
+        build_s=time.process_time() - start,
+        nbytes=100 * scene.triangles,
+    )
+
+
+def camera_rays(camera: Camera, size: tuple[int, int]) -> Beams:
+    """Rays through the pixel centres, row by row."""
+    width, height = size
+    half = math.tan(camera.fov_rad / 2)
+    across = half if camera.fov_is_horizontal else half * width / height
+    x = across * ((np.arange(width) + 0.5) / width * 2 - 1)
+    y = across * height / width * (1 - (np.arange(height) + 0.5) / height * 2)
+    forward, right, up = (np.asarray(v) for v in (camera.forward, camera.right, camera.up))
+    d = forward + x[None, :, None] * right + y[:, None, None] * up
+    d = (d / np.linalg.norm(d, axis=-1, keepdims=True)).reshape(-1, 3).astype(np.float32)
+    o = np.broadcast_to(np.asarray(camera.origin, np.float32), d.shape).copy()
+    return Beams(origins=o, directions=d)
+
+
+def first_hits(
+    scene: Scene, camera: Camera, size: tuple[int, int]
+) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    """Surface points that the pixels see.
+
+    Returns
+    -------
+    positions (N, 3), normals (N, 3) towards the camera, and which pixels (H, W) see a surface.
+    """
+    beams = camera_rays(camera, size)
+    hit = scene.intersect(beams.origins, beams.directions)
+    seen = hit.triangle >= 0
+    # No scene here has instances
+    corners = np.concatenate([m["vertices"][m["triangles"]] for m in scene.meshes()]).astype(float)
+    a, b, c = (corners[hit.triangle[seen], i] for i in range(3))
+    w = hit.barycentrics[seen].astype(float)
+    positions = a + w[:, :1] * (b - a) + w[:, 1:] * (c - a)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    facing = np.einsum("nk,nk->n", normals, beams.directions[seen]) > 0
+    normals[facing] *= -1
+    return (
+        positions.astype(np.float32),
+        normals.astype(np.float32),
+        seen.reshape(size[1], size[0]),
+    )
+
+
+def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
+    """Write the rows of a table; columns are in the order of their first occurrence."""
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows([_cell(row.get(name, "")) for name in columns] for row in rows)
+    return path
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,178 @@
+"""Renders a file with both until the verdict is clear, or the samples are spent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache_lab.parity.blocks import Comparison, block_means, compare
+from viscache_lab.parity.renderers import Loaded, load_mitsuba, load_viscache
+
+__all__ = ["FULL", "QUICK", "VERDICTS", "Effort", "Judged", "Verdict", "judge"]
+
+FloatImage = npt.NDArray[np.floating[Any]]
+Verdict: TypeAlias = Literal["differs", "not loaded", "not comparable", "warned", "agrees"]
+#: All verdicts, the worst first.
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+
+#: Pictures smaller than this have blocks of 8 × 8 pixels, others of 16 × 16.
+SMALL_PX = 128
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Effort:
+    """How many samples a file gets.
+
+    Parameters
+    ----------
+    spp : int
+        Samples per pixel of each picture.
+    first, most : int
+        Pictures of each renderer: to begin with, and at most. They double in between.
+    power : float
+        An agreement is clear if such a relative difference of a block would have been found.
+    """
+
+    spp: int = 16
+    first: int = 6
+    most: int = 48
+    power: float = 0.05
+
+
+FULL = Effort()
+QUICK = Effort(first=5, most=10, power=0.12)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Judged:
+    """A file, its verdict, and what it rests on."""
+
+    name: str
+    verdict: Verdict
+    warnings: list[str]
+    """Of our loader; for a file that is not loaded, the error."""
+    mitsuba: list[str]
+    """Mitsuba's warnings or its error."""
+    why: str = ""
+    compared: Comparison | None = None
+    ours: FloatImage | None = None
+    """Mean picture."""
+    theirs: FloatImage | None = None
+    pictures: int = 0
+
+    @property
+    def silent_miss(self) -> bool:
+        """Whether the picture is wrong and nothing was said."""
+        return self.verdict == "differs"
+
+
+def judge(
+    mi: Any, name: str, path: Path, *, effort: Effort = FULL, threads: int | None = None
+) -> Judged:
+    """Load and render a file with both renderers, and compare.
+
+    Parameters
+    ----------
+    mi : module
+        Of `renderers.mitsuba`.
+    name : str
+        The scene's name in the result.
+    path : path
+        A Mitsuba 3 XML file.
+    effort : Effort
+    threads : int, optional
+        Of our frames.
+    """
+    mine, other = load_viscache(path, threads), load_mitsuba(mi, path)
+    judged = partial(Judged, name=name, warnings=mine.warnings, mitsuba=other.warnings)
+    if mine.render is None:
+        return judged(verdict="not loaded", why=mine.warnings[0])
+    if other.render is None:
+        return judged(verdict="not comparable", why=f"Mitsuba: {other.warnings[0]}")
+    stacks = _Stacks(mine, other, effort.spp)
+    stacks.grow(1)
+    if stacks.sizes[0] != stacks.sizes[1]:
+        why = "sizes of the pictures: {} and {}".format(*stacks.sizes)
+        return judged(verdict="warned" if mine.warnings else "differs", why=why)
+    stacks.grow(effort.first)
+    compared = stacks.compared()
+    # No number of samples changes the verdict on a file that is warned of
+    most = effort.first if mine.warnings else effort.most
+    while stacks.count < most and not _clear(compared, effort):
+        stacks.grow(min(2 * stacks.count, most))
+        compared = stacks.compared()
+    verdict, why = _verdict(compared, mine.warnings, other.warnings)
+    return judged(
+        verdict=verdict,
+        why=why,
+        compared=compared,
+        ours=stacks.mean(0),
+        theirs=stacks.mean(1),
+        pictures=stacks.count,
+    )
+
+
+def _clear(compared: Comparison, effort: Effort) -> bool:
+    """Whether more samples would hardly change the verdict."""
+    if compared.agrees:
+        return compared.share >= 0.98 and compared.power <= effort.power
+    return compared.share < 0.7
+
+
+def _verdict(compared: Comparison, warnings: list[str], mitsubas: list[str]) -> tuple[Verdict, str]:
+    if not compared.informative and (compared.agrees or mitsubas):
+        return "not comparable", _nothing_to_compare(compared, mitsubas)
+    if warnings:
+        return "warned", warnings[0]
+    if compared.agrees:
+        return "agrees", ""
+    if mitsubas:  # it says itself that it does not do what the file asks for
+        return "not comparable", f"Mitsuba: {mitsubas[0]}"
+    if compared.share < 1 and not compared.energies_agree:
+        return "differs", f"energy {compared.energy_difference:+.1%}"
+    return "differs", f"{1 - compared.share:.0%} of the blocks"
+
+
+def _nothing_to_compare(compared: Comparison, mitsubas: list[str]) -> str:
+    if np.isfinite(compared.power):
+        return f"the noise hides differences of less than {compared.power:.0%}"
+    black = "both pictures are" if compared.energy_ours == 0 else "Mitsuba's picture is"
+    return f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
+
+
+class _Stacks:
+    """Block means of the pictures of both renderers, and sums of the pictures."""
+
+    def __init__(self, mine: Loaded, other: Loaded, spp: int) -> None:
+        self.loaded = (mine, other)
+        self.spp = spp
+        self.count = 0
+        self.blocks: tuple[list[Any], list[Any]] = ([], [])
+        self.sums: list[Any] = [None, None]
+        self.sizes: list[tuple[int, int]] = [(0, 0), (0, 0)]
+
+    def grow(self, count: int) -> None:
+        """Render until there are `count` pictures of each."""
+        for seed in range(self.count, count):
+            for side, loaded in enumerate(self.loaded):
+                assert loaded.render is not None
+                picture = np.asarray(loaded.render(self.spp, seed), np.float64)
+                height, width = picture.shape[:2]
+                self.sizes[side] = (width, height)
+                edge = 8 if min(width, height) < SMALL_PX else 16
+                self.blocks[side].append(block_means(picture, edge))
+                self.sums[side] = picture if seed == 0 else self.sums[side] + picture
+        self.count = count
+
+    def compared(self) -> Comparison:
+        """The comparison of all pictures so far."""
+        return compare(np.stack(self.blocks[0]), np.stack(self.blocks[1]))
+
+    def mean(self, side: int) -> FloatImage:
+        """The mean picture of a side."""
+        return np.asarray(self.sums[side] / self.count)

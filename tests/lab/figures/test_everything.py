@@ -1,0 +1,158 @@
+"""`viscache reproduce all`: one page, resumable figure by figure, and its exit status."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from viscache import cli, provenance
+from viscache_lab import figures
+from viscache_lab.figures import everything, references
+from viscache_lab.figures.claim_rules import Claim
+from viscache_lab.figures.outcome import Band, Outcome, Row
+from viscache_lab.figures.registry import FigureInfo
+
+CALLS: list[str] = []
+
+
+@pytest.fixture
+def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Two figures, "holds" and "varies"; what they measure and raise can be changed."""
+    for name in list(figures.FIGURES):
+        monkeypatch.delitem(figures.FIGURES, name)
+    state: dict[str, Any] = {"measured": 3.0, "raises": None}
+    CALLS.clear()
+
+    def picture(folder: Path, name: str) -> Path:
+        noise = np.random.default_rng(0).integers(0, 255, (600, 700, 3), dtype=np.uint8)
+        Image.fromarray(noise).save(folder / f"{name}.png")
+        return folder / f"{name}.png"
+
+    def holds(folder: Path, quick: bool, progress: bool) -> Outcome:
+        CALLS.append("holds")
+        outcome = Outcome(rows=[Row(what="a <b>", measured=1.0, printed=2.0)])
+        outcome.rows.append(Row(what="fine", measured=1.0, band=Band(0.5, np.inf, "said so")))
+        outcome.files.append(picture(folder, "holds"))
+        outcome.skip("far away", "absent")
+        return outcome
+
+    def varies(folder: Path, quick: bool, progress: bool) -> Outcome:
+        CALLS.append("varies")
+        if state["raises"] is not None:
+            raise state["raises"]
+        band = Band(2.5, 5.0, "Sec. 1: the paper", claimed=Claim(4.0, 5.0, "about"))
+        return Outcome(rows=[Row("speed", state["measured"], printed=4, band=band)])
+
+    monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
+    monkeypatch.setitem(figures.FIGURES, "varies", FigureInfo(description="two", function=varies))
+    return state
+
+
+class Page(HTMLParser):
+    """The content of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.ids: set[str] = set()
+        self.links: set[str] = set()
+        self.sources: list[str] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.ids |= {found["id"] or ""} if "id" in found else set()
+        self.links |= {found["href"] or ""} if tag == "a" else set()
+        self.sources += [found["src"] or ""] if tag == "img" else []
+
+    def handle_data(self, data: str) -> None:
+        self.text += data + "|"
+
+
+def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
+    two: dict[str, Any], tmp_path: Path
+) -> None:
+    assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--quick"]) == 0
+    page = Page((tmp_path / "index.html").read_text())
+    assert {"holds", "varies"} <= page.ids and {"#holds", "#varies"} <= page.links
+    rows = ("a <b>", "speed", "0.5 … ∞", "2.5 … 5", "said so", "far away: absent")
+    for words in (*rows, "2 figures and tables", "2 of 2 bands hold, 0 do not"):
+        assert words in page.text.replace("|", ""), words
+    assert "0.75" in page.text  # measured over printed
+    claim = (
+        "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1), at quick sizes."
+    )
+    for words in (claim, "|not found|", "|not found: 4 to 5 (about)|", "|not stated|"):
+        assert words in page.text, words
+    (source,) = page.sources
+    assert source.startswith("data:image/webp;base64,") and len(source) < 1_000_000
+    assert "http" not in (tmp_path / "index.html").read_text()
+
+
+def test_a_band_that_fails_fails_the_command_and_is_named(
+    two: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    two["measured"] = 2.0
+    assert cli.main(["reproduce", "all", "-o", str(tmp_path)]) == 1
+    out = capsys.readouterr().out
+    assert "1 of 2 bands hold; 1 failures:" in out
+    assert "varies: speed: 2 is not in 2.5 … 5" in out
+    assert "found in 0 figures, not found in 1, not stated in 1, not judged" in out
+    (missed,) = json.loads((tmp_path / "summary.json").read_text())["claims_not_found"]
+    assert (missed["figure"], missed["measured"], missed["claim"]) == ("varies", 2.0, [4.0, 5.0])
+    assert out.splitlines()[-1] == str(tmp_path / "index.html")
+    assert "What does not hold" in Page((tmp_path / "index.html").read_text()).text
+
+
+def test_a_figure_that_raises_fails_the_command_and_the_others_run(
+    two: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    two["raises"] = RuntimeError("out of luck")
+    assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--json"]) == 1
+    got = json.loads(capsys.readouterr().out)
+    assert got["failing"] == [{"figure": "varies", "error": "RuntimeError: out of luck"}]
+    assert got["claims"] == {"found": 0, "not_found": 0, "not_stated": 1, "not_judged": 0}
+    assert got["figures"][1]["verdicts"] is None
+    assert [f["figure"] for f in got["figures"]] == ["holds", "varies"]
+    assert "out of luck" in (tmp_path / "index.html").read_text()
+    two["raises"] = None  # what raised is tried again
+    assert cli.main(["reproduce", "all", "-o", str(tmp_path)]) == 0
+    assert CALLS == ["holds", "varies", "varies"]
+
+
+def test_an_interrupted_run_goes_on_figure_by_figure(
+    two: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    two["raises"] = KeyboardInterrupt()
+    words = ["reproduce", "all", "-o", str(tmp_path)]
+    assert cli.main(words) == 130
+    assert "holds" in Page((tmp_path / "index.html").read_text()).ids  # what there is so far
+    two["raises"] = None
+    assert cli.main(words) == 0 and CALLS == ["holds", "varies", "varies"]
+    assert cli.main(words) == 0 and len(CALLS) == 3
+    assert cli.main([*words, "--quick"]) == 0 and len(CALLS) == 5  # another size is another run
+    (tmp_path / "holds.png").unlink()
+    assert cli.main([*words, "--quick"]) == 0 and CALLS[5:] == ["holds"]
+    monkeypatch.setattr(everything, "code_hash", lambda: "another")
+    assert cli.main([*words, "--quick", "--older"]) == 0 and len(CALLS) == 6
+    assert cli.main([*words, "--quick"]) == 0 and len(CALLS) == 8
+
+
+def test_the_code_hash_is_of_the_sources() -> None:
+    ours, every = provenance.code_hash(), everything.code_hash()
+    assert len(ours) == len(every) == 64
+    assert (ours, every) == (provenance.code_hash(), everything.code_hash())
+    assert ours != every  # a change of a figure leaves the exact frames of sweeps as they are
+
+
+def test_figures_of_one_folder_share_their_references(tmp_path: Path) -> None:
+    assert references.exact_frames().directory is None
+    with references.kept_in(tmp_path):
+        assert references.exact_frames().directory == tmp_path
+    assert references.exact_frames().directory is None

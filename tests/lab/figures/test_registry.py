@@ -1,0 +1,174 @@
+"""`viscache reproduce`: the list, the JSON, and bands that fail with status 1."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from viscache import cli
+from viscache_lab import figures
+from viscache_lab.figures import registry
+from viscache_lab.figures.claim_rules import Claim
+from viscache_lab.figures.outcome import Band, Outcome, Row, text
+from viscache_lab.figures.registry import FigureInfo
+
+BAND = Band(0.8, math.inf, "the paper says so")
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
+    """A figure `made-up` whose rows the test fills in."""
+    rows: list[Row] = []
+
+    def function(folder: Path, quick: bool, progress: bool) -> Outcome:
+        (folder / "made-up.png").write_bytes(b"picture")
+        outcome = Outcome(rows=rows, files=[folder / "made-up.png"])
+        outcome.skip("far away", "absent")
+        return outcome
+
+    info = FigureInfo(description="made up", function=function)
+    monkeypatch.setitem(figures.FIGURES, "made-up", info)
+    return rows
+
+
+def test_every_figure_is_listed_in_the_order_of_the_papers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cli.main(["reproduce", "list", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)["figures"]
+    assert listed == [{"figure": name} for name in figures.FIGURES]
+    names = list(figures.FIGURES)
+    assert names[:7] == [f"aqvc-fig{n}" for n in range(2, 9)]
+    first = names.index("vlf-fig1")
+    assert names[first : first + 9] == [*(f"vlf-fig{n}" for n in range(1, 9)), "vlf-tab1"]
+    assert names[-7:-2] == [
+        *(f"vismap-{n}" for n in ("fig13", "tab2", "tab3", "sweep", "temporal"))
+    ]
+    assert names[-2:] == ["trade", "extremes"]
+    assert cli.main(["reproduce", "list"]) == 0
+    assert "aqvc-fig6 (fine geometry: the hairball)\n" in capsys.readouterr().out
+
+
+def test_a_decorated_function_is_a_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "FIGURES", {})
+
+    @registry.figure("vlf-x9", "made up")
+    def sized(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
+        return Outcome()
+
+    @registry.figure("vlf-fig10", "made up")
+    @registry.figure("aqvc-x1", "made up")
+    def fixed(folder: Path, quick: bool, progress: bool) -> Outcome:
+        return Outcome()
+
+    registry.arrange()
+    assert list(registry.FIGURES) == ["aqvc-x1", "vlf-fig10", "vlf-x9"]
+    assert registry.FIGURES["vlf-x9"] == FigureInfo(
+        description="made up", function=sized, sized=True
+    )
+    assert not registry.FIGURES["vlf-fig10"].sized
+    with pytest.raises(ValueError, match="name must be its own, got 'vlf-x9'"):
+        registry.figure("vlf-x9", "twice")
+    with pytest.raises(ValueError, match=r"paper must be one of .*got 'fig1'"):
+        registry.figure("fig1", "of no paper")
+
+
+def test_the_json_has_the_rows_and_the_files_that_were_written(
+    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made_up.append(Row(what="speed", measured=3.0, printed=2.0, band=BAND, note="here"))
+    made_up.append(Row(what="count", measured=7, printed="1 to 2"))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path / "new"), "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    first, second = got["rows"]
+    assert got["figure"] == "made-up" and got["skipped"][0]["what"] == "far away"
+    assert first == {
+        "what": "speed",
+        "printed": 2.0,
+        "measured": 3.0,
+        "ratio": 1.5,
+        "band": [0.8, None],
+        "holds": True,
+        "claim": None,
+        "rule": None,
+        "because": None,
+        "said": None,
+        "found": None,
+        "note": "here; the paper says so",
+    }
+    assert (second["ratio"], second["band"], second["holds"]) == (None, None, None)
+    assert all(Path(file).is_file() for file in got["files"])
+    assert {Path(file).suffix for file in got["files"]} == {".png", ".md", ".json"}
+    assert json.loads((tmp_path / "new" / "made-up.json").read_text())["rows"] == got["rows"]
+
+
+def test_a_figure_prints_and_records_two_verdicts(
+    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.at_least(8.0))
+    made_up.append(Row(what="speed", measured=3.0, band=band))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
+    line = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)."
+    assert line in capsys.readouterr().out.splitlines()
+    got = json.loads((tmp_path / "made-up.json").read_text())
+    assert {kind: part["verdict"] for kind, part in got["verdicts"].items()} == {
+        "claim": "not found",
+        "expectation": "holds",
+    }
+    assert got["rows"][0]["claim"] == [8.0, None] and got["rows"][0]["found"] is False
+
+
+@pytest.mark.parametrize("measured", [0.79, math.nan, None])
+def test_a_band_that_fails_is_status_1(
+    made_up: list[Row], measured: float | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made_up.append(Row(what="speed", measured=measured, band=BAND))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 1
+    assert "| **no** |" in capsys.readouterr().out
+
+
+def test_ends_of_a_band_belong_to_it() -> None:
+    band = Band(1.0, 2.0, "")
+    values = [Row(what="x", measured=v, band=band).holds for v in (1.0, 2.0, 0.999, 2.001)]
+    assert values == [True, True, False, False]
+
+
+def test_the_table_says_what_was_printed_and_what_was_measured() -> None:
+    table = text("made-up", [Row(what="speed", measured=3.0, printed=2.0, band=BAND)])
+    assert "| speed | 2 | 3 | 1.5 | 0.8 … ∞ | yes | the paper says so |" in table
+
+
+def test_unknown_figures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = ["-o", str(tmp_path / "none")]
+    assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
+    assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sizes = []
+
+    def function(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
+        sizes.append(size)
+        return Outcome()
+
+    info = FigureInfo(description="made up", function=function, sized=True)
+    fixed = FigureInfo(description="made up", function=lambda folder, quick, progress: Outcome())
+    for name in list(figures.FIGURES):
+        monkeypatch.delitem(figures.FIGURES, name)
+    monkeypatch.setitem(figures.FIGURES, "sized", info)
+    monkeypatch.setitem(figures.FIGURES, "fixed", fixed)
+    out = ["-o", str(tmp_path), "--json"]
+    assert cli.main(["reproduce", "sized", "--size", "64x40", *out]) == 0
+    assert json.loads(capsys.readouterr().out)["size"] == [64, 40]
+    assert cli.main(["reproduce", "sized", *out]) == 0
+    assert cli.main(["reproduce", "all", "--size", "8x4", *out]) == 0
+    assert sizes == [(64, 40), None, (8, 4)]
+    assert cli.main(["reproduce", "fixed", "--size", "8x4", *out]) == 2
+    assert "size must be left out for fixed; it is for sized" in capsys.readouterr().err

@@ -1,0 +1,102 @@
+"""Two verdicts per figure: the paper's claim and our expectation, on rows made up by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from viscache_lab.figures import aqvc_bands
+from viscache_lab.figures.claim_rules import Claim
+from viscache_lab.figures.outcome import Band, Row
+from viscache_lab.figures.verdict import claims_not_found, sentence, verdicts
+
+#: The paper says 8 and more; we expect 2 and more.
+WIDER = Band(2.0, math.inf, "Sec. 5.2: 8; expected: 2 and more", claimed=Claim.at_least(8.0))
+QUOTED = Band(1.0, math.inf, "Fig. 6: the field is faster", claimed=Claim.more())
+OURS = Band(1.0, math.inf, "expected: more than none")
+
+
+def row(band: Band | None, measured: float | None) -> dict[str, object]:
+    return Row("x", measured, band=band).as_dict()
+
+
+@pytest.mark.parametrize(
+    ("band", "measured", "found", "holds"),
+    [
+        (WIDER, 8.0, True, True),
+        (WIDER, 3.7, False, True),
+        (WIDER, 1.0, False, False),
+        (QUOTED, 1.5, True, True),
+        (QUOTED, 0.5, False, False),
+        (QUOTED, None, False, False),
+        (QUOTED, math.nan, False, False),
+        (OURS, 0.5, None, False),
+        (None, 0.5, None, None),
+    ],
+)
+def test_a_row_tells_the_claim_and_the_band_apart(
+    band: Band | None, measured: float | None, found: bool | None, holds: bool | None
+) -> None:
+    made = row(band, measured)
+    assert (made["found"], made["holds"]) == (found, holds)
+
+
+def test_the_claim_of_a_row_is_data() -> None:
+    assert row(WIDER, 3.0)["claim"] == [8.0, math.inf]
+    assert row(QUOTED, 3.0)["claim"] == [1.0, math.inf]
+    assert row(WIDER, 3.0)["rule"] == "at_least" and row(OURS, 3.0)["rule"] is None
+    assert row(OURS, 3.0)["claim"] is None and row(None, 3.0)["claim"] is None
+
+
+def test_a_figure_has_one_verdict_of_each_kind() -> None:
+    rows = [row(WIDER, 9.0), row(OURS, 2.0), row(None, 1.0)]
+    assert verdicts(rows, quick=False, figure="vlf-fig6") == {
+        "claim": {"verdict": "found", "yes": 1, "all": 1},
+        "expectation": {"verdict": "holds", "yes": 2, "all": 2},
+    }
+    rows.append(row(WIDER, 3.7))
+    assert verdicts(rows, quick=False, figure="vlf-fig6")["claim"] == {
+        "verdict": "not found",
+        "yes": 1,
+        "all": 2,
+    }
+    assert verdicts(rows, quick=False, figure="vlf-fig6")["expectation"]["verdict"] == "holds"
+    assert verdicts([row(OURS, 0.0)], quick=False, figure="vlf-fig6") == {
+        "claim": {"verdict": "not stated", "yes": 0, "all": 0},
+        "expectation": {"verdict": "does not hold", "yes": 0, "all": 1},
+    }
+    assert verdicts([], quick=False, figure="vlf-fig6")["expectation"]["verdict"] == "no band"
+
+
+def test_both_verdicts_are_one_line() -> None:
+    rows = [row(WIDER, 3.7)]
+    said = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)"
+    assert sentence(rows, quick=False, figure="vlf-fig6") == f"{said}."
+    assert sentence(rows, quick=True, figure="vlf-fig6") == f"{said}, at quick sizes."
+    assert sentence([], quick=True, figure="vlf-fig6").startswith("The paper's claim: not judged.")
+    ours = sentence([], quick=True, figure="trade")
+    assert ours.startswith("The paper's claim: not stated.")
+    assert (
+        sentence([], quick=False, figure="vlf-fig6")
+        == "The paper's claim: not stated. Our expectation: no band."
+    )
+
+
+def test_claims_not_found_name_their_figure() -> None:
+    results = [{"figure": "a", "rows": [row(WIDER, 3.7), row(WIDER, 9.0), row(OURS, 0.0)]}]
+    assert [(r["figure"], r["measured"]) for r in claims_not_found(results)] == [("a", 3.7)]
+
+
+@pytest.mark.parametrize(
+    ("band", "measured"),
+    [
+        (aqvc_bands.LARGEST_SPEEDUP, 3.7),
+        (aqvc_bands.H8_FLICKER, 0.54),
+        (aqvc_bands.MAPS_SLOWER, 67.0),
+        (aqvc_bands.H1_RAYS_LEFT, 0.021),
+    ],
+)
+def test_our_band_may_hold_where_the_papers_claim_is_not_found(band: Band, measured: float) -> None:
+    made = Row("x", measured, band=band)
+    assert made.holds and made.found is False

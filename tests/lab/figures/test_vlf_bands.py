@@ -1,0 +1,39 @@
+"""Numbers of the visibility field's paper are consistent and lie in the bands."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from lab.figures.every_band import all_bands
+from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures import vlf_printed as printed
+
+
+def test_bands_are_not_empty_and_name_their_source() -> None:
+    assert {"OCCLUSION_SPEEDUP", "CHORD_TILES[513]", "UPDATE_PAYS"} <= set(all_bands(bands))
+    for name, band in all_bands(bands).items():
+        assert band.low <= band.high, name
+        assert math.isfinite(band.low) or math.isfinite(band.high), name
+        assert band.source.startswith(("Tab. ", "Fig. ", "Sec. ", "expected: ")), name
+
+
+@pytest.mark.parametrize("scene", printed.OCCLUSION)
+def test_speedups_of_table_1_are_ratios_of_its_seconds(scene: str) -> None:
+    row = printed.OCCLUSION[scene]
+    assert row.crt_s / row.field_s == pytest.approx(row.speedup, abs=0.0051)
+    assert row.speedup in bands.OCCLUSION_SPEEDUP
+
+
+def test_the_churchs_rays_per_second_follow_from_its_seconds() -> None:
+    """So 513 rays were traced from every pixel."""
+    rays = printed.OCCLUSION_PIXELS * printed.OCCLUSION_RAYS / 1e6
+    church = printed.OCCLUSION["church"]
+    assert rays / church.crt_s == pytest.approx(printed.CHURCH_CRT, abs=0.05)
+    assert rays / church.field_s == pytest.approx(printed.CHURCH_FIELD, abs=0.05)
+
+
+def test_the_papers_gain_falls_with_the_triangles() -> None:
+    rows = printed.OCCLUSION
+    assert rows["tugboat"].speedup / rows["cow"].speedup in bands.OCCLUSION_DECLINE

@@ -1,0 +1,210 @@
+"""The suite on few scenes: right ones agree, wrong ones are found, and the page shows them."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from viscache import cli
+from viscache_lab import bench
+from viscache_lab.parity import judge as judging
+from viscache_lab.parity import renderers, suite, zoo
+from viscache_lab.parity.judge import Effort, Judged, judge
+from viscache_lab.parity.renderers import FloatImage, Loaded
+
+needs_mitsuba = [
+    pytest.mark.mitsuba,
+    pytest.mark.skipif(renderers.missing() is not None, reason="needs the package mitsuba"),
+]
+CUBES = "shape/cube-mirror-x"
+
+
+@pytest.fixture(autouse=True)
+def no_shared_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("VISCACHE_SCENES", raising=False)
+
+
+def run(folder: Path | None = None, only: str = CUBES) -> suite.Suite:
+    return suite.run_suite(quick=True, only=only, output=folder)
+
+
+def brighter(factor: float, load: Callable[..., Loaded]) -> Callable[..., Loaded]:
+    """A loader whose pictures are too bright."""
+
+    def wrong(path: Path, threads: int | None = None) -> Loaded:
+        loaded = load(path, threads)
+        assert loaded.render is not None
+        inner = loaded.render
+
+        def picture(spp: int, seed: int) -> FloatImage:
+            return np.asarray(factor * inner(spp, seed), np.float32)
+
+        return Loaded(render=picture, warnings=loaded.warnings)
+
+    return wrong
+
+
+class TestWithMitsuba:
+    pytestmark = needs_mitsuba
+
+    def test_a_cube_agrees_and_five_per_cent_more_light_does_not(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (right,) = run().results
+        assert right.verdict == "agrees"
+        assert right.compared is not None
+        assert right.compared.power < 0.1
+        load = judging.load_viscache
+        monkeypatch.setattr(judging, "load_viscache", brighter(1.05, load))
+        found = run()
+        assert [r.verdict for r in found.results] == ["differs"]
+        assert re.fullmatch(r"energy \+[45]\.\d%", found.silent_misses[0].why)
+
+    def test_a_light_that_is_five_per_cent_brighter_in_one_file_is_found(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (case,) = [c for c in zoo.cases() if c.name == "light/point-position"]
+        (path,) = zoo.write(tmp_path, [case]).values()
+        other = tmp_path / "brighter.xml"
+        other.write_text(path.read_text().replace("20,15,10", "21,15.75,10.5"))
+        effort = Effort(first=6, most=6)
+        with renderers.mitsuba() as mi:
+            assert judge(mi, "right", path, effort=effort).verdict == "agrees"
+            load = judging.load_viscache
+            monkeypatch.setattr(judging, "load_viscache", lambda p, threads: load(other, threads))
+            found = judge(mi, "wrong", path, effort=effort)
+        assert found.silent_miss
+        assert found.compared is not None
+        assert found.compared.energy_difference == pytest.approx(0.05, abs=0.01)
+
+    def test_what_is_warned_of_is_listed_with_its_warning(self) -> None:
+        outcome = bench.parity.parity(True, only="material/principled-default-sky")
+        assert outcome.answers_hold
+        (row,) = outcome.skipped
+        assert row["what"] == "material/principled-default-sky"
+        assert row["reason"].startswith("warned: 'principled' is not modelled in full")
+
+    def test_a_file_that_is_warned_of_gets_the_first_pictures_alone(self, tmp_path: Path) -> None:
+        pictures = {"material/principled-default-sky": 3, "material/diffuse-colour-sky": 6}
+        paths = zoo.write(tmp_path, [case for case in zoo.cases() if case.name in pictures])
+        effort = Effort(spp=4, first=3, most=6, power=0.0)
+        with renderers.mitsuba() as mi:
+            for name, count in pictures.items():
+                assert judge(mi, name, paths[name], effort=effort).pictures == count
+
+    def test_a_file_that_is_refused_is_named(self, tmp_path: Path) -> None:
+        path = tmp_path / "bad.xml"
+        path.write_text('<scene version="3.0.0"><shape type="ply"/></scene>')
+        with renderers.mitsuba() as mi:
+            found = judge(mi, "bad", path)
+        assert found.verdict == "not loaded"
+        assert "needs a filename" in found.why
+
+    def test_the_page_holds_pictures_and_needs_no_other_file(self, tmp_path: Path) -> None:
+        from PIL import Image
+
+        found = run(tmp_path, "shape/cube-*")
+        assert found.page is not None
+        page = found.page.read_text("utf-8")
+        assert "{{" not in page
+        assert not re.search(r"""(src|href)=["']?http|url\(""", page)
+        data = re.search(r'id="data" type="application/json">(.*?)</script>', page, re.S)
+        assert data is not None
+        pictures = json.loads(data[1])["pictures"]
+        assert sorted(pictures) == sorted(r.name for r in found.results)
+        for four in pictures.values():
+            sizes = [Image.open(io.BytesIO(base64.b64decode(p))).size for p in four]
+            assert sizes == [(64, 64), (64, 64), (64, 64), (8, 8)]
+
+
+def judged_of(
+    monkeypatch: pytest.MonkeyPatch,
+    ours: float,
+    theirs: float,
+    *,
+    noise: float = 0.01,
+    mitsubas: tuple[str, ...] = (),
+) -> Judged:
+    """The verdict on even pictures of two levels, without a renderer."""
+
+    def loaded(level: float, said: tuple[str, ...] = ()) -> Loaded:
+        def picture(_: int, seed: int) -> FloatImage:
+            rng = np.random.default_rng([seed, round(100 * level)])
+            return np.asarray(level * (1 + noise * rng.normal(0, 8, (64, 64, 3))), np.float32)
+
+        return Loaded(render=picture, warnings=list(said))
+
+    monkeypatch.setattr(judging, "load_viscache", lambda *_: loaded(ours))
+    monkeypatch.setattr(judging, "load_mitsuba", lambda *_: loaded(theirs, mitsubas))
+    return judge(None, "even", Path("even.xml"), effort=Effort(first=6, most=12))
+
+
+def test_pictures_that_compare_nothing_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    black = judged_of(monkeypatch, 0, 0)
+    assert (black.verdict, black.why) == ("not comparable", "both pictures are black")
+    said = judged_of(monkeypatch, 1, 0, mitsubas=("the sun is below the horizon",))
+    assert said.verdict == "not comparable"
+    assert said.why == "Mitsuba's picture is black: the sun is below the horizon"
+    noisy = judged_of(monkeypatch, 1, 1, noise=3)
+    assert noisy.verdict == "not comparable"
+    assert noisy.why.startswith("the noise hides differences of less than")
+    # Power: lit pictures agree, and light where Mitsuba has none is a silent miss
+    assert judged_of(monkeypatch, 1, 1).verdict == "agrees"
+    assert judged_of(monkeypatch, 1.05, 1).verdict == "differs"
+    assert judged_of(monkeypatch, 1, 0).verdict == "differs"
+
+
+def miss(share: float) -> Judged:
+    """A result that needs no renderer."""
+    from viscache_lab.parity.blocks import compare
+
+    ours = np.random.default_rng(1).normal(1, 0.01, (6, 8, 8, 3))
+    theirs = np.random.default_rng(2).normal(1, 0.01, (6, 8, 8, 3))
+    compared = replace(compare(ours, theirs), share=share)
+    return Judged(name=f"x/{share}", verdict="differs", warnings=[], mitsuba=[], compared=compared)
+
+
+def test_silent_misses_come_worst_first() -> None:
+    found = suite.Suite(results=[miss(0.9), miss(0.2), miss(0.5)])
+    assert [r.name for r in found.silent_misses] == ["x/0.2", "x/0.5", "x/0.9"]
+
+
+def test_a_silent_miss_fails_the_bench(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = suite.Suite(results=[miss(0.2)])
+    monkeypatch.setattr(bench.parity, "run_suite", lambda **_: made)
+    monkeypatch.setattr(renderers, "missing", lambda: None)
+    assert cli.main(["bench", "parity", "--quick"]) == 1
+    shown = capsys.readouterr().out
+    assert "WRONG scenes that differ without a warning: 1 > 0" in shown
+    assert "WRONG x/0.2" in shown
+
+
+def test_without_mitsuba_the_bench_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(renderers, "missing", lambda: "Mitsuba 3 is not installed")
+    result = bench.run("parity", quick=True)
+    assert result["skipped"] == [{"what": "parity", "reason": "Mitsuba 3 is not installed"}]
+    assert result["answers_hold"]
+
+
+def test_options_of_the_suite_are_refused_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["bench", "rays", "--only", "x"]) == 2
+    assert "--only is an option of the benches parity and peers alone" in capsys.readouterr().err
+    assert cli.main(["bench", "parity", "--threads", "0"]) == 2
+    assert "threads must be >= 1, got 0" in capsys.readouterr().err
+
+
+def test_a_pattern_that_matches_nothing_is_refused() -> None:
+    if renderers.missing() is not None:
+        pytest.skip("needs the package mitsuba")
+    with pytest.raises(ValueError, match="no quick scene has a name like 'nothing'"):
+        run(only="nothing")
