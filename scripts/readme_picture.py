@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image
 
 import viscache as vc
-from viscache import tonemap
+from viscache.base import tonemap
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ from typing import Any
 
 import viscache as vc
 from viscache.frame import Frame
-from viscache.render import render_part
+from viscache.shot.render import render_part
 from viscache_lab.bench.aligned import FITTED, HELD_OUT, opened
 from viscache_lab.bench.common import Sample, interleave
 

@@ -1,6 +1,7 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
 import copyreg as _copyreg
+import sys as _sys
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import NoReturn as _NoReturn
 
@@ -12,28 +13,26 @@ from viscache import (
     plots,
     report,
     scenes,
-    temporal,
     testing,
-    tiles,
-    variance,
     vismap,
     vlf,
 )
 from viscache._core import SceneDescription
-from viscache.aqvc_rows import AqvcRows
-from viscache.aqvc_table import AqvcTable
+from viscache.aqvc.rows import AqvcRows
+from viscache.aqvc.table import AqvcTable
+from viscache.base import tonemap, workers
+from viscache.base.provenance import VERSION
 from viscache.calls import Shot
-from viscache.connections import Connections, connections
 from viscache.frame import Frame
+from viscache.metrics import temporal, variance
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
-from viscache.over_time import passes_over_time
-from viscache.progressive import Progressive
-from viscache.provenance import VERSION
-from viscache.query_record import record_queries
-from viscache.render import render
+from viscache.passes import over_time
+from viscache.passes.over_time import passes_over_time
+from viscache.passes.progressive import Progressive
 from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
 from viscache.scene.cameras import Camera, look_at, orthographic
+from viscache.scenes.travelling import reduced as _reduced
 from viscache.settings import integrators as _integrators
 from viscache.settings import rays as _rays
 from viscache.settings import visibility as _visibility
@@ -42,12 +41,16 @@ from viscache.settings.integrators import *  # noqa: F403
 from viscache.settings.rays import *  # noqa: F403
 from viscache.settings.visibility import *  # noqa: F403
 from viscache.settings.vpls import Vpls
+from viscache.shot import tiles
+from viscache.shot.connections import Connections, connections
+from viscache.shot.query_record import record_queries
+from viscache.shot.render import render
+from viscache.shot.thumbnails import thumbnail as _thumbnail
+from viscache.shot.voxel_counts import VoxelCounts
 from viscache.sweeps import designs
 from viscache.sweeps.front import pareto
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
-from viscache.thumbnails import thumbnail as _thumbnail
-from viscache.travelling import reduced as _reduced
 from viscache.vismap import (
     MapSettings,
     Relighting,
@@ -56,7 +59,6 @@ from viscache.vismap import (
 )
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
-from viscache.voxel_counts import VoxelCounts
 
 __version__ = VERSION
 
@@ -113,6 +115,10 @@ __all__ = [
     "vlf",
 ]
 __all__ += _integrators.__all__ + _rays.__all__ + _visibility.__all__
+
+# Public modules in rooms have their names of before, too
+for _module in (over_time, temporal, tiles, tonemap, variance, workers):
+    _sys.modules[f"viscache.{_module.__name__.rpartition('.')[2]}"] = _module
 
 # Scenes know neither the renderer nor built-in names, so what needs these is set here
 Scene._picture = staticmethod(_thumbnail)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscache import _core
-from viscache.connections import Connections, connections
 from viscache.frame import Frame
-from viscache.progressive import Progressive
-from viscache.render import render
+from viscache.passes.progressive import Progressive
 from viscache.settings.spelling import spelled
-from viscache.shot import BareShot
+from viscache.shot.connections import Connections, connections
+from viscache.shot.render import render
+from viscache.shot.shot import BareShot
 from viscache.sweeps.plan import Over
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune

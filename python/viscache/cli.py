@@ -16,7 +16,7 @@ from functools import cache
 from importlib import metadata
 from typing import Any
 
-from viscache.provenance import VERSION
+from viscache.base.provenance import VERSION
 from viscache.settings.spelling import nearest
 
 #: Sub-command → description. The module of the same name in `viscache.commands` implements it.

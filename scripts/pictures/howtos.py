@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache_lab.figures.drawing import draw_image, new_figure
 
 Floats = npt.NDArray[np.floating[Any]]

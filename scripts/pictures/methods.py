@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.patches import Rectangle
 
 import viscache as vc
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache.correlation import plots as correlation_plots
 from viscache.scene.cameras import find_camera
 from viscache.vlf.tiles import walk_tiles

@@ -10,7 +10,7 @@ import pytest
 
 import viscache as vc
 from viscache import _core
-from viscache.aqvc_table import ENTRY
+from viscache.aqvc.table import ENTRY
 
 SIZE = (72, 48)
 #: Without shared cells: every eye sample has its own bit.

@@ -153,7 +153,7 @@ def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(
     name: str, room: vc.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A second frame with another value needs rays only if the parameter is keyed or sets cells."""
-    monkeypatch.setattr("viscache.aqvc_table.KEYED", ())
+    monkeypatch.setattr("viscache.aqvc.table.KEYED", ())
     base = vc.Aqvc(c_e=8, refinement="off", paper=vc.PaperForm(scale_free=False))
     changed = replaced(base, {name: other_value(name)}, "visibility")
     integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=4, n_brdf=4)

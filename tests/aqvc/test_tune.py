@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import viscache as vc
 from reference.built import built
 from viscache import cli
-from viscache.exact_cost import SHARED_LIGHTS
-from viscache.render import render_part
 from viscache.settings.not_given import NotGiven
+from viscache.shot.exact_cost import SHARED_LIGHTS
+from viscache.shot.render import render_part
 from viscache.sweeps import samples
 from viscache.sweeps.light_cells import MOST_HALVINGS, MOST_TRIALS, with_light_cells
 from viscache.sweeps.samples import ratio

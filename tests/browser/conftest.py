@@ -19,7 +19,8 @@ from known_report import HEIGHT, WIDTH, Report
 @pytest.fixture(scope="session")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
     """A report of 3 × 2 settings, moved away from its directory."""
-    from viscache import report, sources
+    from viscache import report
+    from viscache.scenes import sources
     from viscache.settings import by_name
     from viscache.sweeps import work
     from viscache.sweeps.store import Store

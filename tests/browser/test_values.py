@@ -10,7 +10,8 @@ import pytest
 from devtools import Browser
 
 from reference import report_pictures as packed
-from viscache import report, tonemap
+from viscache import report
+from viscache.base import tonemap
 
 pytestmark = pytest.mark.browser
 

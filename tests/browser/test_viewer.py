@@ -11,7 +11,8 @@ from devtools import Browser
 from known_report import HEIGHT, WIDTH, Report
 
 from reference import report_pictures as packed
-from viscache import metrics, tonemap
+from viscache import metrics
+from viscache.base import tonemap
 
 pytestmark = pytest.mark.browser
 

@@ -13,14 +13,14 @@ import viscache
 #: The installed one, which need not be that of the sources beside the tests.
 PACKAGE = Path(viscache.__file__).parent
 MODULES = sorted(
-    ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+    ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     for path in PACKAGE.rglob("*.py")
     if ">>>" in path.read_text(encoding="utf-8")
 )
 
 
 def test_there_are_examples() -> None:
-    assert {"viscache.render", "viscache.scene.scene", "viscache.metrics"} <= set(MODULES)
+    assert {"viscache.shot.render", "viscache.scene.scene", "viscache.metrics"} <= set(MODULES)
 
 
 @pytest.mark.parametrize("name", MODULES)

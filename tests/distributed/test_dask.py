@@ -20,7 +20,9 @@ import pytest
 import xarray
 
 import viscache as vc
-from viscache import cli, tiles, workers
+from viscache import cli
+from viscache.base import workers
+from viscache.shot import tiles
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 

@@ -22,7 +22,7 @@ from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
 from fuzz.readers import READERS, Reader
 from python.kept_formats import KEPT, WRONG, picture
-from viscache.formats import FormatError
+from viscache.base.formats import FormatError
 
 MOST_BYTES = 1 << 20
 CORPUS_KINDS = {path.partition("/")[0] for path in (*pictures(), *scenes())}

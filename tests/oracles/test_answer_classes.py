@@ -23,8 +23,8 @@ from viscache.oracles.learned import (
     one_pass_is_enough,
     unlearnt,
 )
-from viscache.render import render_part
-from viscache.shot import BareShot
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot
 
 #: Draws of a pixel repeat their turns after so many samples.
 CYCLE = 256

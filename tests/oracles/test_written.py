@@ -238,8 +238,8 @@ def test_what_is_no_oracle_is_refused(room: vc.Scene) -> None:
         with pytest.raises(ValueError, match="visibility must be"):
             vc.render(room, WHITTED, visibility=given, size=SIZE)
     with pytest.raises(ValueError, match="for parts of a frame"):
-        from viscache.render import render_part
-        from viscache.shot import BareShot
+        from viscache.shot.render import render_part
+        from viscache.shot.shot import BareShot
 
         render_part(BareShot(room, WHITTED, visibility=Rays(), size=SIZE), (0, 2))
     with pytest.raises(ValueError, match="product"):

@@ -16,7 +16,7 @@ import fake_renderer as fake
 @pytest.fixture
 def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     """viscache with the stand-in's settings and renderer; yields the stand-in's module."""
-    from viscache import sources
+    from viscache.scenes import sources
     from viscache.settings import by_name
     from viscache.sweeps import work
 

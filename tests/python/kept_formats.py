@@ -14,10 +14,11 @@ import numpy as np
 import OpenEXR
 
 import viscache as vc
-from viscache import formats, progressive_state
-from viscache import frame as frame_file
+from viscache.base import formats
+from viscache.base.formats import Format, FormatError
 from viscache.correlation import dataset, pair_table, tasks, work_store
-from viscache.formats import Format, FormatError
+from viscache.frame import frame as frame_file
+from viscache.passes import progressive_state
 from viscache.sweeps import flip_maps, records
 from viscache.sweeps.store import Store
 from viscache.vismap import cache_file

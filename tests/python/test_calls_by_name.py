@@ -138,7 +138,7 @@ SIZED = (
     "viscache.cached_ambient_occlusion",
     "viscache.Relighting",
     "viscache.VisibilityMapCache.update",
-    "viscache.tiles.render",
+    "viscache.shot.tiles.render",
     "viscache.vismap.simulation.simulate",
 )
 

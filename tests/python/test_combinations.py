@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache import combinations
-from viscache.combinations import RULES, Request
+from viscache.settings import combinations
+from viscache.settings.combinations import RULES, Request
 
 LIMITS = Path(__file__).parents[2] / "docs" / "limits.md"
 

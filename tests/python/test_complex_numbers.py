@@ -11,9 +11,9 @@ import pytest
 
 import viscache as vc
 from codebase.repository import sources
-from viscache import tonemap
+from viscache.base import tonemap
+from viscache.base.real_numbers import real_array
 from viscache.correlation import pairs
-from viscache.real_numbers import real_array
 
 CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
 POINTS, UP, SQUARE = CORNERS + 0.5, [[0.0, 0, 1]] * 3, [[0.0, 0], [1, 0], [0, 1]]

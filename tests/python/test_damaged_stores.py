@@ -16,9 +16,9 @@ import pytest
 import viscache as vc
 from python.kept_formats import DIRECT, measured, swept
 from viscache import cli
-from viscache.array_digests import layer_digests
+from viscache.base.array_digests import layer_digests
+from viscache.base.formats import FormatError
 from viscache.correlation import work_store
-from viscache.formats import FormatError
 from viscache.sweeps.store import Store
 
 pytestmark = pytest.mark.usefixtures("without_netcdf")

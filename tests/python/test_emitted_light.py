@@ -9,8 +9,8 @@ import pytest
 
 import viscache as vc
 from viscache import _core, metrics, report
-from viscache.emitted_light import light_on_surfaces, seen_emitters
 from viscache.frame import Frame
+from viscache.frame.emitted_light import light_on_surfaces, seen_emitters
 
 SIZE = (48, 32)
 

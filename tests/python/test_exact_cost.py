@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache import exact_cost, tiles
-from viscache.exact_cost import LEAST_QUERIES, OWN_SAMPLES, SHARED_LIGHTS, cost_warnings
+from viscache.shot import exact_cost, tiles
+from viscache.shot.exact_cost import LEAST_QUERIES, OWN_SAMPLES, SHARED_LIGHTS, cost_warnings
 
 WAVES = {"visibility": {"name": "Aqvc", "form": "waves"}}
 DIRECT = {"integrator": {"name": "Direct", "environment": "mis"}}

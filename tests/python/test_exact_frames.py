@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.render import render_part
+from viscache.shot.render import render_part
 from viscache.sweeps import exact_frames
 from viscache.sweeps.exact_frames import ExactFrames
 

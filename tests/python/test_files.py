@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache.files import inside, whole_file, write_whole
+from viscache.base.files import inside, whole_file, write_whole
 from viscache.scene import environments
 
 
@@ -47,7 +47,7 @@ def test_two_writers_of_one_file_do_not_share_a_path(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from viscache.files import whole_file
+from viscache.base.files import whole_file
 for path in sys.argv[1:]:
     if os.fork() == 0:
         with whole_file(Path(path)) as partial:
@@ -70,7 +70,7 @@ def test_what_another_process_is_writing_stays(tmp_path: Path) -> None:
     target = tmp_path / "a"
     with whole_file(target) as one:
         one.write_text("one")
-        code = "import sys; from viscache.files import *; write_whole(Path(sys.argv[1]), 'x')"
+        code = "import sys; from viscache.base.files import *; write_whole(Path(sys.argv[1]), 'x')"
         subprocess.run([sys.executable, "-c", code, str(target)], check=True)
     assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
 

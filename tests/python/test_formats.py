@@ -32,9 +32,9 @@ from python.kept_formats import (
     measured,
     read_records,
 )
-from viscache import frame as frame_file
+from viscache.base.formats import FormatError
 from viscache.correlation import dataset
-from viscache.formats import FormatError
+from viscache.frame import frame as frame_file
 from viscache.sweeps import flip_maps, store
 from viscache.sweeps.store import Store
 
@@ -92,7 +92,7 @@ def test_the_table_has_every_format_and_no_reader_goes_around_it() -> None:
         module = importlib.import_module("viscache." + path[:-3].replace("/", "."))
         assert id(getattr(module, name)) in forms, f"{path}: {name} is not in the table"
     loads = {path for path, text in files.items() if "np.load(" in text}
-    allowed = ("formats.py", "correlation/work_store.py")
+    allowed = ("base/formats.py", "correlation/work_store.py")
     assert loads == {f"python/viscache/{name}" for name in allowed}
 
 

@@ -12,8 +12,8 @@ import OpenEXR
 import pytest
 
 import viscache as vc
+from viscache.base.tonemap import auto_exposure, difference8, srgb_curve, to_srgb8
 from viscache.frame import Frame
-from viscache.tonemap import auto_exposure, difference8, srgb_curve, to_srgb8
 
 
 def make(height: int = 6, width: int = 9) -> Frame:

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache import cli, frame_memory
+from viscache import cli
+from viscache.frame import memory as frame_memory
 
 CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "direct": ("cornell_box", vc.Direct(n_area=1), {}),

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.emitted_light import light_on_surfaces
-from viscache.over_time import gain
+from viscache.frame.emitted_light import light_on_surfaces
+from viscache.passes.over_time import gain
 
 SIZE = (48, 32)
 WHITTED = vc.Whitted(n_vpls=48)

@@ -170,7 +170,7 @@ def test_axes_have_round_ticks_inside_their_range() -> None:
 
 
 def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit() -> None:
-    from viscache import tonemap
+    from viscache.base import tonemap
 
     image = np.full((20, 20, 3), 0.02, np.float32)
     image[:2] = 1.0

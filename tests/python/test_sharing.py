@@ -20,7 +20,7 @@ import pytest
 import viscache as vc
 from codebase.repository import sources
 from viscache import _core
-from viscache.sharing import MadeOnce, Newest, Turn
+from viscache.base.sharing import MadeOnce, Newest, Turn
 
 SMALL: dict[str, Any] = {"size": (16, 10), "threads": 1}
 LAZILY = "@cached_property"

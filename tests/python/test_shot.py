@@ -18,10 +18,10 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import tiles
-from viscache.identity import by_value
 from viscache.scene import SceneError
-from viscache.shot import ShotArguments, require_same
+from viscache.shot import tiles
+from viscache.shot.identity import by_value
+from viscache.shot.shot import ShotArguments, require_same
 from viscache.sweeps import work
 
 SIZE = (16, 10)

@@ -183,3 +183,14 @@ def test_a_parameter_that_went_says_what_there_is_instead(name: str) -> None:
             with pytest.raises(ValueError, match=f"{whose} has no parameter .*: ") as refused:
                 by_name.assign({role: settings}, [f"{spelled_as}=1"], bare=(role,))
             assert str(refused.value).endswith(GONE[name])
+
+
+def test_the_symbols_of_the_papers_are_names() -> None:
+    assert vc.Aqvc(C_E=8, C_N=4) == vc.Aqvc(c_e=8, c_n=4)
+    assert by_name.make("visibility", "aqvc?C_E=8") == vc.Aqvc(c_e=8)
+    chosen = by_name.assign({"visibility": vc.Aqvc()}, ["visibility.C_Z=2"], bare=("visibility",))
+    assert chosen["visibility"] == vc.Aqvc(c_z=2)
+    with pytest.raises(TypeError, match="c_e must be given once, got C_E too"):
+        vc.Aqvc(c_e=8, C_E=4)
+    with pytest.raises(TypeError, match=r"Aqvc has no parameter 'c_q'; did you mean"):
+        vc.Aqvc(C_Q=8)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viscache.array_digests import content_key
+from viscache.base.array_digests import content_key
 from viscache.frame import Frame
 from viscache.sweeps.store import Store, picture_name
 

@@ -16,7 +16,7 @@ from fake_renderer import FakeScene
 from viscache import metrics
 from viscache.frame import Frame
 from viscache.settings import by_name
-from viscache.shot import BareShot
+from viscache.shot.shot import BareShot
 from viscache.sweeps import work
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import SweepFile, sweep
@@ -279,7 +279,7 @@ def test_a_file_runs_as_written(fake_vc: Any, tmp_path: Path) -> None:
 
 def test_a_files_scene_is_relative_to_the_file(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text('scene = "meshes/x.obj"\n[over]\nc_e = [1]\n')
-    from viscache import sources
+    from viscache.scenes import sources
 
     loaded = SweepFile.load(tmp_path / "a.toml")
     assert sources.absolute(loaded.scene, loaded.folder) == str(tmp_path / "meshes/x.obj")

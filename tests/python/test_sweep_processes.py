@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache import workers
+from viscache.base import workers
 from viscache.sweeps import work
 from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
@@ -185,7 +185,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
 
 def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     code = (
-        "import os, time\nfrom viscache.workers import process_pool\n"
+        "import os, time\nfrom viscache.base.workers import process_pool\n"
         "if __name__ == '__main__':\n"
         "    with process_pool(2) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
@@ -287,7 +287,7 @@ def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
 
 def test_a_worker_loads_a_scene_once(monkeypatch: pytest.MonkeyPatch) -> None:
     import viscache as vc
-    from viscache import sources
+    from viscache.scenes import sources
 
     opened = []
     original = sources.open_scene

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscache import temporal
 from viscache.frame import Frame
+from viscache.metrics import temporal
 
 
 def frames(*values: float) -> list[Frame]:

@@ -13,7 +13,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.emitted_light import light_on_surfaces
+from viscache.frame.emitted_light import light_on_surfaces
 from viscache.settings.not_given import NotGiven
 from viscache.sweeps.jointly import EACH, MOST_MORE, families, jointly
 from viscache.sweeps.search import search

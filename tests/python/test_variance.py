@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from viscache.tonemap import luminance
-from viscache.variance import variance_ratio
+from viscache.base.tonemap import luminance
+from viscache.metrics.variance import variance_ratio
 
 Images = list[npt.NDArray[np.float64]]
 

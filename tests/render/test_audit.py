@@ -13,10 +13,10 @@ import pytest
 import viscache as vc
 from reference.built import built
 from viscache import _core, cli
-from viscache.audited import pixel_estimates
 from viscache.metrics import compare
 from viscache.oracles.points import unpack
 from viscache.settings import audit as audits
+from viscache.shot.audited import pixel_estimates
 
 CACHE = vc.Aqvc(c_e=16, exact_groups=())
 LIGHTS = vc.Whitted(n_vpls=24, n_area=4)

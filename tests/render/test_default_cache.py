@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.audited import LARGE_ERROR
-from viscache.exact_cost import OWN_SAMPLES, SHARED_LIGHTS
+from viscache.shot.audited import LARGE_ERROR
+from viscache.shot.exact_cost import OWN_SAMPLES, SHARED_LIGHTS
 
 SIZE = (320, 200)
 SCENES = ("living-room", "classroom", "sponza-dabrovic", "veach-ajar", "sanmiguel-part")

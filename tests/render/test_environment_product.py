@@ -15,8 +15,8 @@ from core import testing
 from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
+from viscache.metrics.variance import variance_ratio
 from viscache.settings.integrators import eye_settings
-from viscache.variance import variance_ratio
 from vismap.worlds import dilations
 
 SIZE = (20, 12)

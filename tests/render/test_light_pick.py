@@ -18,8 +18,8 @@ from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, ball, box
 from viscache import cli
 from viscache.oracles.points import unpack
-from viscache.render import render_part
-from viscache.shot import BareShot
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot
 from viscache.sweeps.store import Store
 
 Array = npt.NDArray[Any]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import tiles
-from viscache.render import render_part
-from viscache.shot import BareShot
+from viscache.shot import tiles
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot
 
 SCENE = "room?triangles=3000"
 #: 16 samples: tiles of 64 × 64 pixels, 3 × 2 of them.

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import cli, progressive_state
-from viscache.formats import FormatError
-from viscache.progressive_state import Sums
+from viscache import cli
+from viscache.base.formats import FormatError
+from viscache.passes import progressive_state
+from viscache.passes.progressive_state import Sums
 
 SIZE = (48, 32)
 ROOM = "room?triangles=3000"

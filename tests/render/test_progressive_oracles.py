@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import progressive_state
-from viscache.formats import FormatError
+from viscache.base.formats import FormatError
+from viscache.passes import progressive_state
 from viscache.testing import assert_unbiased
 
 SIZE = (48, 32)
@@ -105,7 +105,7 @@ def test_an_interrupted_pass_leaves_nothing(
     want = picture(scene, visibility).passes(3).sha256
     stopped = picture(scene, visibility)
     stopped.passes(1)
-    from viscache import progressive
+    from viscache.passes import progressive
 
     whole = progressive.render_part
 

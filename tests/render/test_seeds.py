@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.render import seed_of
+from viscache.shot.render import seed_of
 
 SEEDS, PASSES = 32, 4
 SIZE = (24, 16)

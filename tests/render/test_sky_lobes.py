@@ -13,7 +13,7 @@ import viscache as vc
 from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, box, quad
 from viscache._core import CoatKind
-from viscache.audit_result import QueryErrors
+from viscache.frame.audit_result import QueryErrors
 
 SETS = 8
 SIZE = (24, 18)

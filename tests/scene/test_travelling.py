@@ -14,8 +14,9 @@ import pytest
 
 import viscache as vc
 from reference.built import built
-from viscache import _core, travelling
-from viscache.sharing import Newest
+from viscache import _core
+from viscache.base.sharing import Newest
+from viscache.scenes import travelling
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 SIZE = (24, 16)

@@ -19,11 +19,11 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from viscache import _core, combinations
-from viscache.frame_plan import check_settings
-from viscache.settings import by_name
+from viscache import _core
+from viscache.settings import by_name, combinations
 from viscache.settings.integrators import eye_settings
-from viscache.shot import frame_settings
+from viscache.shot.frame_plan import check_settings
+from viscache.shot.shot import frame_settings
 from viscache.testing.unbiased import Bias
 
 Array = npt.NDArray[Any]

@@ -10,8 +10,8 @@ import pytest
 import viscache as vc
 from viscache import scenes
 from viscache._core import AlphaMode, PointSet
+from viscache.metrics.variance import variance_ratio
 from viscache.scenes.light_product import LUMINANCE
-from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulated_pixels import Pixels, pooled_alphas
 from viscache.vismap.simulation import (

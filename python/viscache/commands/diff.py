@@ -6,7 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from viscache import metrics, report, tonemap
+from viscache import metrics, report
+from viscache.base import tonemap
 from viscache.commands.shared import print_json, print_table
 from viscache.frame import Frame
 from viscache.testing.limits import Limit, parsed

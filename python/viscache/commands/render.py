@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import viscache as vc
-from viscache.audit_result import audit_rows
+from viscache.base.progress import progress_bar
 from viscache.commands.shared import (
     add_scene,
     at_least_one,
@@ -20,8 +20,8 @@ from viscache.commands.shared import (
     print_table,
     size,
 )
-from viscache.frame import checked_suffix
-from viscache.progress import progress_bar
+from viscache.frame.audit_result import audit_rows
+from viscache.frame.frame import checked_suffix
 from viscache.settings import by_name
 from viscache.settings.checks import require
 

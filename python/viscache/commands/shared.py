@@ -9,12 +9,12 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
 
-from viscache import workers
-from viscache.files import finite
-from viscache.provenance import thread_count
+from viscache.base import workers
+from viscache.base.files import finite
+from viscache.base.provenance import thread_count
 from viscache.scene import Scene
+from viscache.scenes.sources import open_scene
 from viscache.settings import by_name
-from viscache.sources import open_scene
 
 
 def print_json(value: Any) -> None:

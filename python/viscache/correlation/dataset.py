@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscache.base.formats import ArrayField, Format
+from viscache.base.netcdf import write_netcdf
+from viscache.base.provenance import provenance
 from viscache.correlation.bins import Bins, Floats, centers
 from viscache.correlation.derived import (
     LEVELS,
@@ -19,9 +22,6 @@ from viscache.correlation.derived import (
 )
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
-from viscache.formats import ArrayField, Format
-from viscache.netcdf import write_netcdf
-from viscache.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray

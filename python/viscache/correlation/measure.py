@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from viscache import sources
-from viscache.array_digests import content_key
+from viscache.base.array_digests import content_key
+from viscache.base.progress import Progress, progress_bar
+from viscache.base.provenance import VERSION
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -43,9 +44,8 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
-from viscache.progress import Progress, progress_bar
-from viscache.provenance import VERSION
 from viscache.scene.cameras import find_camera
+from viscache.scenes import sources
 from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import renamed, spelled
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.formats import ArrayField, Format
+from viscache.base.formats import ArrayField, Format
 from viscache.settings.checks import require
 
 __all__ = ["SUMS", "PairTable"]

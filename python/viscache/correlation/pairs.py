@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.base.progress import Progress, progress_bar
 from viscache.correlation.pair_table import SUMS, Floats, Ints, PairTable
 from viscache.correlation.pair_tiles import (
     TILE,
@@ -22,7 +23,6 @@ from viscache.correlation.pair_tiles import (
     tile_numbers,
     tile_side,
 )
-from viscache.progress import Progress, progress_bar
 from viscache.settings.checks import checked_floats, is_whole, require
 
 __all__ = [

@@ -9,12 +9,13 @@ from typing import Literal, TypeAlias
 
 import numpy.typing as npt
 
-from viscache import _core, sources
+from viscache import _core
+from viscache.base.progress import Progress, progress_bar
 from viscache.correlation.rows import SurfacePoints, VisibilityRows
 from viscache.oracles.points import FarEnds
 from viscache.oracles.sources import shafts_for
-from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scenes import sources
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Embree
 from viscache.settings.source_context import SourceContext

@@ -12,12 +12,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, sources
-from viscache.array_output import ArrayOutput
+from viscache import _core
+from viscache.base.array_output import ArrayOutput
+from viscache.base.progress import Progress, progress_bar
 from viscache.correlation.directions import DirectionSet
-from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
+from viscache.scenes import sources
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 from viscache.settings.spelling import spelled

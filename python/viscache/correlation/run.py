@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.array_digests import content_key
+from viscache.base.array_digests import content_key
 from viscache.correlation.bins import Bins
 from viscache.correlation.near import near_limit
 from viscache.correlation.pair_table import SUMS

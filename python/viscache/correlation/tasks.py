@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import sources
+from viscache.base.formats import ArrayField, Format
+from viscache.base.sharing import Newest
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.bins import Floats
@@ -22,8 +23,7 @@ from viscache.correlation.pair_table import SUMS
 from viscache.correlation.pair_tiles import tile_list
 from viscache.correlation.work import PairBlock
 from viscache.correlation.work_store import Arrays, mapped_rows
-from viscache.formats import ArrayField, Format
-from viscache.sharing import Newest
+from viscache.scenes import sources
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from viscache.base.workers import window
 from viscache.correlation.pair_tiles import TILE, choose_tiles, tile_list
-from viscache.workers import window
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")

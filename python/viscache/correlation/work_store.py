@@ -22,9 +22,9 @@ from typing import Any, Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from viscache.base.files import DAMAGED_ARRAYS, inside, named
+from viscache.base.formats import TEXT, ArrayField, Field, Format, FormatError, is_digest
 from viscache.correlation.pair_table import SUMS
-from viscache.files import DAMAGED_ARRAYS, inside, named
-from viscache.formats import TEXT, ArrayField, Field, Format, FormatError, is_digest
 
 Arrays = dict[str, npt.NDArray[Any]]
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from viscache.array_digests import array_in_words, bytes_digest
+from viscache.base.array_digests import array_in_words, bytes_digest
 
 __all__ = ["code_digest"]
 

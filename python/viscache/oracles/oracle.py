@@ -16,7 +16,8 @@ from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import is_written
 from viscache.settings import by_name
 from viscache.settings.checks import checked_floats, is_whole, require
-from viscache.settings.rays import check_rays, is_robust
+from viscache.settings.chosen_rays import check_rays
+from viscache.settings.rays import is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, VisMaps
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscache.over_time import ERRORS
+from viscache.passes.over_time import ERRORS
 from viscache.plots import labels
 from viscache.plots.drawing import new_figure
 from viscache.plots.sweeps import MARKERS, ticks_1_2_5

@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from viscache.files import write_whole
+from viscache.base.files import write_whole
 from viscache.plots import labels
 from viscache.plots.labels import number
 

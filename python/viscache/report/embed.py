@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage

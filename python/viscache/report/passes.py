@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscache.over_time import ERRORS
+from viscache.passes.over_time import ERRORS
 from viscache.report import assemble, pictures
 from viscache.report.assemble import write_page
 from viscache.report.embed import Packer

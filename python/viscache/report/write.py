@@ -9,9 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache.base.progress import progress_bar
 from viscache.plots import labels
 from viscache.plots.labels import plain
-from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page
 from viscache.report.costs import Offer, Verdict, knee, verdict

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.files import about_exr
+from viscache.base.files import about_exr
 from viscache.scene.sky import Sky
 from viscache.settings.checks import checked_floats
 

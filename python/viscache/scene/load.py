@@ -9,7 +9,7 @@ from typing import Literal
 
 from viscache import _core
 from viscache._core import SceneError
-from viscache.progress import Progress, progress_bar
+from viscache.base.progress import Progress, progress_bar
 from viscache.scene.environments import apply_environment, decode_image, pending_images
 from viscache.scene.parts import origin_of
 from viscache.scene.scene import Env, Scene

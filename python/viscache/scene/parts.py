@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.real_numbers import real_array
+from viscache.base.real_numbers import real_array
 from viscache.settings.checks import checked_floats, require
 
 __all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes", "origin_of"]

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.base.progress import progress_bar
 from viscache.settings.checks import checked_floats, checked_points, checked_threads, require
-from viscache.settings.rays import Caster, check_rays, is_robust
+from viscache.settings.chosen_rays import check_rays
+from viscache.settings.rays import Caster, is_robust
 
 __all__ = [
     "Intersection",

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
+from viscache.base.sharing import MadeOnce, Newest
 from viscache.oracles.correct import Correct
 from viscache.oracles.oracle import Oracle
 from viscache.oracles.written import Written
@@ -22,10 +23,10 @@ from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes, or
 from viscache.scene.queries import Intersection
 from viscache.scene.sky import Sky
 from viscache.settings.checks import checked_floats, checked_threads, require
-from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
+from viscache.settings.chosen_rays import check_rays
+from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
-from viscache.sharing import MadeOnce, Newest
 
 __all__ = ["Intersection", "Scene", "SceneError"]
 

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache._core import sampling
+from viscache.base.tonemap import LUMINANCE as WEIGHTS
 from viscache.scene import Scene
 from viscache.scene.cameras import Camera, find_camera
 from viscache.settings.checks import require
-from viscache.tonemap import LUMINANCE as WEIGHTS
 
 __all__ = [
     "Hits",

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from viscache.array_digests import array_in_words
+from viscache.base.array_digests import array_in_words
 from viscache.settings import integrators as _integrators  # noqa: F401  (these three register)
 from viscache.settings import rays as _rays  # noqa: F401
 from viscache.settings import visibility as _visibility  # noqa: F401
 from viscache.settings.not_given import NotGiven
 from viscache.settings.registry import NAMES as NAMES
 from viscache.settings.registry import Role as Role
-from viscache.settings.spelling import GONE, nearest, unknown
+from viscache.settings.spelling import GONE, by_symbol, nearest, unknown
 
 ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")
 #: `--visibility vlf` is short for `--rays vlf --visibility exact`.
@@ -103,7 +103,7 @@ def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
     within, own = nested(settings), {f.name for f in dataclasses.fields(settings)}
     kept: dict[str, Any] = {}
     inner: dict[str, dict[str, Any]] = {name: {} for name in within}
-    for name, value in values.items():
+    for name, value in by_symbol(values).items():
         part, dot, rest = name.partition(".")
         if part in within and (dot or isinstance(value, Mapping)):
             inner[part] |= {rest: value} if dot else value
@@ -175,6 +175,7 @@ def owner(
     name: str, settings: Mapping[Role, Any], bare: tuple[Role, ...] = ROLES
 ) -> tuple[Role, str]:
     """Whose parameter a bare or dotted name is: (role, parameter)."""
+    (name,) = by_symbol({name: None})
     prefix, dot, parameter = name.partition(".")
     if dot and prefix in ROLES:
         return prefix, _bare(settings[prefix], parameter, prefix)

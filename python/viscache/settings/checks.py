@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache.real_numbers import real_array
+from viscache.base.real_numbers import real_array
 from viscache.settings.not_given import NotGiven
 
 

@@ -9,7 +9,7 @@ from viscache import _core
 from viscache._core import EmbreeCaster as EmbreeCaster
 from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
-from viscache.settings.registry import classes, is_setting, registered
+from viscache.settings.registry import registered
 
 __all__ = ["Bsp", "Embree", "Vlf"]
 
@@ -139,21 +139,3 @@ Caster: TypeAlias = (
 def is_robust(rays: object) -> bool:
     """True for Embree's robust rays, the default, which come in packets."""
     return isinstance(rays, Embree) and rays.robust and not rays.watertight
-
-
-def vlf_settings(given: Vlf | str | None) -> Vlf:
-    """The settings of a field that an argument means; ValueError where they are of other rays."""
-    from viscache.settings import by_name  # which knows the classes of this file
-
-    chosen: Vlf = by_name.setting("rays", given, "vlf")
-    require(isinstance(chosen, Vlf), "settings must be vc.Vlf(...)", chosen)
-    return chosen
-
-
-def check_rays(rays: Rays | str | None) -> Rays:
-    """The settings that `rays=` means, Embree by default; ValueError where they are none."""
-    from viscache.settings import by_name
-
-    chosen: Rays = by_name.setting("rays", rays, "embree")
-    require(is_setting("rays", chosen), f"rays must be {classes('rays')}", chosen)
-    return chosen

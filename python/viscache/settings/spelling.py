@@ -7,10 +7,10 @@ import difflib
 import functools
 import inspect
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
-__all__ = ["nearest", "renamed", "setting", "spelled", "unknown"]
+__all__ = ["by_symbol", "nearest", "renamed", "setting", "spelled", "unknown"]
 
 #: Parameters that went, by who had them, and what there is instead.
 GONE = {
@@ -52,10 +52,28 @@ def unknown(whose: str, name: str, known: Iterable[str]) -> str:
     )
 
 
+def by_symbol(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters by their names, where some have the papers' symbols: `C_E` is c_e.
+
+    Raises
+    ------
+    TypeError
+        One has both.
+    """
+    named: dict[str, Any] = {}
+    for given, value in values.items():
+        name = given.lower() if given.rpartition(".")[2].isupper() else given
+        if name in named:
+            raise TypeError(f"{name} must be given once, got {given} too")
+        named[name] = value
+    return named
+
+
 def spelled(called: Called) -> Called:
     """Decorate a class or function: an unknown keyword raises TypeError with the nearest known one.
 
-    Signatures, `help`, pickling and `dataclasses.replace` stay as they are.
+    The papers' symbols are known, too: `C_E`. Signatures, `help`, pickling and
+    `dataclasses.replace` stay as they are.
     """
     function = called.__init__ if isinstance(called, type) else called  # type: ignore[misc]
     known = [
@@ -71,6 +89,8 @@ def spelled(called: Called) -> Called:
     @functools.wraps(function)
     def checked(*args: Any, **kwargs: Any) -> Any:
         __tracebackhide__ = True  # pytest shows the caller
+        if not accepted.issuperset(kwargs):
+            kwargs = by_symbol(kwargs)
         if not accepted.issuperset(kwargs):
             name = next(name for name in kwargs if name not in accepted)
             raise TypeError(unknown(whose, name, public))

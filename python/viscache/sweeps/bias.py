@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.over_time import half_width
+from viscache.passes.over_time import half_width
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import folder_of
 

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from viscache.files import whole_file
+from viscache.base.files import whole_file
 
 __all__ = ["append_csv", "write_csv"]
 

@@ -9,19 +9,19 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from viscache import sources
-from viscache.array_digests import content_key
-from viscache.files import inside, write_whole
+from viscache.base.array_digests import content_key
+from viscache.base.files import inside, write_whole
+from viscache.base.progress import Progress
+from viscache.base.provenance import code_hash, embree_version, isa
 from viscache.frame import Frame
-from viscache.progress import Progress
-from viscache.provenance import code_hash, embree_version, isa
-from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.scenes import sources
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Integrator
 from viscache.settings.spelling import spelled
-from viscache.shot import BareShot, ShotArguments, of_shot
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import positive
 from viscache.sweeps.store import DATABASE_FILES, Store

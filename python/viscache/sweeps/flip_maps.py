@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import metrics
-from viscache.files import inside
-from viscache.formats import DIGEST, NUMBER, ArrayField, Format, FormatError
+from viscache.base.files import inside
+from viscache.base.formats import DIGEST, NUMBER, ArrayField, Format, FormatError
 
 if TYPE_CHECKING:
     from viscache.frame import Frame

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from viscache.base.provenance import cpu_model, provenance
 from viscache.oracles.correct import in_words
-from viscache.provenance import cpu_model, provenance
 from viscache.scene.cameras import camera_in_words
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
-from viscache.shot import BareShot
+from viscache.shot.shot import BareShot
 from viscache.sweeps import designs
 
 Over: TypeAlias = "Mapping[str, Any] | Sequence[Mapping[str, Any]]"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from viscache.formats import (
+from viscache.base.formats import (
     COUNT,
     DIGEST,
     DIGESTS,

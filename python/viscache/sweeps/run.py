@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
-from viscache import workers
-from viscache.formats import FormatError
-from viscache.progress import Progress
+from viscache.base import workers
+from viscache.base.formats import FormatError
+from viscache.base.progress import Progress
 from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.leases import LostLeaseError
 from viscache.sweeps.plan import Plan, Point

@@ -11,12 +11,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import tiles
 from viscache.metrics import flip_map
-from viscache.render import render_part
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
-from viscache.shot import BareShot
+from viscache.shot import tiles
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot
 
 __all__ = ["METRICS", "ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
 

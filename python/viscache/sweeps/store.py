@@ -25,9 +25,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.array_digests import changed_layers, layer_digests
-from viscache.files import inside, whole_file
-from viscache.formats import Format, FormatError
+from viscache.base.array_digests import changed_layers, layer_digests
+from viscache.base.files import inside, whole_file
+from viscache.base.formats import Format, FormatError
 from viscache.sweeps import leases
 from viscache.sweeps.records import COMPARISON, FRAME, SWEEP, VERSION
 

@@ -18,16 +18,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from viscache import metrics as _metrics
-from viscache import sources
+from viscache.base.progress import Progress
 from viscache.oracles.correct import Correct
 from viscache.oracles.written import is_written
-from viscache.progress import Progress
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.scenes import sources
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import nearest, spelled
-from viscache.shot import BareShot, ShotArguments, of_shot
+from viscache.shot.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, definition_of, make_plan, positive
 from viscache.sweeps.run import Run

@@ -10,8 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.files import whole_file
-from viscache.netcdf import write_netcdf
+from viscache.base.files import whole_file
+from viscache.base.netcdf import write_netcdf
 from viscache.sweeps.csv_file import append_csv, write_csv
 from viscache.sweeps.plan import Point
 from viscache.sweeps.store import Record, Store, picture_name

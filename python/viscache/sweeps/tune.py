@@ -9,17 +9,18 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-from viscache import combinations, sources
-from viscache.frame_plan import check_settings
+from viscache.base.progress import Progress, progress_bar
 from viscache.oracles.correct import Correct
-from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.scenes import sources
+from viscache.settings import combinations
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Exact, VisMaps
-from viscache.shot import BareShot, ShotArguments, of_shot
+from viscache.shot.frame_plan import check_settings
+from viscache.shot.shot import BareShot, ShotArguments, of_shot
 from viscache.sweeps.jointly import MOST_MORE, families, jointly
 from viscache.sweeps.light_cells import MOST_TRIALS, with_light_cells
 from viscache.sweeps.samples import METRICS, ErrorMetric, Sample, samples

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.emitted_light import light_on_surfaces
-from viscache.exact_cost import SHARED_LIGHTS
-from viscache.progress import Progress, progress_bar
-from viscache.progressive import Progressive
+from viscache.base.progress import Progress, progress_bar
+from viscache.frame.emitted_light import light_on_surfaces
+from viscache.passes.progressive import Progressive
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
-from viscache.shot import BareShot
+from viscache.shot.exact_cost import SHARED_LIGHTS
+from viscache.shot.shot import BareShot
 from viscache.sweeps.samples import ratio
 from viscache.sweeps.tuned import Pilot, Tuned
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 from viscache.frame import Frame
-from viscache.render import render
-from viscache.shot import BareShot, lit_here
+from viscache.shot.render import render
+from viscache.shot.shot import BareShot, lit_here
 
 #: Tests put a stand-in here.
 render_function: Callable[..., Frame] = render

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.base.real_numbers import real_array
 from viscache.metrics import Comparable
-from viscache.real_numbers import real_array
 from viscache.settings.checks import is_number, require
 from viscache.settings.spelling import spelled
 from viscache.testing import student

@@ -8,11 +8,12 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
-from viscache import _core, sources
+from viscache import _core
+from viscache.base.provenance import provenance
 from viscache.frame import Frame
-from viscache.provenance import provenance
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.scenes import sources
 from viscache.settings.checks import checked_threads, is_whole, require
 from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.spelling import spelled

@@ -7,15 +7,17 @@ import os
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, sources
-from viscache.progress import Progress
+from viscache import _core
+from viscache.base.progress import Progress
+from viscache.base.sharing import Turn, Uncopied
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.scenes import sources
 from viscache.settings.checks import checked_points, checked_threads, require
+from viscache.settings.chosen_rays import check_rays
 from viscache.settings.maps import MapSettings, map_settings
-from viscache.settings.rays import Rays, check_rays
+from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.sharing import Turn, Uncopied
 from viscache.vismap import cache_file, map_cells
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.points import insert_tiles

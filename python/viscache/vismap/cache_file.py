@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.formats import (
+from viscache.base.formats import (
     COUNT,
     FLAG,
     TABLE,
@@ -21,7 +21,7 @@ from viscache.formats import (
     is_number,
     list_of,
 )
-from viscache.provenance import VERSION
+from viscache.base.provenance import VERSION
 from viscache.settings.checks import require
 
 __all__ = ["State", "read", "write"]

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.array_digests import arrays_digest
+from viscache.base.array_digests import arrays_digest
 from viscache.scene import Scene
 from viscache.settings.rays import Rays
 from viscache.settings.vismaps import VisMaps

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import Progress, progress_bar
+from viscache.base.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import is_number, require
 from viscache.settings.maps import MapSettings

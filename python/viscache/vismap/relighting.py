@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.base.progress import Progress, progress_bar
+from viscache.base.provenance import provenance
 from viscache.frame import Frame
-from viscache.progress import Progress, progress_bar
-from viscache.provenance import provenance
 from viscache.scene import Env, Sky
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.base.sharing import MadeOnce
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scenes.light_product import (
@@ -20,7 +21,6 @@ from viscache.scenes.light_product import (
     first_hits,
     reflected,
 )
-from viscache.sharing import MadeOnce
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import Lookup
 

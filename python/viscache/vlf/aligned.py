@@ -10,11 +10,12 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, sources
+from viscache import _core
 from viscache._core.vlf import embree_rows
-from viscache.array_output import ArrayOutput
-from viscache.progress import Progress, progress_bar
+from viscache.base.array_output import ArrayOutput
+from viscache.base.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scenes import sources
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Vlf
 from viscache.settings.spelling import spelled

@@ -8,9 +8,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, sources
-from viscache.progress import Progress, progress_bar
+from viscache import _core
+from viscache.base.progress import Progress, progress_bar
+from viscache.base.sharing import Turn, Uncopied
 from viscache.scene import Scene, queries
+from viscache.scenes import sources
 from viscache.settings.checks import (
     checked_floats,
     checked_points,
@@ -18,9 +20,9 @@ from viscache.settings.checks import (
     is_whole,
     require,
 )
-from viscache.settings.rays import Vlf, vlf_settings
+from viscache.settings.chosen_rays import vlf_settings
+from viscache.settings.rays import Vlf
 from viscache.settings.spelling import spelled
-from viscache.sharing import Turn, Uncopied
 
 __all__ = ["DynamicField", "DynamicHits"]
 

@@ -8,12 +8,14 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, sources
-from viscache.progress import Progress, progress_bar
+from viscache import _core
+from viscache.base.progress import Progress, progress_bar
 from viscache.scene import Intersection, Scene, queries
+from viscache.scenes import sources
 from viscache.settings import by_name
 from viscache.settings.checks import checked_threads, require
-from viscache.settings.rays import Vlf, vlf_settings
+from viscache.settings.chosen_rays import vlf_settings
+from viscache.settings.rays import Vlf
 from viscache.settings.spelling import spelled
 
 __all__ = ["VisibilityField"]

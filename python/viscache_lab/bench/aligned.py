@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache.connections import connections
 from viscache.scene import Scene, load_scene
+from viscache.scenes.sources import made_by_others
 from viscache.settings.integrators import Direct
-from viscache.sources import made_by_others
+from viscache.shot.connections import connections
 from viscache.vlf import trace_aligned
 from viscache_lab.bench.common import (
     Outcome,

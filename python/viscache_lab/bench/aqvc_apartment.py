@@ -8,10 +8,10 @@ from typing import Any, Literal
 
 from viscache.frame import Frame
 from viscache.metrics import compare
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_apartment"]

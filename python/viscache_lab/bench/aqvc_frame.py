@@ -8,11 +8,11 @@ from typing import Any
 
 from viscache.frame import Frame
 from viscache.metrics import compare
-from viscache.render import render
 from viscache.scene import Scene, load_scene
+from viscache.scenes.sources import scene_file
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.sources import scene_file
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_frame"]

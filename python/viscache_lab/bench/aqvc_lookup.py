@@ -12,9 +12,9 @@ import numpy as np
 from viscache.aqvc.equations import level_hashes
 from viscache.frame import Frame
 from viscache.metrics import compare
-from viscache.render import render
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
 
 __all__ = ["aqvc_lookup"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from viscache.provenance import embree_version, isa
+from viscache.base.provenance import embree_version, isa
 from viscache.scene import Scene
 from viscache.scenes import build
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import provenance
+from viscache.base import provenance
 from viscache.correlation import kernels
 from viscache.correlation.directions import DirectionSet
 from viscache.correlation.pairs import (

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import AmbientOcclusion, Direct
 from viscache.settings.visibility import Exact
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import make_ray_set

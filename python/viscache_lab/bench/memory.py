@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from viscache.sources import scene_file
+from viscache.scenes.sources import scene_file
 from viscache_lab.bench.common import Outcome, figure
 
 __all__ = ["memory"]

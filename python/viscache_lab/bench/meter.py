@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.audited import draw_audit_pixels, pixel_estimates
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.audit import AuditPixels, AuditQueries
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Unoccluded
+from viscache.shot.audited import draw_audit_pixels, pixel_estimates
+from viscache.shot.render import render
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, at_most_figure, figure
 

@@ -6,7 +6,7 @@ import statistics
 from dataclasses import dataclass
 from typing import Any
 
-from viscache.progressive import Progressive
+from viscache.passes.progressive import Progressive
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from viscache import metrics, notebook, tonemap
+from viscache import metrics, notebook
+from viscache.base import tonemap
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct
 from viscache.settings.visibility import Aqvc
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, at_most_figure, build_scene, timed
 
 __all__ = ["notebook_slider"]

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.connections import connections
 from viscache.frame import Frame
 from viscache.oracles.points import EyePoints, FarEnds
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact
+from viscache.shot.connections import connections
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 
 __all__ = ["oracle"]

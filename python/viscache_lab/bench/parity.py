@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-from viscache.progress import Progress
+from viscache.base.progress import Progress
 from viscache_lab.bench.common import Outcome, at_most_figure
 from viscache_lab.parity import renderers
 from viscache_lab.parity.judge import VERDICTS, Judged, Verdict

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscache.progressive import Progressive
+from viscache.passes.progressive import Progressive
 
 __all__ = ["Run", "take_turns"]
 

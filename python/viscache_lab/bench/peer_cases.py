@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from viscache import SceneDescription
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Camera, Scene
 from viscache.settings.aqvc import Aqvc
 from viscache.settings.integrators import AmbientOcclusion, Direct
+from viscache.shot.render import render
 from viscache_lab.bench.common import build_scene
 
 __all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from viscache.files import write_whole
+from viscache.base.files import write_whole
 
 __all__ = ["page", "write_pages"]
 

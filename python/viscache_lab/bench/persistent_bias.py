@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.progressive import Progressive
+from viscache.passes.progressive import Progressive
 from viscache.scene import Scene
 
 __all__ = ["differences", "energy_z", "persistent_z"]

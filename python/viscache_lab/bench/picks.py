@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact
+from viscache.shot.render import render
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure

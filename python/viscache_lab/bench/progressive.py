@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.frame import Frame
-from viscache.progressive import Progressive
+from viscache.passes.progressive import Progressive
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from viscache.frame import Frame
-from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Exact
-from viscache.shot import BareShot
+from viscache.shot.render import render_part
+from viscache.shot.shot import BareShot
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure
 

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.render import render
 from viscache.scene import Scene
+from viscache.scenes.sources import made_by_others
 from viscache.settings.integrators import Direct
-from viscache.sources import made_by_others
+from viscache.shot.render import render
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure

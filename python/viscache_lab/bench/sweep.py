@@ -17,10 +17,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from viscache.base.workers import process_pool
 from viscache.settings.integrators import Whitted
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep as run_sweep
-from viscache.workers import process_pool
 from viscache_lab.bench.common import Outcome, Sample, at_most_figure, figure, interleave
 
 __all__ = ["sweep"]

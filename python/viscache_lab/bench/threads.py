@@ -13,12 +13,12 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.progressive import Progressive
-from viscache.render import render
+from viscache.passes.progressive import Progressive
 from viscache.scene import Scene
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted
 from viscache.settings.rays import Vlf
 from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
+from viscache.shot.render import render
 from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave, timed
 
 __all__ = ["threads"]

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from viscache.metrics import compare
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
+from viscache.shot.render import render
 from viscache.sweeps.tune import tune
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, at_most_figure, figure

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from viscache.frame import Frame
+from viscache.metrics.variance import variance_ratio
 from viscache.settings.visibility import VisMaps
-from viscache.variance import variance_ratio
 from viscache_lab.bench.common import Outcome, build_scene, figure
 from viscache_lab.cases.map_renders import Picture, images, paper_maps, samples_in
 

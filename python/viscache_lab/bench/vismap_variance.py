@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from viscache.variance import VarianceRatio, variance_ratio
+from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.bench.common import Outcome, build_scene, figure

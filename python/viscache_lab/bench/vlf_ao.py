@@ -11,11 +11,11 @@ import numpy.typing as npt
 
 from viscache.correlation import DirectionSet, surface_points, visibility_rows
 from viscache.correlation.rows import VisibilityRows
-from viscache.render import render
 from viscache.scene import Scene, load_scene
+from viscache.scenes.sources import made_by_others
 from viscache.settings.integrators import AmbientOcclusion
 from viscache.settings.rays import EmbreeCaster
-from viscache.sources import made_by_others
+from viscache.shot.render import render
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed

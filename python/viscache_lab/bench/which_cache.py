@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.oracles.correct import Correct
-from viscache.progressive import Progressive
+from viscache.passes.progressive import Progressive
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, VisMaps

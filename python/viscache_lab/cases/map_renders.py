@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct
 from viscache.settings.visibility import VisMaps
+from viscache.shot.render import render
 from viscache.vismap import MapSettings, VisibilityMapCache
 
 __all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]

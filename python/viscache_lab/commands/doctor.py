@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from viscache import provenance
+from viscache.base import provenance
+from viscache.base.files import finite
 from viscache.commands.shared import print_json
-from viscache.files import finite
 from viscache_lab import extremes
 from viscache_lab.commands.self_test import checks
 from viscache_lab.extremes.compare import differences

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from viscache import provenance
+from viscache.base import provenance
 
 __all__ = ["instruction_sets"]
 

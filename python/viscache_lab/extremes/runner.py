@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
-from viscache import provenance
+from viscache.base import provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
 from viscache_lab.extremes import families  # registers them

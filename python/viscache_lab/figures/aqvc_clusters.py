@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from viscache import SceneDescription, scenes
 from viscache.aqvc import eye_keys, hash_keys, resolution_eye
-from viscache.connections import trace_eye_points
 from viscache.scene import Scene
 from viscache.settings.integrators import Direct
 from viscache.settings.visibility import Aqvc
+from viscache.shot.connections import trace_eye_points
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
 from viscache_lab.figures.drawing import draw_image, new_figure, save_figure

@@ -9,9 +9,9 @@ import numpy as np
 
 from viscache import scenes
 from viscache.oracles.correct import Correct
-from viscache.render import render
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact, Unoccluded, Visibility
+from viscache.shot.render import render
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
 from viscache_lab.figures.aqvc_setups import SETUPS

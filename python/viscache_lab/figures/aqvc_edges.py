@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, tonemap
+from viscache import scenes
+from viscache.base import tonemap
 from viscache.frame import Frame
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct

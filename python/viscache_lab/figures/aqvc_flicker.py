@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscache import tonemap
+from viscache.base import tonemap
+from viscache.metrics.temporal import mean_temporal_variance, seen
 from viscache.scene import Camera, look_at
 from viscache.settings.integrators import Direct
-from viscache.temporal import mean_temporal_variance, seen
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
 from viscache_lab.figures.aqvc_setups import SETUPS

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache.settings.visibility import Aqvc
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed

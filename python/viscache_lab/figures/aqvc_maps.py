@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache.scene import look_at
 from viscache.settings.visibility import ShadowMap
 from viscache_lab.figures import aqvc_bands as bands

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, tonemap
+from viscache import scenes
+from viscache.base import tonemap
 from viscache.settings.integrators import Bdpt
 from viscache.settings.visibility import Aqvc
 from viscache_lab.figures import aqvc_bands as bands

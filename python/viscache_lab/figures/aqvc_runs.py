@@ -9,12 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from viscache import metrics, tonemap
+from viscache import metrics
+from viscache.base import tonemap
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Camera, Scene
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Aqvc, Exact, Visibility
+from viscache.shot.render import render
 from viscache_lab.figures.outcome import Row
 
 __all__ = ["AMPLIFIED", "TURNS", "Shot", "Trade", "difference", "group_rows", "presets"]

@@ -12,8 +12,8 @@ import numpy as np
 from viscache.plots import label as plot_label
 from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scene import Scene, load_scene
+from viscache.scenes.sources import scene_file
 from viscache.settings.integrators import Whitted
-from viscache.sources import scene_file
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, group_rows

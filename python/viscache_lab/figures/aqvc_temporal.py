@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from viscache import metrics
-from viscache.aqvc_table import AqvcTable
+from viscache.aqvc.table import AqvcTable
 from viscache.frame import Frame
-from viscache.render import render
+from viscache.metrics.temporal import flicker
 from viscache.scene import Camera, Scene
 from viscache.scenes.shapes import bumpy_sphere
 from viscache.settings.integrators import Direct
 from viscache.settings.visibility import Aqvc, Exact, PaperForm
-from viscache.temporal import flicker
+from viscache.shot.render import render
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_flicker import cameras
 from viscache_lab.figures.aqvc_setups import delta

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import tonemap
+from viscache.base import tonemap
 from viscache.plots.drawing import new_figure
 from viscache.scene import Camera
 

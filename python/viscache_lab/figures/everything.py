@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from viscache.files import finite, write_whole
-from viscache.provenance import provenance
+from viscache.base.files import finite, write_whole
+from viscache.base.provenance import provenance
 from viscache_lab.figures import page, registry
 from viscache_lab.figures.registry import code_hash
 from viscache_lab.figures.verdict import claim_of, claims_not_found

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from viscache.base.progress import progress_bar
 from viscache.plots.drawing import new_figure
 from viscache.plots.sweeps import MARKERS
-from viscache.progress import progress_bar
 from viscache.sweeps.swept import colors_for
 from viscache_lab.extremes.chart import AXES, GROWTH, holding, measure
 from viscache_lab.figures.drawing import save_figure

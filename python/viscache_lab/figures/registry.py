@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from viscache import provenance
-from viscache.files import finite, named, write_whole
+from viscache.base import provenance
+from viscache.base.files import finite, named, write_whole
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
 from viscache_lab.figures import references

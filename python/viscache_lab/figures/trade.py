@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import sources
-from viscache.over_time import gain, passes_over_time
+from viscache.passes.over_time import gain, passes_over_time
 from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
 from viscache.scene import Scene, load_scene
+from viscache.scenes import sources
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact
 from viscache_lab.figures import trade_bands as bands

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scenes import build
 from viscache.settings.integrators import AmbientOcclusion
+from viscache.shot.render import render
 from viscache.vismap import cached_ambient_occlusion
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.base.progress import progress_bar
+from viscache.metrics.variance import variance_ratio
 from viscache.plots import COLORS
-from viscache.progress import progress_bar
 from viscache.scene import Camera, Scene
 from viscache.scene.cameras import look_at
 from viscache.scenes import SCENES
@@ -27,7 +28,6 @@ from viscache.scenes.light_product import (
     reflected,
 )
 from viscache.scenes.shapes import place, soft_box
-from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.figures import vismap_bands as bands

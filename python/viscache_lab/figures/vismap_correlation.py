@@ -14,7 +14,7 @@ import numpy as np
 
 from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
-from viscache.sources import SCENES_VARIABLE, is_builtin, made_by_others
+from viscache.scenes.sources import SCENES_VARIABLE, is_builtin, made_by_others
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures.drawing import new_figure, save_figure
 from viscache_lab.figures.outcome import Outcome, Row

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
+from viscache.metrics.variance import variance_ratio
 from viscache.scenes.light_product import blocked_share, first_hits
-from viscache.tonemap import auto_exposure, luminance, srgb_curve
-from viscache.variance import variance_ratio
 from viscache.vismap import VisMaps
 from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache_lab.figures import vismap_bands as bands

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from viscache.metrics.variance import variance_ratio
 from viscache.scene import Scene, load_scene
+from viscache.scenes.sources import SCENES_VARIABLE, made_by_others
 from viscache.settings.visibility import VisMaps
-from viscache.sources import SCENES_VARIABLE, made_by_others
-from viscache.variance import variance_ratio
 from viscache_lab.cases.map_renders import Picture, paper_maps
 from viscache_lab.figures.outcome import Outcome, Row
 

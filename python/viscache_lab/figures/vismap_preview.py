@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.frame import Frame
 from viscache.scenes.garage import sky_image
 from viscache.settings.integrators import Direct
-from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.vismap import Relighting, VisibilityMapCache
 from viscache_lab.figures import references
 from viscache_lab.figures import vismap_bands as bands

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation import measure
-from viscache.render import render
 from viscache.scene import Camera, Scene
 from viscache.scene.cameras import find_camera
 from viscache.scenes import build
 from viscache.settings.integrators import Direct
+from viscache.shot.render import render
 from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from viscache.base.progress import progress_bar
+from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.plots import COLORS, pareto
-from viscache.progress import progress_bar
 from viscache.scene import Scene
 from viscache.scenes import build
-from viscache.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.figures import vismap_bands as bands

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from viscache.variance import VarianceRatio, variance_ratio
+from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps

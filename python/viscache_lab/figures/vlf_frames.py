@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from viscache import scenes, vlf
 from viscache.frame import Frame
-from viscache.render import render
 from viscache.scene import Camera, Scene, look_at
 from viscache.settings.integrators import Whitted
 from viscache.settings.rays import Rays, Vlf
+from viscache.shot.render import render
 from viscache_lab.cases.beams import Beams
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed

@@ -15,7 +15,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from xml.etree import ElementTree
 
-from viscache.sources import SCENES_VARIABLE
+from viscache.scenes.sources import SCENES_VARIABLE
 from viscache_lab.parity.zoo.case import DAYLIGHT, property_tags, shape, view
 
 __all__ = ["Shared", "shared_scenes"]

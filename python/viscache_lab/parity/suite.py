@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from viscache.progress import Progress, progress_bar
-from viscache.provenance import VERSION
+from viscache.base.progress import Progress, progress_bar
+from viscache.base.provenance import VERSION
 from viscache_lab.parity import zoo
 from viscache_lab.parity.judge import FULL, QUICK, Judged, judge
 from viscache_lab.parity.page import write_page

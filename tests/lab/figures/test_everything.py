@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from viscache import cli, provenance
+from viscache import cli
+from viscache.base import provenance
 from viscache_lab import figures
 from viscache_lab.figures import everything, references
 from viscache_lab.figures.claim_rules import Claim

@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from viscache.correlation import correlate
-from viscache.sources import SCENES_VARIABLE
+from viscache.scenes.sources import SCENES_VARIABLE
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_correlation as figure
 

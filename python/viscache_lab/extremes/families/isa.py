@@ -11,7 +11,7 @@ from functools import cache, partial
 from typing import Any
 
 import viscache as vc
-from viscache import provenance
+from viscache.base import provenance
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.isas import instruction_sets

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import tonemap
-from viscache.files import write_whole
+from viscache.base import tonemap
+from viscache.base.files import write_whole
 from viscache.report.assemble import facts
 from viscache.report.pictures import scale_colors
 from viscache_lab.parity.judge import VERDICTS, Judged

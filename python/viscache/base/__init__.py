@@ -1,0 +1,1 @@
+"""Ground floor: arrays, files, formats, progress, threads; nothing of rendering."""

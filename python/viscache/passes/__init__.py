@@ -1,0 +1,1 @@
+"""Frames in passes, and their error over time."""
