@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from viscache import _core
-from viscache._core import EmbreeCaster as EmbreeCaster
 from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
@@ -51,7 +50,7 @@ class Embree:
         """Embree's structure over a `Scene`; it takes all cores."""
         if self.watertight:
             return _core.visibility.WatertightCaster(scene._core)
-        return EmbreeCaster(scene._core, robust=self.robust)
+        return _core.EmbreeCaster(scene._core, robust=self.robust)
 
 
 @registered("rays", "bsp")

@@ -14,7 +14,6 @@ from viscache.correlation.rows import VisibilityRows
 from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import made_by_others
 from viscache.settings.integrators import AmbientOcclusion
-from viscache.settings.rays import EmbreeCaster
 from viscache.shot.render import render
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
@@ -209,7 +208,7 @@ def _ones(bits: npt.NDArray[np.uint64]) -> int:
 
 
 def _embree(
-    caster: EmbreeCaster,
+    caster: Any,
     points: npt.NDArray[np.float32],
     normals: npt.NDArray[np.float32],
     frames: npt.NDArray[np.float32],
@@ -229,7 +228,7 @@ def _embree(
 
 
 def _best_plan(
-    caster: EmbreeCaster,
+    caster: Any,
     points: npt.NDArray[np.float32],
     normals: npt.NDArray[np.float32],
     frames: npt.NDArray[np.float32],
