@@ -5,8 +5,27 @@ from __future__ import annotations
 from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
-LIMITS = {}
-LEAST = {}
+LIMITS = {
+    "library, lines": 79_200,
+    "python, lines": 32_900,
+    "lab, lines": 21_200,
+    "tests, lines": 62_000,
+    "rooms": 19,
+    "imports between rooms": 90,
+    "imports that run back up": 5,
+    "circles": 0,
+    "units": 18,
+    "parameters of entry points": 65,
+    "settings fields": 135,
+    "virtuals of VisibilityOracle": 6,
+    "overrides of them": 56,
+    "long functions": 7,
+    "README, words": 920,
+    "performance, words": 38_100,
+    "reference, words": 19_100,
+    "user pages, words": 31_500,
+}
+LEAST = {"C++ comments, lines per 1000": 79}
 
 
 def test_nothing_grows() -> None:
