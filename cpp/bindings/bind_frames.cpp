@@ -18,7 +18,8 @@ namespace {
 /// The engines for the shared directions of ambient occlusion. Empty if the integrator has none.
 std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const IntegratorSettings& integrator,
                                               const AlignedBatch* batch, const VisibilityField* field) {
-    if (!integrator.ambient || integrator.ambient_directions == AmbientDirections::kOwn) return std::nullopt;
+    if (!integrator.ambient || integrator.ambient_directions == AmbientDirections::kPerPoint)
+        return std::nullopt;
     detail::require(is_direction_count(uint64_t(std::max(0, integrator.n_ambient))),
                     "n_samples must be a number of directions", integrator.n_ambient);
     if ((integrator.ambient_engine == AmbientEngine::kField) != (field != nullptr))

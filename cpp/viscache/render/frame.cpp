@@ -169,7 +169,7 @@ private:
                             if (has_lobe(eyes_.shading[eye]))
                                 add_lobe_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
                         });
-        if (s.ambient && s.ambient_directions == AmbientDirections::kOwn)
+        if (s.ambient && s.ambient_directions == AmbientDirections::kPerPoint)
             add_batches(Semantic::kSolidAngle, LightGroup::kAmbient, s.n_ambient, counters, stages, clock,
                         control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });

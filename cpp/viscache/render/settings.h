@@ -21,7 +21,7 @@ enum class EnvironmentSampling {
 };
 /// How the directions of ambient occlusion are drawn, and who uses them.
 enum class AmbientDistribution { kCosine, kUniform };
-enum class AmbientDirections { kOwn, kShared };
+enum class AmbientDirections { kPerPoint, kShared };
 /// Engine for ambient occlusion along shared directions. kAuto: chosen by predicted cost.
 enum class AmbientEngine { kAuto, kBatch, kEmbree, kField };
 /// How connections of light paths with the camera are tested.
@@ -86,7 +86,7 @@ struct IntegratorSettings {
     int n_ambient = 64;
     AmbientDistribution ambient_distribution = AmbientDistribution::kCosine;
     Reach ambient_reach;
-    AmbientDirections ambient_directions = AmbientDirections::kOwn;
+    AmbientDirections ambient_directions = AmbientDirections::kPerPoint;
     AmbientEngine ambient_engine = AmbientEngine::kAuto;
 };
 
@@ -202,7 +202,7 @@ struct AmbientSettings : IntegratorSettings {
     }
     void validate() const {
         check_rows(kAmbientRows, *this);
-        const bool own = ambient_directions == AmbientDirections::kOwn;
+        const bool own = ambient_directions == AmbientDirections::kPerPoint;
         detail::require(own || is_direction_count(uint64_t(n_ambient)),
                         "n_samples must be 1 or 2·4^k + 1 up to 8193, e.g. 513, with shared directions",
                         n_ambient);
