@@ -49,7 +49,7 @@ def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("camera", ["bypass", "off"])
+@pytest.mark.parametrize("camera", ["bypass", pytest.param("off", marks=pytest.mark.release)])
 @pytest.mark.parametrize(
     ("model", "depth"),
     [

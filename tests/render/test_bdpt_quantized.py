@@ -181,7 +181,9 @@ def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["the closed room", "the Cornell box"])
+@pytest.mark.parametrize(
+    "name", ["the closed room", pytest.param("the Cornell box", marks=pytest.mark.release)]
+)
 def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
     """The paper's figure for this renderer (Sec. 5), with the defaults."""
     scene = room() if name == "the closed room" else vc.scenes.cornell_box()

@@ -45,7 +45,13 @@ def write_image(folder: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("colour", [COLOUR, IMAGE], ids=["colour", "image"])
-@pytest.mark.parametrize("nonlinear", [False, True], ids=["linear", "nonlinear"])
+@pytest.mark.parametrize(
+    "nonlinear",
+    [
+        pytest.param(False, marks=pytest.mark.release, id="linear"),
+        pytest.param(True, id="nonlinear"),
+    ],
+)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_plastic_looks_as_in_mitsuba(
     tmp_path: Path, kind: str, nonlinear: bool, colour: str

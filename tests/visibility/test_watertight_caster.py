@@ -122,7 +122,7 @@ def test_robust_rays_pass_vertices_so_that_the_test_can_fail() -> None:
     assert leaks("sphere 1/1000 as high", True, vc.Embree(), 50_000) > 20
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_none_of_fifty_million_rays_passes() -> None:
     found = {
         (shape, rotated): sum(

@@ -104,7 +104,7 @@ def test_hits_are_those_of_embree(scene: vc.Scene, kernel: str, kind: str) -> No
     assert differ <= (1e-2 if grazing else 1e-3) * len(rays)
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_of_five_million_rays_none_differs_without_excuse() -> None:
     excused = total = 0
     for name in ("soup", "room"):

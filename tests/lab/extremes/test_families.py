@@ -187,7 +187,10 @@ def test_a_sample_of_the_checks_fails_when_something_is_broken(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.release) if n in ("isa", "lights") else n for n in FAMILIES],
+)
 def test_every_check_fails_when_something_is_broken(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
