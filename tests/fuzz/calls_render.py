@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,16 @@ def render(dice: Dice) -> None:
         classes = dice.pick(vc.AuditPixels, vc.AuditQueries)
         given["audit"] = dice.pick("pixels", "queries", "x", settings.made(dice, classes))
     checked(vc.render(scene, integrator, **given), is_signed(given))
+
+
+def shots(dice: Dice) -> None:
+    """`Shot`: a value, which travels and then gives the same picture."""
+    given = options(dice)
+    shot = vc.Shot(scenes.scene(dice), settings.integrator(dice), **given)
+    frame = checked(shot.render(), is_signed(given))
+    again = pickle.loads(pickle.dumps(shot))
+    if again != shot or again.render().sha256 != frame.sha256:
+        raise WrongError("a shot that travelled gives another picture")
 
 
 def passes(dice: Dice) -> None:
@@ -185,7 +196,7 @@ def relit(dice: Dice) -> None:
 
 
 CALLS = {
-    "render": ((render, 12), (lists, 3)),
+    "render": ((render, 12), (shots, 2), (lists, 3)),
     "passes": ((passes, 6), (parts, 3), (tune, 1), (compared, 1), (flickering, 1)),
     "maps_to_frames": ((ambient, 3), (relit, 3)),
 }
