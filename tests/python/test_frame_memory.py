@@ -35,7 +35,7 @@ def test_the_estimate_has_the_layers_of_the_frame_twice(name: str) -> None:
 
 PEAK = """
 import viscache as vc
-from viscache import frame_memory
+from viscache.frame import memory as frame_memory
 
 def status(name):  # VmHWM, not ru_maxrss: that one begins with the peak of the parent
     return int(open("/proc/self/status").read().split(name + ":")[1].split()[0]) * 1024

@@ -30,7 +30,7 @@ SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
 import fake_renderer as fake
-from viscache import sources
+from viscache.scenes import sources
 from viscache.settings import by_name
 from viscache.sweeps import work
 from viscache.sweeps.sweep import sweep

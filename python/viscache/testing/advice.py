@@ -17,7 +17,7 @@ __all__ = ["is_paired", "unlike", "what_to_try"]
 EXPLAINED = 0.25
 #: What to do about the error of a cache, by its name.
 CACHES = {
-    "Aqvc": "a smaller c_e (now {c_e:g}) or c_finest (now {c_finest}) has less error;"
+    "Aqvc": "a smaller c_e (now {c_e}) or c_finest (now {c_finest}) has less error;"
     " vc.tune(scene, integrator, rel_l1=...) finds one",
     "ShadowMap": "a higher resolution (now {resolution}) has less error",
     "VisMaps": 'use="correct", their default, has no bias',
@@ -89,7 +89,8 @@ def what_to_try(frame: Comparable, exact: Comparable, missed: list[Limit]) -> li
             " have less; vc.testing.assert_unbiased tests their mean"
         )
     elif chosen.get("name") in CACHES:
-        tips.append(CACHES[str(chosen["name"])].format_map(chosen))
+        words = {n: f"{v:g}" if isinstance(v, float) else v for n, v in chosen.items()}
+        tips.append(CACHES[str(chosen["name"])].format_map(words))
     if chosen.get("name") == "Aqvc" and use != "correct":
         tips.append('vc.render(..., audit="pixels").audit.groups tells which lights err')
         if any(limit.metric == "energy" for limit in missed):
