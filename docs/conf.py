@@ -36,7 +36,7 @@ myst_heading_anchors = 3
 # API: signatures from the code, the rest from numpy docstrings
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "signature"
-autodoc_preserve_defaults = True
+autodoc_preserve_defaults = False  # signatures of `of_shot` have no source
 autodoc_class_signature = "mixed"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
