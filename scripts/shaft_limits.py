@@ -46,8 +46,9 @@ def measured(spec: str) -> Iterator[Row]:
         return
     scene.caster()
     for size, spp, n_vpls, parts in PICTURES:
-        options: dict[str, Any] = {"size": size, "spp": spp, "part": (min(3, parts - 1), parts)}
-        picture = Picture(scene, vc.Whitted(n_vpls=n_vpls, n_area=1, n_brdf=0), options)
+        lights = vc.Whitted(n_vpls=n_vpls, n_area=1, n_brdf=0)
+        shot = vc.Shot(scene, lights, size=size, spp=spp, threads=1)
+        picture = Picture(shot, (min(3, parts - 1), parts))
         picture.render("shafts")  # builds the tree
         turns = interleave({e: partial(picture.render, e) for e in ENGINES}, 3, warm_up=False)
         frames = picture.frames
@@ -68,19 +69,16 @@ def measured(spec: str) -> Iterator[Row]:
 
 @dataclass
 class Picture:
-    """One picture of a scene, and its frames by engine."""
+    """A part of a picture, and its frames by engine."""
 
-    scene: vc.Scene
-    integrator: vc.Whitted
-    options: dict[str, Any]
+    shot: vc.Shot
+    part: tuple[int, int]
     frames: dict[str, Frame] = field(default_factory=dict)
 
     def render(self, engine: Any) -> Sample:
         """CPU seconds of visibility."""
         exact = vc.Exact(engine=engine, order="by_light", coherent=True)
-        frame = render_part(
-            self.scene, self.integrator, visibility=exact, threads=1, **self.options
-        )
+        frame = render_part(self.shot.with_(visibility=exact), self.part)
         self.frames[engine] = frame
         cpu = frame.timings["visibility_cpu_s"]
         return Sample(wall_s=cpu, cpu_s=cpu)

@@ -70,13 +70,26 @@ def _module(name: str) -> Any:
     """The module of a sub-command."""
     if name in COMMANDS:
         return importlib.import_module(f"viscache.commands.{name}")
-    return _added()[name].load()
+    try:
+        return _added()[name].load()
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"the package of command {name!r} must load, got {error}") from error
 
 
-def _about(module: Any) -> str:
-    """The first line of a docstring, in the form of the texts of `COMMANDS`."""
-    line = str(module.__doc__ or module.__name__).partition("\n")[0].rstrip(".")
+def _about(name: str) -> str:
+    """What a sub-command does: of other packages, the first line of its module's docstring."""
+    if name in COMMANDS:
+        return COMMANDS[name]
+    line = str(_module(name).__doc__ or name).partition("\n")[0].rstrip(".")
     return line[0].lower() + line[1:]
+
+
+def _listed(name: str) -> str:
+    """The same for the list of all, where one that does not load has its reason."""
+    try:
+        return _about(name)
+    except ValueError as error:
+        return str(error)
 
 
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
@@ -90,7 +103,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     if wanted is not None and wanted not in known:
         raise ValueError(f"unknown command {wanted!r}{nearest(wanted, known)}")
     for name in known if wanted is None else [wanted]:
-        text = COMMANDS.get(name) or _about(_module(name))
+        text = (_about if name == wanted else _listed)(name).replace("%", "%%")
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         sub.add_argument(
             "--debug",

@@ -15,7 +15,7 @@ LIMITS = {
     "imports that run back up": 5,
     "circles": 0,
     "units": 18,
-    "parameters of entry points": 65,
+    "parameters of entry points": 71,
     "settings fields": 135,
     "virtuals of VisibilityOracle": 6,
     "overrides of them": 56,

@@ -90,7 +90,7 @@ def settings_fields(trees: dict[str, ast.Module]) -> int:
 
 
 def parameters(trees: dict[str, ast.Module]) -> dict[str, int]:
-    """Parameters of the entry points, without `self`."""
+    """Parameters of the entry points, without `self`; the keywords of a shot count as one."""
     found = {}
     for path, tree in trees.items():
         for node in tree.body:
@@ -103,7 +103,8 @@ def parameters(trees: dict[str, ast.Module]) -> dict[str, int]:
                 )
             if isinstance(call, ast.FunctionDef):
                 named = [*call.args.posonlyargs, *call.args.args, *call.args.kwonlyargs]
-                found[node.name] = len([a for a in named if a.arg != "self"])
+                own = [a for a in named if a.arg != "self"]
+                found[node.name] = len(own) + bool(call.args.kwarg)
     return found
 
 
@@ -129,11 +130,6 @@ def long_in_python(path: str, tree: ast.Module) -> Iterator[str]:
         branches = sum(isinstance(n, BRANCHES) for n in ast.walk(node))
         if lines > LONGEST or branches > MOST_BRANCHES:
             yield f"{path}: {node.name}, {lines} lines, {branches} branches"
-
-
-OPENS = re.compile(
-    r"^( *)(?!namespace|struct|class|enum|extern|union|#|//)[^ ].*\(.*|^( *)[^ #/].*\) .*{$"
-)
 
 
 def long_in_cpp(path: str, source: str) -> Iterator[str]:

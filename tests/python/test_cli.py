@@ -248,7 +248,8 @@ def test_another_package_can_add_a_command(
     info = tmp_path / "bakery-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: bakery\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[viscache.commands]\nbake = bakery\nscenes = bakery\n")
+    entries = "[viscache.commands]\nbake = bakery\nburn = ashes\nscenes = bakery\n"
+    (info / "entry_points.txt").write_text(entries)
     (tmp_path / "bakery.py").write_text(
         '"""Light of a scene, baked."""\n\n'
         "def add_arguments(parser):\n    parser.add_argument('scene')\n\n"
@@ -261,6 +262,9 @@ def test_another_package_can_add_a_command(
         assert re.search(r"bake +light of a scene, baked\n", run(capsys, "--help")[1])
         assert "Light of a scene, baked.\n" in run(capsys, "bake", "--help")[1]
         assert "did you mean 'bake'" in run(capsys, "bakke")[2]
+        said = run(capsys, "burn", "room")
+        assert said[0] == 2 and "command 'burn' must load, got No module named 'ash" in said[2]
+        assert "burn " in run(capsys, "--help")[1]  # and all others are listed
         status, out, _ = run(capsys, "scenes")  # our own command stays
         assert status == 0 and "baked" not in out
     finally:

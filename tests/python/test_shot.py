@@ -368,8 +368,8 @@ def test_calls_of_a_shot_are_those_of_the_package() -> None:
 def test_every_call_lists_the_arguments_of_a_shot() -> None:
     names = [f.name for f in dataclasses.fields(vc.Shot)]
     assert names[2:] == list(ShotArguments.__annotations__)
-    for call in (vc.render, vc.sweep, vc.tune, vc.Progressive, vc.connections, vc.tiles.render,
-                 vc.passes_over_time, vc.testing.ExactFrames.__call__):  # fmt: skip
+    calls = [vc.render, vc.sweep, vc.tune, vc.Progressive, vc.connections, vc.tiles.render]
+    for call in [*calls, vc.passes_over_time, vc.testing.ExactFrames.__call__]:
         listed = inspect.signature(call).parameters
         assert set(names) - set(listed) <= {"visibility", "use", "rays"}, call
         assert not [p for p in listed.values() if p.kind is p.VAR_KEYWORD], call
@@ -379,3 +379,17 @@ def test_every_call_lists_the_arguments_of_a_shot() -> None:
 def test_settings_in_words_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"must be a name, then \?parameter=value"):
         shot(visibility=text)
+
+
+def test_none_is_the_default_of_each_call() -> None:
+    given: dict[str, Any] = {"size": SIZE, "visibility": None}
+    assert isinstance(vc.Progressive("cube_on_plane", SKY, **given).visibility, vc.Aqvc)
+    swept = vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, **given)
+    assert "aqvc" in swept.attrs["visibility"]
+    assert vc.render("cube_on_plane", SKY, **given).parameters["visibility"]["name"] == "Exact"
+
+
+@pytest.mark.parametrize("size", [(), [], np.array([16, 10, 3]), 0])
+def test_sweeps_refuse_sizes_that_are_none(size: Any) -> None:
+    with pytest.raises(ValueError, match="size must be"):
+        vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, size=size)

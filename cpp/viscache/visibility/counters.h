@@ -1,6 +1,6 @@
 #pragma once
 // Counters of a frame, one row each. Each work item has its own object; they are merged in a fixed order.
-// `merge`, frame_dict and the table of docs/limits.md read the rows.
+// `merge`, frame_dict and `help(vc.Frame)` read the rows.
 #include <algorithm>
 #include <array>
 #include <cstdint>

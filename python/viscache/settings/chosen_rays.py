@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from viscache._core import EmbreeCaster as EmbreeCaster
 from viscache.settings import by_name
 from viscache.settings.checks import require
 from viscache.settings.rays import Rays, Vlf

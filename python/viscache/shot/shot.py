@@ -175,7 +175,8 @@ def _same(value: Any, usual: Any) -> bool:
 def of_shot(*without: str, **usual: Any) -> Callable[[Called], Called]:
     """Decorate a function whose keywords `**shot` are those of a shot: `help` lists them.
 
-    All but those that it goes `without`; `usual` are defaults that differ from `BareShot`'s.
+    All but those that it goes `without`; `usual` are defaults that differ from `BareShot`'s, also
+    where None is given.
     """
 
     def decorate(called: Called) -> Called:
@@ -195,7 +196,8 @@ def of_shot(*without: str, **usual: Any) -> Callable[[Called], Called]:
 
         @wraps(called)
         def filled(*args: Any, **kwargs: Any) -> Any:
-            return called(*args, **{**usual, **kwargs})
+            given = {n: v for n, v in kwargs.items() if v is not None or n not in usual}
+            return called(*args, **(usual | given))
 
         filled.__signature__ = own.replace(  # type: ignore[attr-defined]
             parameters=[*named, *of_shot]

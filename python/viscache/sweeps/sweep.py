@@ -7,6 +7,7 @@ and many samples, so the difference is the total error. Both are rendered once a
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import sys
@@ -15,7 +16,7 @@ from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 from viscache import metrics as _metrics
 from viscache.base.progress import Progress
@@ -127,7 +128,8 @@ def sweep(
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     source = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = given.opened
-    size = frame_size(given.size, find_camera(opened, given.camera) if not given.size else None)
+    view = find_camera(opened, given.camera) if given.size is None else None
+    size = frame_size(given.size, view)
     base = given.with_(scene=opened, size=size, spp=positive("spp", given.spp), seed=int(seed))
     plan = make_plan(
         base,
@@ -260,12 +262,11 @@ class SweepFile:
             table = {"name": visibility} if isinstance(visibility, str) else dict(visibility)
             visibility = {"preset": self.preset, **table}
         env = None if self.env is None else sources.absolute(self.env, self.folder)
-        given = {name: getattr(self, name) for name in _AS_SWEEP}
+        same = [name for name in inspect.signature(sweep).parameters if hasattr(self, name)]
+        given = {name: getattr(self, name) for name in same}
+        given |= {"scene": self._scene(), "visibility": visibility, "env": env}
         return sweep(
-            self._scene(),
             **given,
-            visibility=cast(Any, visibility),
-            env=env,
             directory=directory,
             executor=executor,
             apart=apart,
@@ -280,12 +281,6 @@ class SweepFile:
             return spec
         return sources.open_scene(spec, missing=self.missing, allow_outside=self.allow_outside)
 
-
-#: Keys of a file that `sweep` takes as they are.
-_AS_SWEEP = (
-    "integrator", "rays", "use", "over", "repeats", "seed", "size", "spp", "converged", "metrics",
-    "threads", "camera",
-)  # fmt: skip
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "scene": (str,),
