@@ -42,9 +42,9 @@ directory, path, scene, points, edge, vpls = sys.argv[1], sys.argv[2], sys.argv[
     int, sys.argv[4:])
 log = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
-def render(opened, integrator, **options):
+def render(**shot):
     os.write(log, b"begin\\n")
-    return vc.render(opened, integrator, **options)
+    return vc.render(**shot)
 
 work.render_function = render
 vc.sweep(scene, vc.Whitted(n_vpls=vpls), over={"c_e": {"log": [2, 32], "n": points}},
