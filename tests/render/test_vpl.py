@@ -84,15 +84,18 @@ def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_p
 @pytest.mark.slow
 @pytest.mark.stat
 def test_resampling_does_not_change_the_expectation() -> None:
+    """Few and many of the candidates carry the light of paths of 3 to 5 edges."""
     scene = model("point").to_viscache()
-    many = indirect(scene, 32)
-    for kwargs in (
-        {"n_vpls": 64},
-        {"n_vpls": 512},
-    ):
-        found = compare(indirect(scene, 24, **kwargs), many, tolerance=1e-4)
-        assert found.same, (kwargs, found)
-    assert not compare(0.94 * indirect(scene, 32, n_vpls=2048), many, tolerance=1e-4).same
+
+    def paths(depth: int, seed: int) -> Any:
+        chosen = vc.Bdpt(max_depth=depth)
+        return vc.render(scene, chosen, size=SIZE, spp=64, seed=seed).image.astype(np.float64)
+
+    reference = np.stack([paths(5, i) - paths(2, 500 + i) for i in range(24)])
+    for n in (64, 512, 2048):
+        found = compare(indirect(scene, 24, n_vpls=n), reference, tolerance=1e-4)
+        assert found.same, (n, found)
+    assert not compare(0.96 * indirect(scene, 24), reference, tolerance=1e-4).same
 
 
 def test_virtual_lights_carry_no_direct_light() -> None:
