@@ -48,11 +48,10 @@ def signature(frame: vc.Frame) -> dict[str, Any]:
 def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Scene) -> None:
     """16 samples per pixel make tiles of 32 pixels: 8 tiles share the work."""
     frames = [
-        vc.render(room, integrator, size=(100, 50), spp=16, seed=3, threads=n)
-        for n in (1, 2, 3, 8, 1)
+        vc.render(room, integrator, size=(97, 34), spp=16, seed=3, threads=n) for n in (1, 8, 3)
     ]
     assert frames[0].parameters["tile_edge_px"] <= 64
-    assert frames[3].provenance["threads"] > 1
+    assert frames[1].provenance["threads"] > 1
     for frame in frames[1:]:
         assert signature(frame) == signature(frames[0])
 
