@@ -53,6 +53,7 @@ struct RowCall {
         if (input.normal.size() != input.position.size())
             throw py::value_error("positions and normals must have equal numbers of rows, got " +
                                   shape_text(positions) + " and " + shape_text(normals));
+        // Not filled with zeros: the call below writes every word.
         bits = py::array_t<uint64_t>({input.position.size(), row_words_for(columns)});
     }
     RowCall(const FloatArray& positions, const FloatArray& normals, const FloatArray& directions, float t_max)
@@ -65,6 +66,7 @@ struct RowCall {
     template <class Work>
     void run(Work work, const py::object& progress) {
         run_interruptible(
+            // The pointer is taken before the lock is released.
             [&, rows = std::span(bits.mutable_data(), size_t(bits.size()))](Control& control) {
                 control.total = input.position.size();
                 work(rows, control);
@@ -95,6 +97,7 @@ py::tuple aligned_rows(const Scene& scene, const AlignedBatch& batch, const RayC
     RowCall call(positions, normals, directions, t_max);
     AlignedRows found;
     AlignedWish wish{.isa = isa_of(isa)};
+    // Without a wish the engine is chosen.
     if (!choose) wish.engine = AlignedEngine::kBatch;
     call.run(
         [&](std::span<Word> rows, Control& control) {

@@ -20,14 +20,13 @@ inline uint32_t chord_key(float squared_chord) {
 /// Table that gives the code of a key: the number of edges at or below it. Code 0 lies before the first
 /// edge; the number of edges lies at or past the last.
 ///
+/// The keys are divided into cells with at most one edge each. Let `low` be the offset of the key in its
+/// cell and `edge` the offset of the edge. The entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low).
+/// Adding the key gives code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 if low >= edge.
 ///
 ///                    low ->|
 ///     |----- edge ---------+-----------|      one cell: before its edge `code`, at or past it `code` + 1
 ///     ^ key − low
-///
-/// The keys are divided into cells with at most one edge each. Let `low` be the offset of the key in its
-/// cell and `edge` the offset of the edge. The entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low).
-/// Adding the key gives code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 if low >= edge.
 struct KeyTable {
     static constexpr int kCodeShift = 17;
     static constexpr uint32_t kNoEdge = 1u << kCodeShift;
