@@ -24,8 +24,8 @@ struct PythonValue<AlphaChoice> {
         if (py::isinstance<py::str>(given)) {
             for (const auto& [word, choice] : kWords)
                 if (given.equal(py::str(word))) return choice;
-        // True is the number 1 in Python, and no α.
         } else if (!py::isinstance<py::bool_>(given) && PyNumber_Check(given.ptr())) {
+            // True is the number 1 in Python, and no α.
             const double value = py::float_(given);
             if (std::isfinite(value)) return {AlphaMode::kFixed, value};
         }
