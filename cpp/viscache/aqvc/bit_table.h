@@ -14,9 +14,9 @@
 
 namespace viscache {
 
+/// The largest prime <= n; 1 for n < 2, so a table has at least one slot.
 /// A prime number of slots uses all bits of κ. A power of two would use only the low ones, in which the
 /// linear recurrences of scheme 1 see only low bits of the key: round coordinates would share one slot.
-/// The largest prime <= n; 1 for n < 2, so a table has at least one slot.
 inline uint64_t largest_prime(uint64_t n) {
     const auto is_prime = [](uint64_t v) {
         for (uint64_t d = 2; d * d <= v; ++d)
@@ -56,12 +56,12 @@ inline void increment(uint64_t& count) { ++count; }
 inline void increment(std::atomic<uint64_t>& count) { count.fetch_add(1, std::memory_order_relaxed); }
 }  // namespace detail
 
+/// Lossy table. A word of 0 is an empty slot; digest 0 is stored as 1. With kRacing, many threads read and
+/// write through relaxed atomics. A reader sees an old word or a new one, never a mix.
 ///
 ///     bit 31 ................. 1   0
 ///     |        digest          | V |
 ///
-/// Lossy table. A word of 0 is an empty slot; digest 0 is stored as 1. With kRacing, many threads read and
-/// write through relaxed atomics. A reader sees an old word or a new one, never a mix.
 // Relaxed order is enough: a word means the same whatever other words contain.
 template <bool kRacing>
 class BasicBitTable {
@@ -70,8 +70,8 @@ class BasicBitTable {
 
 public:
     BasicBitTable(uint64_t slots, int digest_bits, HashScheme scheme)
+        // κ has 32 bits, and `slot` divides by a number of 32 bits.
         : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu))),
-          // κ has 32 bits, and `slot` divides by a number of 32 bits.
           scheme_(scheme),
           seed_(hash_seed(scheme)),
           digest_bits_(digest_bits),

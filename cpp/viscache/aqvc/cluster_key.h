@@ -210,8 +210,8 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
     if (!is_finite(far)) return false;
     switch (s) {
         case Semantic::kPoint:
-        // Exact bits: shared lights are told apart however close they are.
         case Semantic::kDirection:
+            // Exact bits: shared lights are told apart however close they are.
             key.slots = {float_bits(far.x), float_bits(far.y), float_bits(far.z)};
             return true;
         case Semantic::kSurface: {

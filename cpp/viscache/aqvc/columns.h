@@ -43,8 +43,8 @@ public:
         if (!merged_) return;
         own_.reset(wanted.rows(), count_);
         for (size_t i = 0; i < wanted.rows(); ++i)
+            // A column is queried if any of its lights is wanted.
             if (usable[i])
-                // A column is queried if any of its lights is wanted.
                 for_each_bit(wanted.row_span(i), [&](size_t k) {
                     if (of_light_[k] != kNone) own_.set(i, of_light_[k]);
                 });

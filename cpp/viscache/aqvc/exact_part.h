@@ -20,9 +20,9 @@ class ExactPart {
 public:
     /// With a table of the frame no group is exact unless it is named: its connections are to fill the table.
     ExactPart(ExactAnswers answers, const AqvcParameters& parameters, bool of_frame)
+        : answers_(std::move(answers)), parameters_(parameters) {
         // Bidirectional connections are different for every path, so there are no shared lights to make
         // exact.
-        : answers_(std::move(answers)), parameters_(parameters) {
         const bool none = of_frame && !parameters.exact_groups;
         for (int g = 0; g < kLightGroups; ++g)
             own_.set(size_t(g), !none && answers_own_exactly(parameters, g));

@@ -197,7 +197,7 @@ void AqvcRows::leave_out(const Ended& ended) {
 
 void AqvcRows::commit() {
     for (size_t i = 0; i < tiles_.size(); ++i)
-        // The rows that it still had from earlier frames go, too: they would have room only by chance.
+        // Without room a tile keeps no rows at all, those of earlier frames included.
         if (left_out_[i])
             tiles_[i] = {};
         else

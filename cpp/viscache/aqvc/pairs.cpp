@@ -40,8 +40,8 @@ void Pairs::log(PairLog* log) {
 }
 
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                // One code for every kind of table.
                 Counters& counters, ClampCounts& clamps) {
+    // One code for every kind of table.
     const auto run = [&](auto& table) {
         if (c.parameters.queue)
             run_postponed(table, c, queries, visible, counters, clamps);
@@ -81,8 +81,8 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
                       size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
     waiting_.rays.clear();
     waiting_.dependants.clear();
-    // Filled again only if the previous batch left something
     checks_.clear();
+    // Filled again only if the previous batch left something
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // All look-ups come before the first write.

@@ -30,13 +30,13 @@ inline uint64_t reversed_digits(uint64_t i, uint64_t base, int digits) {
     return r;
 }
 
+/// Step at which the Halton sequence of bases 2 and 3 visits each position of a width × height grid:
+/// rank[y·width + x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are skipped, so every
+/// position occurs once.
 ///
 ///     columns: bits of i, reversed (base 2)           rows: digits of i in base 3, reversed
 ///
 ///     Since 2^a and 3^b have no common factor, i = 0 ... 2^a 3^b − 1 visits every position once.
-/// Step at which the Halton sequence of bases 2 and 3 visits each position of a width × height grid:
-/// rank[y·width + x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are skipped, so every
-/// position occurs once.
 inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
     uint64_t columns = 1, rows = 1;
     int a = 0, b = 0;
@@ -58,8 +58,7 @@ inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
 }
 
 /// Segment ends C_PI, C_PI·C_PG, C_PI·C_PG², … with C_PI = max(1, count / C_E²), up to count.
-// 1 / C_E² of the eye points is about one per cluster: after the first segment most clusters have a
-// representative. Each further segment is C_PG times as long.
+// The first segment has about one eye point per cluster. Each further segment is C_PG times as long.
 inline std::vector<uint32_t> segment_ends(size_t count, double c_e, double c_pg) {
     std::vector<uint32_t> ends;
     // Ends are rounded down, so the first few may coincide.

@@ -177,8 +177,8 @@ const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& 
     if (columns_.count() > 0) {
         const bool by_contribution =
             ask.contributions && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
+        // With C_E by contribution, the coarsest level is lifted: dim connections share larger cells.
         const std::vector<double> levels =
-            // With C_E by contribution, the coarsest level is lifted: dim connections share larger cells.
             level_list(parameters_, lights.group, spp_, by_contribution ? ContributionLevels::kLift : 1);
         contribution_levels_.begin(by_contribution ? ask.contributions : nullptr, columns_, levels,
                                    parameters_.group_c_e(lights.group), parameters_.level_step);

@@ -13,7 +13,7 @@ namespace viscache {
 /// The cells of one point at the levels of C_E, from coarse to fine. A level with the same cell as the level
 /// before is left out.
 struct CellLevels {
-    // The hash of a key's first eight slots, once per cell instead of once per query
+    // Heads of keys are hashed once per cell, not once per query.
     struct Level {
         PlacedCell placed;
         int level = 0;        ///< index in the list of C_E
@@ -29,8 +29,8 @@ struct CellLevels {
     void add(const Table& table, const CellGrid& grid, const PlacedCell& placed, int level) {
         levels.push_back({placed, level, false, table.head(grid.head_slots(semantic, placed.cell)), {}});
     }
-    template <class Table>
     // Heads of neighbours are made at the first probe; many cells never need them.
+    template <class Table>
     void make_neighbours(const Table& table, const CellGrid& grid, Level& at) const {
         for (size_t q = 0; q < 4; ++q) {
             const auto [dx, dy] = kNeighbourOffsets[q];

@@ -78,8 +78,8 @@ struct Rung {
 // k is the slot.
 class Ladder {
 public:
+    // Coordinates up to 2^30 leave room for the offset and for neighbours in 32 bits.
     Ladder(double c_r, double c_z, bool scale_free = false)
-        // Coordinates up to 2^30 leave room for the offset and for neighbours in 32 bits.
         : scale_free_(scale_free), r_max_(std::floor(0x1p30 / std::max(1.0, c_z))) {
         if (scale_free) {
             make_scale_free(c_r);

@@ -115,7 +115,6 @@ VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t wor
     return any(left);
 }
 
-///
 ///     a  =  miss        unknown: waits for rays
 ///        | agreed       known, and all neighbours agree or are nil: the value is the answer
 ///        | rest         known, and some neighbour differs: goes on to the next level

@@ -37,8 +37,8 @@ public:
         return uint32_t(cells_.size() - 1);
     }
 
-    /// For taking back: later cells vanish, numbers of earlier ones stay.
     /// Keeps the first `count` cells.
+    /// For taking back: later cells vanish, numbers of earlier ones stay.
     void truncate(size_t count) {
         if (count >= cells_.size()) return;
         cells_.resize(count);

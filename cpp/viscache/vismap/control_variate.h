@@ -46,8 +46,8 @@ constexpr double kMostAlpha = 1.5;
 /// Weight, in samples, of the prior that combines the exact variance of W with α = 1.
 constexpr double kPriorSamples = 4;
 
-// Minus μ_W, which is known exactly: differences of nearly equal sums of squares would lose their digits.
 /// Sums over samples of (z, w), both minus μ_W, for the regression of Z on W.
+// Minus μ_W, which is known exactly: differences of nearly equal sums of squares would lose their digits.
 struct AlphaSums {
     double n = 0, z = 0, w = 0, zw = 0, ww = 0;
 

@@ -31,7 +31,7 @@ std::vector<Neighbours> find_neighbours(int map_log2) {
     return found;
 }
 
-/// For all sizes at once, made at the first use: a thread never waits for a table in the middle of a frame.
+/// Tables of all sizes are made at the first use; afterwards threads only read them.
 const std::vector<Neighbours>& neighbours(int map_log2) {
     static const auto tables = [] {
         std::array<std::vector<Neighbours>, kMaxMapLog2 + 1> all;

@@ -118,8 +118,8 @@ private:
             stats_.rays += add_records(cache_, tracer_, points_, accepted, frame_, threads_, control_).rays;
         return again;
     }
-    /// The tests are those of MapCache::candidates.
     /// True if a record at one of the other points would be a candidate for the point.
+    /// The tests are those of MapCache::candidates.
     bool in_reach_of_any(uint32_t point, std::span<const uint32_t> others) const {
         const CachePoint& p = points_[point];
         const float reach2 = p.d_max * p.d_max;

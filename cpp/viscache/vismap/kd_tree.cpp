@@ -47,7 +47,7 @@ bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
 
 void KdTree::fill_leaf(uint32_t node, std::span<const TreePoint> points) {
     nodes_[node].axis = kLeaf;
-    // A leaf that grows keeps its first block; its further points are written over.
+    // A leaf that grows keeps its blocks, which are written over.
     if (nodes_[node].first == 0) {  // a new leaf; block 0 stays unused
         nodes_[node].first = uint32_t(blocks_.size());
         blocks_.emplace_back();
@@ -108,8 +108,8 @@ std::vector<TreePoint> KdTree::leaf_points(uint32_t node) const {
 
 std::vector<TreePoint> KdTree::all_points() const {
     std::vector<TreePoint> points;
-    // Blocks that no leaf uses any more have count 0.
     points.reserve(size_ + 1);
+    // Blocks that no leaf uses any more have count 0.
     for (const Block& b : blocks_) points.insert(points.end(), b.points.begin(), b.points.begin() + b.count);
     return points;
 }

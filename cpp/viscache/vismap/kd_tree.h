@@ -40,7 +40,7 @@ public:
     }
 
 private:
-    // 12 bytes, and siblings share a cache line.
+    // 12 bytes: siblings mostly share a cache line.
     struct Node {
         float split = 0;
         int axis = kLeaf;

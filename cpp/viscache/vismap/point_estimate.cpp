@@ -48,7 +48,8 @@ void PointEstimate::measure(double w2) {
     moments_.variance_w = std::max(0.0, w2 / moments_.l_ns - mean * mean);
 }
 
-/// Eq. 3 per channel: p = (λ·b/L_ns)·D per texel, so f = L·B/p = L_ns · (L_c / λ) · (B_c / b) / D.
+/// Eq. 3 per channel. With λ = Y · Δω, luminance times solid angle, a texel has the probability λ·b·D/L_ns;
+/// so f = L·B·Δω / probability = L_ns · (L_c / Y) · (B_c / b) / D.
 DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) const {
     DirectionSample out;
     out.wi = s.wi;

@@ -15,13 +15,13 @@ constexpr uint32_t nodes_at(int level) { return uint32_t{1} << (2 * level); }
 /// The largest double below 1
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
+/// Chooses one of four masses with a point and rescales the point to the unit square: rows by y, then
+/// columns by x. A mass of zero is never chosen.
 ///
 ///     | 0 | 1 |     u.y chooses the row by its mass and is rescaled to [0, 1) inside it;
 ///     | 2 | 3 |     u.x then chooses the column.
 ///
-/// Rescaling keeps what a choice has left of the point, so stratified points stay stratified (CAM08).
-/// Chooses one of four masses with a point and rescales the point to the unit square: rows by y, then
-/// columns by x. A mass of zero is never chosen.
+/// Rescaling keeps what a choice has left of the point, so stratified points stay stratified.
 uint32_t pick(const double* mass, Point2& u) {
     const auto choose = [](double first, double second, double& v) -> uint32_t {
         const double t = v * (first + second);
@@ -101,7 +101,7 @@ void ProductTree::refine(const Reflection& reflection) {
     uint8_t flags[nodes_at(kBaseLevel)];
     kernels.flag(spread_.data(), light, threshold, flags, b_.size());
     for (uint32_t first = 0; first < nodes_at(kBaseLevel); first += 8) {
-        // Eight flags are one word, and most words are 0.
+        // Eight flags are one word: eight leaves without a flag cost one test.
         uint64_t any;
         std::memcpy(&any, &flags[first], sizeof any);
         for (uint32_t z = first; any != 0 && z < first + 8; ++z)
@@ -143,8 +143,8 @@ void ProductTree::split(const Reflection& reflection, const Candidate& c) {
 void ProductTree::raise_to_floor(const Reflection& reflection) {
     // If all samples are zero, any positive number will do
     const float floor = greatest_ > 0 ? kFloor * greatest_ : 1.f;
+    // First the base, whose split leaves are no longer used, then the leaves below.
     product_kernels().raise(touched_.data(), floor, red_.data(), green_.data(), blue_.data(), b_.data(),
-                            // First the base, whose split leaves are no longer used, then the leaves below.
                             b_.size());
     if (deep_.empty()) return;
     for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z)

@@ -22,7 +22,7 @@ public:
     NormalizedWeight(float theta_max_rad, float lambda)
         : lambda_(lambda), least_(record_weight(1, theta_max_rad, lambda)) {}
     float least() const { return least_; }
-    // Rounding at the limits
+    // At the limits, rounding could give less than 0.
     float operator()(float weight) const { return std::max(0.f, (weight - least_) / (1 - least_)); }
     float operator()(float t, float theta) const { return (*this)(record_weight(t, theta, lambda_)); }
 

@@ -17,7 +17,7 @@ constexpr size_t kLarge = 1;
 /// Size class of a triangle; `scale` makes the radius of the scene about one.
 size_t size_class(const FlatTriangle& t, float scale) {
     const float extent = t.bounds().diagonal() * scale;
-    // Twice the area of the triangle. With the projected area falls the number of points that it blocks.
+    // Twice the area of the triangle, which says how many points it may block
     const float area = length(cross((t.b - t.a) * scale, (t.c - t.a) * scale));
     return area >= 1.f / 256 ? 0 : extent >= 1.f / 4 ? 1 : extent >= 1.f / 16 ? 2 : 3;
 }
@@ -47,10 +47,10 @@ void kd_sort(std::span<uint32_t> order, std::span<const Vec3> points, const Cont
         Bounds box;
         for (uint32_t i : order) box.add(points[i]);
         const Vec3 size = box.hi - box.lo;
-        // Equal coordinates are split by the index. Which points form a packet therefore depends neither on
-        // the standard library nor on the order in which they came.
         const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
         const size_t middle = cut(order.size());
+        // Equal coordinates are split by the index, so which points form a packet does not depend on the
+        // standard library.
         std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(middle), order.end(),
                          [&](uint32_t a, uint32_t b) {
                              const float x = points[a][axis], y = points[b][axis];
@@ -90,7 +90,6 @@ TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::mov
     //     |          solid triangles           |       with alpha masks             |
     //     | large | long   medium   small      | large   long   medium   small      |
     //             ^ first_small                ^ first_masked
-    //
     //
     // Only large solid triangles block whole nodes (aligned_cover.inc). A masked one has holes, so it is
     // tested point by point whatever its size.

@@ -106,7 +106,6 @@ inline void keep(T* to, const T* from, uint32_t lanes) {
         // No instruction of AVX2 compacts lanes, but BMI2 compacts bits. `pdep` spreads the mask over eight
         // bytes (00 or ff); `pext` gathers from the numbers 7...0 the bytes of the lanes that stay:
         //
-        //
         //     m = 01101001     bytes = 00ffff00ff0000ff     order = 06 05 03 00
         //
         // The permutation by these numbers moves the chosen lanes to the front.

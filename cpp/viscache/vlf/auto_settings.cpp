@@ -18,9 +18,9 @@ double mean_angle(uint32_t n_directions) { return 2.46 * kPi / 180 * std::sqrt(5
 /// A rough estimate of the bytes. The prediction decides in the end.
 double rough_bytes(const FieldTriangles& triangles, const FieldSettings& s, double references) {
     const double tiles = double(s.n_tiles) * s.n_tiles;
+    // A tile is split until its leaves hold `leaf_target` triangles, so there is about one leaf per
+    // `leaf_target` references beyond one per tile.
     const double leaves =
-        // A tile is split until its leaves hold `leaf_target` triangles, so there is about one leaf per
-        // `leaf_target` references beyond one per tile.
         std::min(tiles * (1 << s.bsp_depth), tiles + references / std::max(1, s.leaf_target));
     return double(triangles.bytes()) + s.n_directions * (16 * tiles + 4 * leaves + 4 * references);
 }
@@ -67,8 +67,8 @@ std::vector<Candidate> candidate_settings(const FieldTriangles& triangles, const
 FieldCost expected_cost(const FieldTriangles& triangles, const FieldSettings& s) {
     const double tiles = 1 + 4 / kPi * (4.0 / 3) * std::sin(mean_angle(s.n_directions)) * s.n_tiles / 2;
     // About a disc of tiles is not empty
+    // 0.785 = π/4: the disc's share of its square.
     const double listed =
-        // 0.785 = π/4: the disc's share of its square.
         expected_references(triangles.in_ball(), s.n_tiles) / std::max(1.0, 0.785 * s.n_tiles * s.n_tiles);
     const double leaves = 1 << tile_depth(size_t(std::ceil(listed)), s.bsp_depth, s.leaf_target);
     // Crossing the tiles, a ray passes the leaves of one tile once, plus one leaf per further tile

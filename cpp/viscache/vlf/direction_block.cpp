@@ -62,13 +62,13 @@ void DirectionBlock::for_packets(Work work) const {
         });
 }
 
+/// Converts rows of requested bits in the caller's order to columns in the order of the packets.
 ///
 ///     rows      one word per point: 64 directions          columns   16 bits per direction and packet
 ///     point 0   d d d d d d ...                            d 0       [16 lanes of packet 0] [packet 1] ...
 ///     point 1   d d d d d d ...                 -->        d 1       [16 lanes of packet 0] [packet 1] ...
 ///
 /// The kernel traces one direction at a time and wants the lanes of a packet in one mask.
-/// Converts rows of requested bits in the caller's order to columns in the order of the packets.
 void DirectionBlock::take(const BitMatrix& wanted) {
     rays_ = count_bits(wanted);
     columns_.assign(words_for(directions_) * kWordBits * points_.packets, 0);

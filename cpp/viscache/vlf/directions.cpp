@@ -127,8 +127,8 @@ Directions::Directions(uint32_t n_directions) {
     if (!is_direction_count(n_directions))
         throw std::invalid_argument(
             "n_directions must be 1, 3, 9, 33, 129, 513, 2049 or 8193 (2·4^k + 1), got " +
-            // l = 2 N² + 1
             std::to_string(n_directions));
+    // l = 2 N² + 1
     const int n = n_directions == 1 ? 0 : int(std::lround(std::sqrt((n_directions - 1) / 2)));
     const DirectionLattice lattice(n);
     for (uint32_t i = 0; i < lattice.size(); ++i) {

@@ -50,9 +50,9 @@ void DynamicField::require_inside(std::span<const FlatTriangle> triangles) const
                 std::to_string(settings_.head_room));
 }
 
+/// Reserves `count` consecutive ids; returns the first.
 /// The triangles of an object have consecutive ids, so that an overlay's list is ascending. Ranges of deleted
 /// objects are used again, the first that is large enough.
-/// Reserves `count` consecutive ids; returns the first.
 uint32_t DynamicField::take_ids(uint32_t count) {
     for (Range& free : free_ids_)
         if (free.count >= count) {
@@ -67,9 +67,9 @@ uint32_t DynamicField::take_ids(uint32_t count) {
     return first;
 }
 
+/// Calls visit(tile, entry) for the tiles that the triangles of an object touch at their current place.
 /// Rasterizes the stored floats with the same grid and frame as before, so removal finds exactly the tiles
 /// and depths of the insertion.
-/// Calls visit(tile, entry) for the tiles that the triangles of an object touch at their current place.
 template <class Visit>
 void DynamicField::for_touches(size_t direction, const Object& object, Visit visit) const {
     for (uint32_t id = object.first; id < object.first + object.count; ++id)
@@ -231,9 +231,9 @@ std::vector<std::pair<uint32_t, uint32_t>> DynamicField::listed(uint32_t directi
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> DynamicField::listed_anew(uint32_t direction) const {
+    // What `listed` must give after any sequence of changes. The ids are those in use, so lists can be
+    // compared.
     std::vector<FlatTriangle> triangles(triangles_.in_ball().begin(),
-                                        // What `listed` must give after any sequence of changes. The ids are
-                                        // those in use, so lists can be compared.
                                         triangles_.in_ball().begin() + ptrdiff_t(scene_triangles_));
     std::vector<uint32_t> ids(scene_triangles_);
     for (uint32_t i = 0; i < ids.size(); ++i) ids[i] = i;

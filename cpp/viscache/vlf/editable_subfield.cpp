@@ -35,7 +35,7 @@ EditableSubfield::EditableSubfield(const Subfield& built) : rect(built.rect) {
 
 /// Lists lie in one pool, each with free entries (.) behind it. A full list moves to the end of the pool:
 ///
-///     [a b c .][d e][f g .]    +x to the second    [a b c .][- -][f g .][d e x .]
+///     [a b c .][d e][f g .]    +x to the second    [a b c .][- -][f g .][d e x]
 void EditableSubfield::add(List& list, uint32_t id) {
     if (list.count == list.room) {
         const uint32_t room = room_for(list.room), first = uint32_t(ids_.size());

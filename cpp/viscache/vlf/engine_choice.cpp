@@ -39,7 +39,6 @@ double slowness(Isa isa) { return isa == Isa::kAvx512 ? 1 : isa == Isa::kAvx2 ? 
 
 bool is_hopeless(const Scene& scene, uint64_t points, float t_max) {
     const bool is_short = t_max < scene.radius();
-    // Divided, not multiplied: the product may exceed 64 bits for scenes of many instances.
     return scene.placed_triangles() / (is_short ? kHopelessIfShort : kHopelessTrianglesPerPoint) > points;
 }
 
@@ -57,14 +56,12 @@ std::vector<size_t> probed_axes(size_t axes, size_t n) {
 EngineChoice predicted_costs(const AlignedWork& work, AlignedOrder order, float length, Isa isa) {
     const BatchPrices& b = kBatchPrices;
     const EmbreePrices& e = order == AlignedOrder::kByAxis ? kByAxisPrices : kByPointPrices;
-    // The cost of free rays grows more slowly than their length: Embree skips empty space. The fourth root
-    // fits best.
+    // As fitted: the cost of free rays grows with the fourth root of their length.
     const double reach = std::sqrt(std::sqrt(std::clamp(double(length), 0., 1.)));
     EngineChoice choice;
     choice.batch_ns = slowness(isa) * (b.ray + b.block * work.blocks + b.node * work.nodes +
                                        b.pair * work.pairs + b.test * work.tests + b.exact * work.exact);
-    // Few points near a triangle make wide tests, many make narrow ones; Embree's packets profit only from
-    // the latter.
+    // Narrow tests are of several points near one triangle: packets of neighbouring points share them.
     const double narrow = work.tests - work.wide, free_length = work.free * reach;
     choice.embree_ns = e.ray + (e.narrow + e.narrow_length * free_length) * narrow +
                        (e.wide + e.wide_length * free_length) * work.wide + e.exact * work.exact +
