@@ -53,7 +53,6 @@ struct RowCall {
         if (input.normal.size() != input.position.size())
             throw py::value_error("positions and normals must have equal numbers of rows, got " +
                                   shape_text(positions) + " and " + shape_text(normals));
-        // Not filled with zeros: the call below writes every word.
         bits = py::array_t<uint64_t>({input.position.size(), row_words_for(columns)});
     }
     RowCall(const FloatArray& positions, const FloatArray& normals, const FloatArray& directions, float t_max)

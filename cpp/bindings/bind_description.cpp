@@ -332,7 +332,6 @@ void bind_description(py::module_& m) {
                        emitters + d.environment.has_value();
             },
             "Lights added so far: emitting meshes and the environment count as one each.")
-        // The same bytes as for worker processes and files
         .def(py::pickle([](const SceneDescription& d) { return py::bytes(description_bytes(d)); },
                         [](const py::bytes& bytes) { return description_from(bytes); }));
 }

@@ -20,12 +20,12 @@ std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const Int
                                               const AlignedBatch* batch, const VisibilityField* field) {
     if (!integrator.ambient || integrator.ambient_directions == AmbientDirections::kPerPoint)
         return std::nullopt;
-    // Per-point directions may have any number, shared ones are those of a field.
+    // Shared directions are the axes of a set Ω_l, so their number must be one of its sizes.
     detail::require(is_direction_count(uint64_t(std::max(0, integrator.n_ambient))),
                     "n_samples must be a number of directions", integrator.n_ambient);
     if ((integrator.ambient_engine == AmbientEngine::kField) != (field != nullptr))
         throw py::value_error("a field must be given if and only if the integrator asks for it");
-    // The engines are compared with Embree's packets, so another caster has no part in this choice.
+    // The batch is chosen against Embree's packets.
     const auto* embree = dynamic_cast<const EmbreeCaster*>(&caster);
     if (!embree) throw py::value_error("shared directions need Embree as ray caster");
     return AlignedEngines{batch, *embree, field};

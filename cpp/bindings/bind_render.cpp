@@ -18,7 +18,7 @@ namespace viscache::bindings {
 namespace {
 
 /// Every field of a camera, in the order of its declaration.
-// Pickles hold this tuple. A new field goes to the end of both functions.
+// Pickles hold this tuple: the two functions below must list the same fields.
 using CameraState = std::tuple<std::string, std::array<float, 3>, std::array<float, 3>, std::array<float, 3>,
                                std::array<float, 3>, float, int, int, bool, float, float, float>;
 

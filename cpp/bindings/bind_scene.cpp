@@ -38,7 +38,7 @@ py::array_t<bool> embree_occluded(const EmbreeCaster& caster, const AnyFloatArra
     const auto trace = [&](Control& control) {
         usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
     };
-    // A few rays are done before a second thread could start.
+    // Quick calls need no second thread that looks for Ctrl-C.
     if (n < kQuick) {
         const WithoutGil release;
         Control control;

@@ -51,7 +51,7 @@ void bind_shafts(py::module_& m) {
             "memory_bytes",
             [](const ShaftScene& s, int threads) {
                 uint64_t bytes = 0;
-                // The tree is built here if nobody has used it yet, which takes as long as it takes.
+                // The tree is built here if nobody has used it yet.
                 run_interruptible([&](Control& control) { bytes = s.tree(threads, control).bytes(); });
                 return bytes;
             },

@@ -49,8 +49,8 @@ void bind_sources(py::module_& m) {
              py::arg("coherent") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
     py::class_<AqvcSource, OracleSource>(m, "AqvcSource", "See viscache.Aqvc.")
         .def(py::init([](const Scene& s, const RayCaster& c, const AqvcParameters& p, int spp,
-                         // None: groups that need exact rays get them from the cache's own caster.
                          std::optional<OracleSource*> exact) {
+                 // None: groups that need exact rays get them from the cache's own caster.
                  return std::make_unique<AqvcSource>(s, c, p, spp, exact.value_or(nullptr));
              }),
              scene, caster, py::arg("parameters"), py::kw_only(), py::arg("spp"),

@@ -29,9 +29,9 @@ std::span<const Frame3> checked_frames(const FloatArray& a) {
 
 using OrderArray = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
+/// The order of n points: each index once.
 /// Points in another order would be traced all the same, but an index that is missing would leave its row
 /// without bits.
-/// The order of n points: each index once.
 std::span<const uint32_t> checked_order(const OrderArray& a, size_t n) {
     const std::span<const uint32_t> order(a.data(), size_t(a.size()));
     std::vector<bool> seen(n);

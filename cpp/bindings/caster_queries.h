@@ -135,7 +135,6 @@ struct MatrixCall {
         require_usable(targets, "targets");
         from = {rows3(points, "points"), size_t(points.shape(0))};
         to = {rows3(targets, "targets"), size_t(targets.shape(0))};
-        // Every word is written below, so none is cleared first.
         bits = py::array_t<Word>({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
         rows = {bits.mutable_data(), size_t(bits.size())};
     }

@@ -61,7 +61,6 @@ inline void increment(std::atomic<uint64_t>& count) { count.fetch_add(1, std::me
 ///
 ///     bit 31 ................. 1   0
 ///     |        digest          | V |
-///
 // Relaxed order is enough: a word means the same whatever other words contain.
 template <bool kRacing>
 class BasicBitTable {

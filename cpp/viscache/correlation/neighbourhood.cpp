@@ -81,8 +81,8 @@ void NearRows::resolve(size_t i, size_t j, int32_t& cell, int32_t& biased) const
     }
 }
 
-/// Progress counts points, since cells differ in size.
 /// Runs work(cell, worker) over all cells of the grid.
+/// Progress counts points, since cells differ in size.
 template <class Work>
 void over_cells(const PointGrid& grid, int threads, Control& control, Work work) {
     constexpr size_t kChunk = 32;

@@ -33,8 +33,8 @@ inline float inverse_spread(int32_t n1, int32_t n_directions) {
     return product > 0 ? float(1 / std::sqrt(product)) : 0.f;
 }
 
-// At 1.5·2²³ floats are one apart, for sums in [2²³, 2²⁴).
 /// 1.5·2²³. Adding it to |x| < 2²² rounds x to the nearest integer, ties to even, in the low bits.
+/// At 1.5·2²³ floats are one apart, for sums in [2²³, 2²⁴).
 constexpr float kRoundBySum = 12582912.f;
 constexpr int32_t kRoundBySumBits = 0x4b400000;
 

@@ -174,11 +174,10 @@ private:
     uint64_t seed_;
 };
 
+/// All placed triangles in sequence, as a line along which every position is a surface point.
 ///
 ///     |---- triangle 0 ----|- 1 -|------ 2 ------|- 3 -| ...     lengths are areas
 ///     |     *   | *       |      *  |   *     |   *   | ...      one point per stratum
-///
-/// All placed triangles in sequence, as a line along which every position is a surface point.
 class AreaStrata {
 public:
     AreaStrata(const Scene& scene, uint64_t seed, const Control& control)

@@ -16,8 +16,8 @@ T sign_not_zero(T v) {
 /// the centre.
 template <class T>
 std::array<T, 2> octahedral_square(Vec3 d) {
-    // The smallest positive number instead of 0: the zero vector maps to the centre.
     const T dx = d.x, dy = d.y, dz = d.z;
+    // The smallest positive number instead of 0: the zero vector maps to the centre.
     const T l = std::max(std::fabs(dx) + std::fabs(dy) + std::fabs(dz), std::numeric_limits<T>::min());
     T x = dx / l, y = dy / l;
     // The lower half: the four outer triangles of the square, folded outwards over the edges of the diamond.

@@ -33,7 +33,6 @@ struct SummedWeights {
     ///
     ///     sums   0 .... s1 . s2 ......... s3 .. total       u·total lies between two sums: the index
     ///     guide  |    0    |    1    |    2    |             n equal parts of [0, total): where to begin
-    ///
     size_t find(double u) const {
         const double x = u * total();
         // The guide narrows the search to a few entries: one lookup replaces a walk through a large table

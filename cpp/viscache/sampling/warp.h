@@ -56,7 +56,7 @@ inline float pdf_uniform_sphere() { return 1 / (4 * kPi); }
 /// Uniform in a triangle: barycentric weights of vertices 1 and 2; vertex 0 has the rest. Density 1/area per
 /// area.
 inline Vec2 square_to_triangle(Vec2 u) {
-    // The part of the triangle beyond the weight 1 − s has the area s²: hence the root.
+    // The part of the triangle beyond the weight 1 − s is a fraction s² of its area: hence the root.
     const float s = std::sqrt(1 - u.x);
     return {1 - s, u.y * s};
 }
