@@ -6,8 +6,8 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_200,
-    "python, lines": 32_900,
+    "library, lines": 78_900,
+    "python, lines": 32_600,
     "lab, lines": 21_200,
     "tests, lines": 62_000,
     "rooms": 19,

@@ -49,8 +49,6 @@ if TYPE_CHECKING:
     import xarray
     from typing_extensions import Unpack
 
-__all__ = ["correlate", "measure", "phi"]
-
 
 @renamed(store="directory")
 @spelled

@@ -10,8 +10,6 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
-__all__ = ["by_symbol", "keywords_of", "nearest", "renamed", "setting", "spelled", "unknown"]
-
 #: Parameters that went, by who had them, and what there is instead.
 GONE = {
     "AmbientOcclusion.cosmin": "it is 0.05",

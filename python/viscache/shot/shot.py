@@ -34,8 +34,6 @@ from viscache.shot.identity import by_value, environment_in_words, object_in_wor
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["BareShot", "ShotArguments", "frame_settings", "lit_here", "of_shot", "require_same"]
-
 Called = TypeVar("Called", bound=Callable[..., Any])
 
 #: Settings that `viscache.render` takes where none is given.

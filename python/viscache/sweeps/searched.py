@@ -18,8 +18,6 @@ from viscache.settings.visibility import Aqvc
 from viscache.sweeps.samples import Setting
 from viscache.sweeps.search import Span
 
-__all__ = ["C_E", "Searched", "searched"]
-
 #: The range of C_E, and the first two pilots. The error rises with C_E.
 C_E = Span(low=0.25, high=128.0, first=(4.0, 16.0), rises=True)
 SHARE = "use.share"
