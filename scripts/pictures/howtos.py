@@ -184,7 +184,6 @@ def correlation() -> Any:
         map_size=32,
         d_edges=16,
         theta_edges_deg=18,
-        spatial=True,
     )
     figure = new_figure(12.0, 2.7)
     table, local, left = figure.subplots(1, 3)

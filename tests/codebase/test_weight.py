@@ -6,8 +6,8 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_200,
-    "python, lines": 32_900,
+    "library, lines": 78_900,
+    "python, lines": 32_600,
     "lab, lines": 21_200,
     "tests, lines": 62_000,
     "rooms": 19,
@@ -15,11 +15,11 @@ LIMITS = {
     "imports that run back up": 5,
     "circles": 0,
     "units": 18,
-    "parameters of entry points": 71,
+    "parameters of entry points": 50,
     "settings fields": 135,
     "virtuals of VisibilityOracle": 6,
     "overrides of them": 56,
-    "long functions": 7,
+    "long functions": 5,
     "README, words": 920,
     "performance, words": 38_100,
     "reference, words": 19_100,
