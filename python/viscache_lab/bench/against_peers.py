@@ -12,9 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.equal_error import log_interval
 from viscache_lab.bench.peer_cases import PictureCase, Way, picture_cases
@@ -26,7 +25,7 @@ from viscache_lab.bench.rays import EDGE_TOLERANCE
 __all__ = ["against_peers", "compare_pictures", "compare_rays"]
 
 Array = npt.NDArray[Any]
-Render = Callable[[int, int], Frame]
+Render = Callable[[int, int], vc.Frame]
 
 #: Blocks of this many pixels are compared between converged frames.
 BLOCK = 8
@@ -112,7 +111,7 @@ def against_peers(
 def _with_peers(
     outcome: Outcome,
     name: str,
-    scene: Scene,
+    scene: vc.Scene,
     folder: Path,
     run: Callable[[Outcome, dict[str, Renderer]], None],
 ) -> None:
@@ -150,7 +149,7 @@ def _with_peers(
 def compare_rays(
     outcome: Outcome,
     title: str,
-    scene: Scene,
+    scene: vc.Scene,
     peers: Mapping[str, Renderer],
     n: int,
     turns: int,

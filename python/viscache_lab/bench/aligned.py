@@ -9,10 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene, load_scene
+import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import Direct
-from viscache.shot.connections import connections
 from viscache.vlf import trace_aligned
 from viscache_lab.bench.common import (
     Outcome,
@@ -114,23 +112,23 @@ def aligned(quick: bool = False) -> Outcome:
     return outcome
 
 
-def opened(spec: str) -> Scene | None:
+def opened(spec: str) -> vc.Scene | None:
     """A built-in scene or a file in the folder of scenes by others; None without the file."""
     if "/" not in spec:
         return build_scene(spec)
     path = made_by_others(spec)
-    return None if path is None else load_scene(path)
+    return None if path is None else vc.load_scene(path)
 
 
 def eye_points(
-    scene: Scene, size: tuple[int, int]
+    scene: vc.Scene, size: tuple[int, int]
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """Positions and normals of a picture's eye points."""
-    eyes = connections(scene, Direct(), size=size).eyes
+    eyes = vc.connections(scene, vc.Direct(), size=size).eyes
     return np.ascontiguousarray(eyes.positions), np.ascontiguousarray(eyes.normals)
 
 
-def rays_of(scene: Scene, distance: float) -> float:
+def rays_of(scene: vc.Scene, distance: float) -> float:
     """The length of rays in scene units."""
     low, high = np.asarray(scene.bounds)
     return float(distance * np.linalg.norm(high - low))
@@ -139,7 +137,7 @@ def rays_of(scene: Scene, distance: float) -> float:
 def _compare(
     outcome: Outcome,
     spec: str,
-    scene: Scene,
+    scene: vc.Scene,
     case: Case,
     points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
     repeats: int,

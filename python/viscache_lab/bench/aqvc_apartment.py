@@ -6,12 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.shot.render import render
+from viscache.settings.visibility import Visibility
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_apartment"]
@@ -26,12 +23,12 @@ Sky = Literal["mis", "shared"]
 
 def settings(c_e: float) -> dict[str, Visibility]:
     """The visibilities compared; the first has the goal."""
-    cached = Aqvc(c_e=c_e, c_e_groups={"point": 4.0}, exact_groups=())
+    cached = vc.Aqvc(c_e=c_e, c_e_groups={"point": 4.0}, exact_groups=())
     return {
         "rows": cached,
-        "light's cells": replace(cached, paper=PaperForm(cell_density="light")),
+        "light's cells": replace(cached, paper=vc.PaperForm(cell_density="light")),
         "default": replace(cached, exact_groups="auto"),
-        "exact": Exact(),
+        "exact": vc.Exact(),
     }
 
 
@@ -52,11 +49,11 @@ def aqvc_apartment(quick: bool = False) -> Outcome:
     return outcome
 
 
-def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
+def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
     """The paper's numbers of samples; an eighth of them if quick."""
     share = 8 if quick else 1
     each = 128 // share if sky == "mis" else 256 // share
-    return Whitted(
+    return vc.Whitted(
         **({"n_vpls": 1024 // share} | more),
         n_area=0,
         n_environment=each,
@@ -66,22 +63,27 @@ def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
 
 
 def frame_of(
-    frames: dict[str, Frame], key: str, scene: Scene, light: Whitted, by: Visibility, quick: bool
+    frames: dict[str, vc.Frame],
+    key: str,
+    scene: vc.Scene,
+    light: vc.Whitted,
+    by: Visibility,
+    quick: bool,
 ) -> Callable[[], Sample]:
     """Render once, keep the frame, return the time."""
 
     def run() -> Sample:
         size = (160, 100) if quick else (1280, 800)
-        frame = frames[key] = render(scene, light, visibility=by, size=size)
+        frame = frames[key] = vc.render(scene, light, visibility=by, size=size)
         t = frame.timings
         return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
 
     return run
 
 
-def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
+def measure(outcome: Outcome, scene: vc.Scene, sky: Sky, quick: bool) -> None:
     """Compare whole frames with exact ones."""
-    frames: dict[str, Frame] = {}
+    frames: dict[str, vc.Frame] = {}
     light = integrator(sky, quick)
     runs = {
         key: frame_of(frames, key, scene, light, by, quick) for key, by in settings(10.0).items()
@@ -116,14 +118,14 @@ def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
         outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
 
 
-def measure_table(outcome: Outcome, scene: Scene) -> None:
+def measure_table(outcome: Outcome, scene: vc.Scene) -> None:
     """Visibility of the sky samples alone: bit rows, the hash table and rays."""
-    frames: dict[str, Frame] = {}
+    frames: dict[str, vc.Frame] = {}
     light = integrator("mis", False, n_vpls=0)
     ways: dict[str, Visibility] = {
-        "rows": Aqvc(c_e=10, exact_groups=()),
-        "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
-        "exact": Exact(),
+        "rows": vc.Aqvc(c_e=10, exact_groups=()),
+        "table": vc.Aqvc(c_e=10, paper=vc.PaperForm(form="pairs")),
+        "exact": vc.Exact(),
     }
     for key, by in ways.items():
         frame_of(frames, key, scene, light, by, False)()
@@ -145,17 +147,17 @@ def measure_table(outcome: Outcome, scene: Scene) -> None:
         )
 
 
-def stages(frame: Frame) -> dict[str, float]:
+def stages(frame: vc.Frame) -> dict[str, float]:
     """CPU seconds."""
     return {s: frame.timings[f"{s}_cpu_s"] for s in STAGES}
 
 
-def ray_shares(frame: Frame) -> dict[str, float]:
+def ray_shares(frame: vc.Frame) -> dict[str, float]:
     """Rays per query, by light group."""
     groups = frame.counters["groups"]
     return {n: g["rays"] / g["queries"] for n, g in groups.items() if g["queries"]}
 
 
-def _rel_l1(frame: Frame, exact: Frame, layer: str) -> float:
+def _rel_l1(frame: vc.Frame, exact: vc.Frame, layer: str) -> float:
     a, b = frame.layers[layer].astype(float), exact.layers[layer].astype(float)
     return float(abs(a - b).sum() / max(b.sum(), 1e-300))

@@ -6,13 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import scene_file
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.shot.render import render
+from viscache.settings.visibility import Visibility
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_frame"]
@@ -31,7 +28,7 @@ class Case:
     spp: int
     n_vpls: int
     c_e: float
-    tuned: Aqvc | None = None
+    tuned: vc.Aqvc | None = None
     goal: float | None = None
     repeats: int = 3
     with_slow: bool = False
@@ -51,7 +48,7 @@ CASES = (
         c_e=10,
         goal=5,
         with_slow=True,
-        tuned=Aqvc(preset="fast", c_e=12),
+        tuned=vc.Aqvc(preset="fast", c_e=12),
     ),
     Case(
         size=(512, 512),
@@ -60,7 +57,7 @@ CASES = (
         c_e=24,
         goal=10,
         with_slow=True,
-        tuned=Aqvc(preset="fast", c_e=24, c_e_groups={"point": 8.0}),
+        tuned=vc.Aqvc(preset="fast", c_e=24, c_e_groups={"point": 8.0}),
     ),
     Case(size=(512, 512), spp=4, n_vpls=1024, c_e=20),
     Case(
@@ -69,7 +66,7 @@ CASES = (
         n_vpls=0,
         c_e=16,
         goal=4,
-        tuned=Aqvc(c_e=16, c_n=2, c_z=2.0, c_r=2.0),
+        tuned=vc.Aqvc(c_e=16, c_n=2, c_z=2.0, c_r=2.0),
     ),
     Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
 )
@@ -92,7 +89,7 @@ def aqvc_frame(quick: bool = False) -> Outcome:
             outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
         else:
             case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
-            measure(outcome, load_scene(path), name, case)
+            measure(outcome, vc.load_scene(path), name, case)
     outcome.notes.append(
         "packets: our fastest exact rays (16 neighbouring eye points towards one light); exact:"
         " vc.Exact(), which takes shafts where they pay; exact-by-pixel: 16 lights from one eye"
@@ -105,28 +102,28 @@ def aqvc_frame(quick: bool = False) -> Outcome:
 
 
 def measure(
-    outcome: Outcome, scene: Scene, name: str, case: Case, camera: str | None = None
-) -> dict[str, Frame]:
+    outcome: Outcome, scene: vc.Scene, name: str, case: Case, camera: str | None = None
+) -> dict[str, vc.Frame]:
     """Add the figures of one case."""
     settings: dict[str, Visibility] = {"tuned": case.tuned} if case.tuned else {}
     settings |= {
-        "aqvc": Aqvc(c_e=case.c_e, refinement="on"),
-        "points": Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
-        "packets": Exact(engine="packets"),
-        "exact": Exact(),
+        "aqvc": vc.Aqvc(c_e=case.c_e, refinement="on"),
+        "points": vc.Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
+        "packets": vc.Exact(engine="packets"),
+        "exact": vc.Exact(),
     }
     # Slow, and far from any goal: runs once
     once: dict[str, Visibility] = {}
     if case.with_slow:
-        once["exact-by-pixel"] = Exact(order="by_pixel", engine="packets")
-        once["hash"] = Aqvc(c_e=case.c_e, refinement="on", paper=PaperForm(form="pairs"))
-    frames: dict[str, Frame] = {}
+        once["exact-by-pixel"] = vc.Exact(order="by_pixel", engine="packets")
+        once["hash"] = vc.Aqvc(c_e=case.c_e, refinement="on", paper=vc.PaperForm(form="pairs"))
+    frames: dict[str, vc.Frame] = {}
 
     def runner(key: str) -> Callable[[], Sample]:
         def run() -> Sample:
-            frame = render(
+            frame = vc.render(
                 scene,
-                Whitted(n_vpls=case.n_vpls) if case.n_vpls else Direct(),
+                vc.Whitted(n_vpls=case.n_vpls) if case.n_vpls else vc.Direct(),
                 visibility=(settings | once)[key],
                 size=case.size,
                 spp=case.spp,
@@ -177,12 +174,12 @@ def measure(
     return frames
 
 
-def _after_first_hits(frame: Frame) -> float:
+def _after_first_hits(frame: vc.Frame) -> float:
     """CPU seconds of a frame, without its camera paths."""
     return float(frame.timings["cpu_s"] - frame.timings["eye_paths_cpu_s"])
 
 
-def _shares(frame: Frame) -> dict[str, Any]:
+def _shares(frame: vc.Frame) -> dict[str, Any]:
     c = frame.counters
     queries = max(1, c["queries"])
     seconds: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")

@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 
+import viscache as vc
 from viscache.aqvc.equations import level_hashes
-from viscache.frame import Frame
 from viscache.metrics import compare
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.shot.render import render
+from viscache.settings.visibility import Visibility
 from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
 
 __all__ = ["aqvc_lookup"]
@@ -25,19 +23,19 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
     outcome = Outcome()
     scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
     size = (96, 96) if quick else (512, 512)
-    integrator = Whitted(n_vpls=64 if quick else 256)
-    settings: dict[str, Visibility] = {"ray": Exact(engine="packets")}
-    forms = {"waves": PaperForm(), "pairs": PaperForm(form="pairs")}
+    integrator = vc.Whitted(n_vpls=64 if quick else 256)
+    settings: dict[str, Visibility] = {"ray": vc.Exact(engine="packets")}
+    forms = {"waves": vc.PaperForm(), "pairs": vc.PaperForm(form="pairs")}
     for name, form in forms.items():
-        settings[name] = Aqvc(c_e=10, refinement="on", paper=form)
+        settings[name] = vc.Aqvc(c_e=10, refinement="on", paper=form)
         # The cells are so large that a look-up answers nearly every query
-        settings[f"{name}, look-ups alone"] = Aqvc(c_e=200, refinement="off", paper=form)
+        settings[f"{name}, look-ups alone"] = vc.Aqvc(c_e=200, refinement="off", paper=form)
     settings |= storages()
-    frames: dict[str, Frame] = {}
+    frames: dict[str, vc.Frame] = {}
 
     def runner(key: str) -> Callable[[], Sample]:
         def run() -> Sample:
-            frames[key] = render(scene, integrator, visibility=settings[key], size=size)
+            frames[key] = vc.render(scene, integrator, visibility=settings[key], size=size)
             t = frames[key].timings
             return Sample(wall_s=t["visibility_s"], cpu_s=t["visibility_cpu_s"])
 
@@ -77,14 +75,14 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
 
 def storages() -> dict[str, Visibility]:
     """The paper's alternatives to batches: single queries, its queue, its tiles, and both."""
-    tiles = PaperForm(form="pairs", storage="paper_tiles")
+    tiles = vc.PaperForm(form="pairs", storage="paper_tiles")
     ways = {
         "pairs, one at a time": replace(tiles, storage="table", batch=1),
         "pairs, queue of 64": replace(tiles, storage="table", queue=64),
         "pairs, tiles of 32² and 4 MiB a thread": replace(tiles, batch=1),
         "pairs, both": replace(tiles, queue=64),
     }
-    return {name: Aqvc(c_e=10, refinement="on", paper=way) for name, way in ways.items()}
+    return {name: vc.Aqvc(c_e=10, refinement="on", paper=way) for name, way in ways.items()}
 
 
 def keys(points: int, outcome: Outcome) -> dict[str, Any]:
@@ -94,7 +92,7 @@ def keys(points: int, outcome: Outcome) -> dict[str, Any]:
     normals = rng.normal(size=(points, 3)).astype(np.float32)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     resolutions = 400.0 * rng.uniform(0.5, 2, (points, 1)) * 2.0 ** np.arange(4)
-    parameters = Aqvc(c_z=8.0)
+    parameters = vc.Aqvc(c_z=8.0)
     found: dict[str, Any] = {}
 
     def runner(name: str, at_once: bool) -> Callable[[], Sample]:

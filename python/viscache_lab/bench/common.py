@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+import viscache as vc
 from viscache.base.provenance import embree_version, isa
-from viscache.scene import Scene
 from viscache.scenes import build
 
 __all__ = [
@@ -168,10 +168,10 @@ def ratio_figure(
     )
 
 
-def build_scene(spec: str) -> Scene:
+def build_scene(spec: str) -> vc.Scene:
     """A built-in scene from its spec."""
     made = build(spec)
-    return made if isinstance(made, Scene) else Scene.from_description(made, spec=spec)
+    return made if isinstance(made, vc.Scene) else vc.Scene.from_description(made, spec=spec)
 
 
 def machine() -> dict[str, Any]:

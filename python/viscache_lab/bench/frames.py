@@ -7,11 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import AmbientOcclusion, Direct
-from viscache.settings.visibility import Exact
-from viscache.shot.render import render
+import viscache as vc
 from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import make_ray_set
@@ -37,10 +33,10 @@ def frames(quick: bool = False) -> Outcome:
         for name, integrator, job in (
             (
                 "AO",
-                AmbientOcclusion(n_samples=samples, max_distance=None),
+                vc.AmbientOcclusion(n_samples=samples, max_distance=None),
                 {"job": "ambient", "samples": samples},
             ),
-            (f"{lights} point lights", Direct(), {"job": "lights"}),
+            (f"{lights} point lights", vc.Direct(), {"job": "lights"}),
         ):
             _compare(outcome, scene, f"room {side}x{side} {name}", integrator, peer, job, quick)
     outcome.notes.append(
@@ -50,7 +46,7 @@ def frames(quick: bool = False) -> Outcome:
     return outcome
 
 
-def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def g_buffer(scene: vc.Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """First hits of a square image, moved off the surface towards the camera."""
     rays = make_ray_set(scene, "camera", side * side)
     hits = scene.intersect(rays.origins, rays.directions)
@@ -70,19 +66,21 @@ def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDAr
 
 def _compare(
     outcome: Outcome,
-    scene: Scene,
+    scene: vc.Scene,
     label: str,
-    integrator: AmbientOcclusion | Direct,
+    integrator: vc.AmbientOcclusion | vc.Direct,
     peer: Peer,
     job: dict[str, Any],
     quick: bool,
 ) -> None:
     side = 64 if quick else 512
-    ours: dict[str, Frame] = {}
+    ours: dict[str, vc.Frame] = {}
     reports: dict[str, Any] = {}
 
     def run(coherent: bool) -> Sample:
-        frame = render(scene, integrator, visibility=Exact(coherent=coherent), size=(side, side))
+        frame = vc.render(
+            scene, integrator, visibility=vc.Exact(coherent=coherent), size=(side, side)
+        )
         ours[str(coherent)] = frame
         return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
 

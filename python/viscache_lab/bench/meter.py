@@ -14,13 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.audit import AuditPixels, AuditQueries
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Unoccluded
+import viscache as vc
 from viscache.shot.audited import draw_audit_pixels, pixel_estimates
-from viscache.shot.render import render
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, at_most_figure, figure
 
@@ -42,31 +37,31 @@ class Case:
 
     name: str
     scene: str
-    integrator: Direct | Whitted
-    cache: Aqvc
+    integrator: vc.Direct | vc.Whitted
+    cache: vc.Aqvc
     size: tuple[int, int] = (400, 250)
     seeds: int = 500
     pixels: tuple[int, ...] = (1024, 4096)
 
 
-VPLS = Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
-LAMPS = Direct(n_area=0, n_environment=0, n_brdf=0)
-ALL = Aqvc(exact_groups=())
+VPLS = vc.Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
+LAMPS = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
+ALL = vc.Aqvc(exact_groups=())
 CASES = (
-    Case(name="room", scene="room?triangles=200000", integrator=VPLS, cache=Aqvc()),
+    Case(name="room", scene="room?triangles=200000", integrator=VPLS, cache=vc.Aqvc()),
     Case(name="room, lamps", scene="room?triangles=200000", integrator=LAMPS, cache=ALL),
-    Case(name="apartment", scene="apartment", integrator=VPLS, cache=Aqvc()),
+    Case(name="apartment", scene="apartment", integrator=VPLS, cache=vc.Aqvc()),
     Case(name="apartment, lamps", scene="apartment", integrator=LAMPS, cache=ALL),
-    Case(name="conference", scene="conference", integrator=VPLS, cache=Aqvc()),
-    Case(name="living-room", scene="living-room/scene.xml", integrator=VPLS, cache=Aqvc()),
-    Case(name="sponza", scene="sponza-dabrovic/scene.xml", integrator=VPLS, cache=Aqvc()),
+    Case(name="conference", scene="conference", integrator=VPLS, cache=vc.Aqvc()),
+    Case(name="living-room", scene="living-room/scene.xml", integrator=VPLS, cache=vc.Aqvc()),
+    Case(name="sponza", scene="sponza-dabrovic/scene.xml", integrator=VPLS, cache=vc.Aqvc()),
 )
 QUICK = (
     Case(
         name="room, 128²",
         scene="room?triangles=3000",
-        integrator=Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0),
-        cache=Aqvc(exact_groups=()),
+        integrator=vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0),
+        cache=vc.Aqvc(exact_groups=()),
         size=(128, 128),
         seeds=200,
         pixels=(1024,),
@@ -99,11 +94,11 @@ def meter(quick: bool = False) -> Outcome:
     return outcome
 
 
-def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
+def pixels(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Coverage of the intervals from whole pixels, of the frame and of its light groups."""
-    exact = render(scene, case.integrator, size=case.size)
-    cached = render(scene, case.integrator, visibility=case.cache, size=case.size)
-    bare = render(scene, case.integrator, visibility=Unoccluded(), size=case.size)
+    exact = vc.render(scene, case.integrator, size=case.size)
+    cached = vc.render(scene, case.integrator, visibility=case.cache, size=case.size)
+    bare = vc.render(scene, case.integrator, visibility=vc.Unoccluded(), size=case.size)
     # As in frames: the light of groups that may be wrong, without shadows
     wrong = [n for n in cached.counters["groups"] if (cached.layers[n] != exact.layers[n]).any()]
     unoccluded = sum(bare.layers[name].sum(axis=2) for name in wrong)
@@ -124,7 +119,7 @@ def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
                 _check(outcome, name, found["coverage"], limits)
 
 
-def _error(cached: Frame, exact: Frame, layer: str) -> tuple[Array, float, dict[str, float]]:
+def _error(cached: vc.Frame, exact: vc.Frame, layer: str) -> tuple[Array, float, dict[str, float]]:
     """The error of each pixel, the light of the cached layer, and the true rel_l1 and nrmse."""
     a, b = (f.layers[layer].astype(np.float64) for f in (cached, exact))
     light = float(b.sum())
@@ -163,12 +158,12 @@ def _coverage(
 def queries(outcome: Outcome, seeds: int) -> None:
     """Coverage of the bias and of the share of wrong answers."""
     scene, size = opened("room?triangles=3000"), (96, 64)
-    lights = Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
+    lights = vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
     for share in (0.01, 0.05):
         held, shown = {"bias": 0, "wrong": 0}, {"bias": 0, "wrong": 0}
         for seed in range(seeds):
             one, all_ = (
-                _audited(scene, lights, size, seed, AuditQueries(share=s)) for s in (share, 1.0)
+                _audited(scene, lights, size, seed, vc.AuditQueries(share=s)) for s in (share, 1.0)
             )
             for name in held:
                 found, truth = getattr(one, name), getattr(all_, name).value
@@ -181,19 +176,19 @@ def queries(outcome: Outcome, seeds: int) -> None:
             _check(outcome, what, value, _coverage_of_few(seeds))
 
 
-def _audited(scene: Any, lights: Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
-    return render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
+def _audited(scene: Any, lights: vc.Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
+    return vc.render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
 
 
 def cost(
-    outcome: Outcome, case: Case, scene: Scene, size: tuple[int, int], limit: float | None
+    outcome: Outcome, case: Case, scene: vc.Scene, size: tuple[int, int], limit: float | None
 ) -> None:
     """CPU seconds of audits over those of the frame without them, in one frame."""
-    for audit in (AuditPixels(), AuditQueries()):
-        frame = render(scene, case.integrator, visibility=case.cache, size=size, audit=audit)
+    for audit in (vc.AuditPixels(), vc.AuditQueries()):
+        frame = vc.render(scene, case.integrator, visibility=case.cache, size=size, audit=audit)
         spent = frame.timings["audit_cpu_s"]
         share = spent / (frame.timings["cpu_s"] - spent)
-        of_pixels = isinstance(audit, AuditPixels)
+        of_pixels = isinstance(audit, vc.AuditPixels)
         what = "1024 pixels" if of_pixels else "1 % of the queries"
         outcome.figures.append(
             at_most_figure(

@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.oracles.points import EyePoints, FarEnds
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache.shot.connections import connections
-from viscache.shot.render import render
+import viscache as vc
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 
 __all__ = ["oracle"]
@@ -27,7 +21,7 @@ class Traced:
     """An oracle written in Python that traces every requested ray."""
 
     def block(
-        self, eyes: EyePoints, lamps: FarEnds, wanted: npt.NDArray[np.bool_]
+        self, eyes: vc.EyePoints, lamps: vc.FarEnds, wanted: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
         """All of them."""
         return eyes.trace(lamps, wanted)
@@ -42,24 +36,24 @@ def oracle(quick: bool = False) -> Outcome:
     return outcome
 
 
-def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
+def arrays(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
     """The renderer's eye points and virtual lights: queried by it, and as arrays."""
     size, light = ((96, 96), 64) if quick else ((1000, 1000), 256)
-    conn = connections(scene, Whitted(n_vpls=light), size=size)
+    conn = vc.connections(scene, vc.Whitted(n_vpls=light), size=size)
     ends, wanted = conn.groups["vpl"], conn.wanted("vpl")
     # Without the renderer's tiles: points in another order
     shuffled = np.random.default_rng(1).permutation(len(conn.eyes))
     back = np.argsort(shuffled)
-    eyes = EyePoints(
+    eyes = vc.EyePoints(
         conn.eyes.positions[shuffled],
         conn.eyes.normals[shuffled],
         np.asarray(conn.eyes.density)[shuffled],
     )
-    for name, visibility in {"exact": Exact(), "aqvc": Aqvc(c_e=10)}.items():
+    for name, visibility in {"exact": vc.Exact(), "aqvc": vc.Aqvc(c_e=10)}.items():
         ask, found = conn.oracle(visibility), dict[str, Any]()
 
         def asker(
-            key: str, points: EyePoints, asked: npt.NDArray[np.uint64], ask: Any, found: Any
+            key: str, points: vc.EyePoints, asked: npt.NDArray[np.uint64], ask: Any, found: Any
         ) -> Callable[[], Sample]:
             def run() -> Sample:
                 sample, found[key] = timed(lambda: ask.block(points, ends, asked))
@@ -93,16 +87,16 @@ def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
         )
 
 
-def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
+def in_python(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
-    size, integrator = ((96, 64), Whitted(n_vpls=64)) if quick else ((640, 400), Whitted())
-    frames: dict[str, Frame] = {}
-    ways: dict[str, Any] = {"core": Exact(engine="packets"), "python": Traced()}
+    size, integrator = ((96, 64), vc.Whitted(n_vpls=64)) if quick else ((640, 400), vc.Whitted())
+    frames: dict[str, vc.Frame] = {}
+    ways: dict[str, Any] = {"core": vc.Exact(engine="packets"), "python": Traced()}
 
     def runner(name: str) -> Callable[[], Sample]:
         def run() -> Sample:
             sample, frames[name] = timed(
-                lambda: render(scene, integrator, visibility=ways[name], size=size)
+                lambda: vc.render(scene, integrator, visibility=ways[name], size=size)
             )
             return sample
 

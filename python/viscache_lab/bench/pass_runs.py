@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscache.passes.progressive import Progressive
+import viscache as vc
 
 __all__ = ["Run", "take_turns"]
 
@@ -16,7 +16,7 @@ __all__ = ["Run", "take_turns"]
 class Run:
     """A method: its picture, CPU seconds and the energy of each pass."""
 
-    picture: Progressive
+    picture: vc.Progressive
     cpu_s: float = 0.0
     energies: list[float] = field(default_factory=list)
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
+import viscache as vc
 
 __all__ = ["differences", "energy_z", "persistent_z"]
 
@@ -22,7 +21,7 @@ FIRST = (0, 512)
 
 
 def differences(
-    scene: Scene, light: Any, caches: dict[Any, Any], size: tuple[int, int], passes: int
+    scene: vc.Scene, light: Any, caches: dict[Any, Any], size: tuple[int, int], passes: int
 ) -> tuple[dict[str, Array], float]:
     """By use of a cache: passes minus exact ones of the same eye samples; and the mean light.
 
@@ -32,7 +31,7 @@ def differences(
 
     def both(visibility: Any, use: Any = None) -> Array:
         pictures = [
-            Progressive(scene, light, visibility=visibility, use=use, first_pass=n, size=size)
+            vc.Progressive(scene, light, visibility=visibility, use=use, first_pass=n, size=size)
             for n in FIRST
         ]
         return np.concatenate([alone(p, passes // 2) for p in pictures])
@@ -42,7 +41,7 @@ def differences(
     return found, float(exact.mean())
 
 
-def alone(picture: Progressive, passes: int) -> Array:
+def alone(picture: vc.Progressive, passes: int) -> Array:
     """Each pass by itself."""
     sums = [picture.passes(1).image.astype(np.float64) * (i + 1) for i in range(passes)]
     return np.diff(np.stack([np.zeros_like(sums[0]), *sums]), axis=0)

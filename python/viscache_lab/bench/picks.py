@@ -15,10 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache.shot.render import render
+import viscache as vc
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
@@ -41,7 +38,7 @@ class Case:
     scene: str
     size: tuple[int, int] = (192, 120)
     spp: int = 1
-    integrator: Direct | Whitted
+    integrator: vc.Direct | vc.Whitted
     picks: tuple[int, ...] = (8, 16, 64)
     seeds: int = 12
     references: int = 24
@@ -50,8 +47,8 @@ class Case:
 
 
 # Of the lights that all eye points share alone: samples of their own have noise that no way changes
-VPLS = Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
-LAMPS = Direct(n_area=0, n_environment=0, n_brdf=0)
+VPLS = vc.Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
+LAMPS = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
 CASES = (
     Case(name="room", scene="room?triangles=200000", integrator=VPLS, goals={8: 3, 16: 3, 64: 2}),
     Case(name="apartment", scene="apartment", integrator=VPLS, goals={16: 3}),
@@ -108,15 +105,15 @@ def picks(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     scene.caster()
     converged = np.stack([_render(case, scene, s)[0] for s in _reference_seeds(case)])
     errors = Errors(converged)
-    corrected = {"visibility": Aqvc(), "use": "correct"}
+    corrected = {"visibility": vc.Aqvc(), "use": "correct"}
     ways: dict[str, dict[str, Any]] = {
         "exact": {},
-        "cache": {"visibility": Aqvc()},
+        "cache": {"visibility": vc.Aqvc()},
         "corrected": corrected,
         **{f"{n} picks": {"pick": n} for n in case.picks},
         f"{case.picks[-1]} picks, corrected": {"pick": case.picks[-1], **corrected},
@@ -154,7 +151,7 @@ def _reference_seeds(case: Case) -> range:
 
 def _render(
     case: Case,
-    scene: Scene,
+    scene: vc.Scene,
     seed: int,
     *,
     pick: int = 0,
@@ -162,10 +159,10 @@ def _render(
     use: Any = None,
 ) -> tuple[Array, float]:
     """Light on surfaces, without the noise of lamps' edges, and CPU seconds of the whole frame."""
-    frame = render(
+    frame = vc.render(
         scene,
         replace(case.integrator, pick=pick),
-        visibility=visibility or Exact(),
+        visibility=visibility or vc.Exact(),
         use=use,
         size=case.size,
         spp=case.spp,

@@ -9,11 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
+import viscache as vc
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, at_most_figure, figure
 from viscache_lab.bench.never_slower import CASES as CANNOT_WIN
@@ -25,7 +21,7 @@ from viscache_lab.bench.persistent_bias import differences, energy_z, persistent
 __all__ = ["progressive"]
 
 #: The cache of plain passes, for all scenes, and of corrected ones: the default.
-PLAIN, CORRECTED = Aqvc(c_e=10), Aqvc()
+PLAIN, CORRECTED = vc.Aqvc(c_e=10), vc.Aqvc()
 #: Picks of each eye point, of the rival without a cache.
 PICKS = 16
 #: Limit of the energy's t value; it has 15 degrees of freedom.
@@ -91,12 +87,12 @@ def progressive(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Let the methods take turns pass by pass."""
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
 
-    def picture(visibility: Any, use: Any = None, first: int = 0, pick: int = 0) -> Progressive:
-        return Progressive(
+    def picture(visibility: Any, use: Any = None, first: int = 0, pick: int = 0) -> vc.Progressive:
+        return vc.Progressive(
             scene,
             replace(light, pick=pick),
             visibility=visibility,
@@ -107,14 +103,14 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
 
     picks = f"{PICKS} picks"
     runs = {
-        "packets": Run(picture(Exact(engine="packets"))),
-        "exact": Run(picture(Exact())),
+        "packets": Run(picture(vc.Exact(engine="packets"))),
+        "exact": Run(picture(vc.Exact())),
         "plain": Run(picture(PLAIN, "replace")),
         "corrected": Run(picture(CORRECTED, "correct")),
-        picks: Run(picture(Exact(), pick=PICKS)),
+        picks: Run(picture(vc.Exact(), pick=PICKS)),
     }
     take_turns(list(runs.values()), case.passes)
-    references = [picture(Exact(), first=n).passes(case.reference) for n in FIRST_OF_REFERENCES]
+    references = [picture(vc.Exact(), first=n).passes(case.reference) for n in FIRST_OF_REFERENCES]
     errors = {name: errors_of(run.picture, references) for name, run in runs.items()}
     base = runs["packets"]
     compared: list[tuple[str, str, tuple[float, float] | None]]
@@ -149,10 +145,10 @@ def _goals(case: Case) -> dict[str, tuple[float, float] | None]:
     return {"packets": case.packets, "exact": case.exact, f"{PICKS} picks": case.picks}
 
 
-def bias(outcome: Outcome, case: Case, scene: Scene) -> None:
+def bias(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """What many corrected passes have that exact ones of the same samples have not."""
     caches = {"correct": CORRECTED, "replace": PLAIN}
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
     both, mean = differences(scene, light, caches, case.many_size, case.many)
     found, plain = both["correct"], both["replace"]
     what = f"{case.name}: {case.many} corrected passes"
@@ -180,7 +176,7 @@ def gain_over(error: float, cpu_s: float, other_error: float, other_cpu_s: float
     return (error * cpu_s) / (other_error * other_cpu_s)
 
 
-def errors_of(picture: Progressive, references: list[Frame]) -> tuple[float, float]:
+def errors_of(picture: vc.Progressive, references: list[vc.Frame]) -> tuple[float, float]:
     """NMSE and relMSE, by the product of the differences to two independent references.
 
     Their noise is in neither expectation.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
+import viscache as vc
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
@@ -59,7 +59,7 @@ def rays(quick: bool = False) -> Outcome:
 
 
 def _compare(
-    outcome: Outcome, scene: Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
+    outcome: Outcome, scene: vc.Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
 ) -> None:
     caster = scene.caster()
     width, coherent = _best_plan(caster, r)

@@ -6,10 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Exact
+import viscache as vc
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 from viscache_lab.bench.aligned import opened
@@ -67,9 +64,9 @@ def shafts(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare the bytes of their frames."""
-    frames: dict[Engine, Frame] = {}
+    frames: dict[Engine, vc.Frame] = {}
     scene.caster()
     runs: dict[str, Callable[[], Sample]] = {e: _run(frames, e, case, scene) for e in ENGINES}
     samples = interleave(runs, repeats)
@@ -98,16 +95,16 @@ def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
     outcome.check(f"{case.name}: share of pixels that Embree's flag changes", changed, MOST_CHANGED)
 
 
-def _frame(case: Case, scene: Scene, engine: Engine, *, coherent: bool) -> Frame:
-    exact = Exact(engine=engine, order="by_light", coherent=coherent)
+def _frame(case: Case, scene: vc.Scene, engine: Engine, *, coherent: bool) -> vc.Frame:
+    exact = vc.Exact(engine=engine, order="by_light", coherent=coherent)
     more: dict[str, Any] = {"size": case.size, "spp": case.spp, "threads": 1}
     part = (min(3, case.parts - 1), case.parts)
-    shot = BareShot(scene, Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
+    shot = BareShot(scene, vc.Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
     return render_part(shot, part)
 
 
 def _run(
-    frames: dict[Engine, Frame], engine: Engine, case: Case, scene: Scene
+    frames: dict[Engine, vc.Frame], engine: Engine, case: Case, scene: vc.Scene
 ) -> Callable[[], Sample]:
     """Render some tiles; return the time of visibility and keep the frame."""
 

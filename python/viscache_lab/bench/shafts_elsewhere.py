@@ -10,11 +10,9 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation.rows import SurfacePoints, surface_points
-from viscache.oracles.points import EyePoints, FarEnds
-from viscache.scene import Scene
 from viscache.scene.queries import shaft_matrix, visible_matrix
-from viscache.settings.visibility import Exact
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure, timed
 
@@ -82,7 +80,7 @@ QUICK = (
 def shafts_elsewhere(quick: bool = False) -> Outcome:
     """CPU seconds of `visible_matrix` and `oracle.block`, one thread; bits must be equal."""
     outcome = Outcome()
-    scenes: dict[str, Scene | None] = {}
+    scenes: dict[str, vc.Scene | None] = {}
     for case in QUICK if quick else CASES:
         if case.scene not in scenes:
             scenes = {case.scene: opened(case.scene)}  # one at a time
@@ -98,7 +96,7 @@ def shafts_elsewhere(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare their bytes."""
     asked = Asked(scene, case)
     points, targets = asked.ends
@@ -132,7 +130,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
 class Asked:
     """The arrays of a case."""
 
-    scene: Scene
+    scene: vc.Scene
     case: Case
 
     @cached_property
@@ -167,11 +165,11 @@ class Asked:
         points, targets = self.points, self.targets
         assert points is not None
         if targets is None:
-            ends = FarEnds.points(self.ends[1])
+            ends = vc.FarEnds.points(self.ends[1])
         else:
-            ends = FarEnds.surfaces(targets.positions, targets.normals)
-        exact = Exact(engine=engine, order="by_light", coherent=True)
-        eyes = EyePoints(points.positions, points.normals)
+            ends = vc.FarEnds.surfaces(targets.positions, targets.normals)
+        exact = vc.Exact(engine=engine, order="by_light", coherent=True)
+        eyes = vc.EyePoints(points.positions, points.normals)
         answer = self.scene.oracle(exact, threads=1).block(eyes, ends)
         return answer.bits, answer.engine
 

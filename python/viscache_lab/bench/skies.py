@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import Direct
-from viscache.shot.render import render
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
@@ -29,16 +27,16 @@ MOST_Z = 4.0
 #: Seeds of frames of the converged picture start here.
 FIRST_REFERENCE = 1000
 OWN = "4 + 4 own samples"
-SETS = Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
+SETS = vc.Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
 #: Integrator and samples per pixel; the sets are those of `viscache bench peers`, chosen elsewhere.
 WAYS = {
-    OWN: (Direct(n_area=0, n_environment=4, n_brdf=4), 4),
-    "1 + 1 own samples": (Direct(n_area=0, n_environment=1, n_brdf=1), 16),
+    OWN: (vc.Direct(n_area=0, n_environment=4, n_brdf=4), 4),
+    "1 + 1 own samples": (vc.Direct(n_area=0, n_environment=1, n_brdf=1), 16),
     "512 directions in 16 sets": (SETS, 16),
     "the sets, without samples of lobes": (replace(SETS, n_brdf=0), 16),
 }
 
-REFERENCE = Direct(n_area=0, n_environment=8, n_brdf=8)
+REFERENCE = vc.Direct(n_area=0, n_environment=8, n_brdf=8)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -87,7 +85,7 @@ def skies(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     converged = [
         _render(case, scene, seed, REFERENCE, case.reference_spp)[0]
@@ -113,8 +111,8 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
 
 
 def _render(
-    case: Case, scene: Scene, seed: int, integrator: Direct, spp: int
+    case: Case, scene: vc.Scene, seed: int, integrator: vc.Direct, spp: int
 ) -> tuple[Array, float]:
     """Light of the sky on surfaces, and CPU seconds of the whole frame."""
-    frame = render(scene, integrator, size=case.size, spp=spp, seed=seed, threads=1)
+    frame = vc.render(scene, integrator, size=case.size, spp=spp, seed=seed, threads=1)
     return np.asarray(frame.layers["environment"], np.float64), float(frame.timings["cpu_s"])

@@ -17,10 +17,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import viscache as vc
 from viscache.base.workers import process_pool
-from viscache.settings.integrators import Whitted
 from viscache.sweeps.store import Store
-from viscache.sweeps.sweep import sweep as run_sweep
 from viscache_lab.bench.common import Outcome, Sample, at_most_figure, figure, interleave
 
 __all__ = ["sweep"]
@@ -67,9 +66,9 @@ def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
     n, edge, vpls = (12, 64, 32) if quick else (125, 256, 256)
     over = {"c_e": {"log": [2, 32], "n": n}, "c_z": [1, 2, 4, 8]}
     began, cpu = time.perf_counter(), time.process_time()
-    ds = run_sweep(
+    ds = vc.sweep(
         QUICK_SCENE if quick else SCENE,
-        Whitted(n_vpls=vpls),
+        vc.Whitted(n_vpls=vpls),
         over=over,
         size=(edge, edge),
         directory=folder,
@@ -140,9 +139,9 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
         over = {"c_e": {"log": [2, 32], "n": n}}
         folder = tempfile.mkdtemp()
         began = time.perf_counter()
-        ds = run_sweep(
+        ds = vc.sweep(
             scene,
-            Whitted(n_vpls=vpls),
+            vc.Whitted(n_vpls=vpls),
             over=over,
             size=(edge, edge),
             threads=1,

@@ -8,11 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.shot.render import render
-from viscache.sweeps.tune import tune
 from viscache_lab.bench.aligned import opened
 from viscache_lab.bench.common import Outcome, at_most_figure, figure
 
@@ -67,15 +64,15 @@ def tune_scenes(quick: bool = False) -> Outcome:
     return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Tune three parameters and one, then render whole frames."""
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
     given: dict[str, Any] = {"size": case.size, "threads": 1}
-    found = tune(scene, light, rel_l1_reflected=case.rel_l1, **given)
-    alone = tune(scene, light, rel_l1_reflected=case.rel_l1, parameter="c_e", **given)
-    exact = render(scene, light, **given)
+    found = vc.tune(scene, light, rel_l1_reflected=case.rel_l1, **given)
+    alone = vc.tune(scene, light, rel_l1_reflected=case.rel_l1, parameter="c_e", **given)
+    exact = vc.render(scene, light, **given)
     frames = {
-        name: render(scene, light, visibility=one.visibility, **given)
+        name: vc.render(scene, light, visibility=one.visibility, **given)
         for name, one in (("found", found), ("alone", alone))
     }
     error, of_alone = (

@@ -11,16 +11,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics.variance import variance_ratio
-from viscache.settings.visibility import VisMaps
 from viscache_lab.bench.common import Outcome, build_scene, figure
 from viscache_lab.cases.map_renders import Picture, images, paper_maps, samples_in
 
 __all__ = ["equal_time"]
 
 SAMPLES = 30
-GUIDED = VisMaps(sampling="guided")
+GUIDED = vc.VisMaps(sampling="guided")
 #: The rival without maps: shared directions in sets, as in `viscache bench peers`.
 DEALT, SETS = 512, 16
 #: Limit of look-ups, J and records together, in µs per pixel and core.
@@ -86,8 +85,8 @@ def _gain(
     case: Case,
     picture: Picture,
     name: str,
-    frames: list[Frame],
-    make: Callable[[int], Frame],
+    frames: list[vc.Frame],
+    make: Callable[[int], vc.Frame],
 ) -> None:
     """The variance of `make(seed)` beside product sampling in the time of `frames`."""
     equal = samples_in(picture, statistics.median(frame.timings["cpu_s"] for frame in frames))
@@ -109,7 +108,7 @@ def _gain(
     )
 
 
-def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[Frame]) -> None:
+def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[vc.Frame]) -> None:
     pixels = picture.size[0] * picture.size[1]
 
     def us(*stages: str) -> float:

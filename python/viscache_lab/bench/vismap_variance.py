@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.bench.common import Outcome, build_scene, figure
 from viscache_lab.bench.vismap_time import equal_time
@@ -105,7 +105,7 @@ def vismap_variance(quick: bool = False) -> Outcome:
     size = QUICK_SIZE if quick else SIZE
     for case in CASES:
         scene = build_scene(case.quick_scene if quick else case.scene)
-        cache = VisibilityMapCache(scene, MapSettings(m=case.m))
+        cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=case.m))
         cache.update(case.camera, size=size)
         samples = QUICK_SAMPLES if quick else SAMPLES
         found = simulate(

@@ -9,12 +9,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation import DirectionSet, surface_points, visibility_rows
 from viscache.correlation.rows import VisibilityRows
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import AmbientOcclusion
-from viscache.shot.render import render
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
@@ -78,7 +76,7 @@ QUICK_ROWS = (Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=
 def vlf_ao(quick: bool = False) -> Outcome:
     """Every case: the engine of the lowest predicted cost against the fastest of Embree's plans."""
     outcome = Outcome()
-    scenes: dict[str, Scene] = {}
+    scenes: dict[str, vc.Scene] = {}
     for case in QUICK_CASES if quick else CASES:
         scene = scenes.setdefault(case.spec, build_scene(case.spec))
         _compare(outcome, case, scene, 2 if quick else 3)
@@ -96,7 +94,7 @@ def vlf_ao(quick: bool = False) -> Outcome:
     return outcome
 
 
-def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def _compare(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None:
     points, normals = g_buffer(scene, case.side)
     frames = direction_frames(case.n_directions)
     caster, answers = scene.caster(), {}
@@ -138,7 +136,7 @@ def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
     outcome.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
 
 
-def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
+def _compare_rows(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     """Rows of visibility: the chosen engine against Embree in its faster packet order."""
     label = f"rows {case.name} {case.side**2} points"
     at, directions = surface_points(scene, case.side**2), DirectionSet()
@@ -178,13 +176,13 @@ def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
     if path is None:
         outcome.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
         return
-    scene, frames = load_scene(path), {}
+    scene, frames = vc.load_scene(path), {}
 
     def run(engine: Literal["auto", "embree"]) -> Sample:
-        settings = AmbientOcclusion(
+        settings = vc.AmbientOcclusion(
             n_samples=513, max_distance=None, directions="shared", engine=engine
         )
-        frames[engine] = render(scene, settings, size=(side, side), threads=THREADS)
+        frames[engine] = vc.render(scene, settings, size=(side, side), threads=THREADS)
         times = frames[engine].timings
         return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
 

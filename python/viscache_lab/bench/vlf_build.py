@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache.settings.rays import Bsp, Embree, Vlf
+import viscache as vc
 from viscache_lab.bench.common import (
     Outcome,
     Sample,
@@ -29,11 +28,11 @@ SCENES = (
     "classroom_like",
 )
 QUICK_SCENES = ("bumpy_spheres?triangles=1500",)
-FIELD, QUICK_FIELD = Vlf(bsp_depth=3, max_bytes=4 << 30), Vlf(n_directions=33, n_tiles=64)
+FIELD, QUICK_FIELD = vc.Vlf(bsp_depth=3, max_bytes=4 << 30), vc.Vlf(n_directions=33, n_tiles=64)
 #: Depths and leaf sizes of the BSP; each ray set uses the fastest combination.
 DEPTHS, LEAVES = (16, 20, 24), (4, 8, 16)
-TREES = tuple(Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
-QUICK_TREES = (Bsp(kernel="wald"),)
+TREES = tuple(vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
+QUICK_TREES = (vc.Bsp(kernel="wald"),)
 #: The paper's single-ray tracer must reach this share of Embree's single-ray speed.
 GUARD = 0.25
 EDGE_TOLERANCE = 1e-3
@@ -59,7 +58,7 @@ def vlf_build(quick: bool = False) -> Outcome:
     return outcome
 
 
-def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int) -> None:
+def _compare_builds(outcome: Outcome, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
     built: dict[str, Any] = {}
 
     def run(name: str, settings: Any, threads: int) -> Callable[[], Sample]:
@@ -72,7 +71,7 @@ def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int)
     runs = {
         "one thread": run("one thread", settings, 1),
         "two threads": run("two threads", settings, 2),
-        "embree": run("embree", Embree(), 0),
+        "embree": run("embree", vc.Embree(), 0),
     }
     samples = interleave(runs, repeats, warm_up=False)
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
@@ -93,7 +92,7 @@ def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int)
     outcome.check(f"{label}: threads change the field", float(changed), 0)
 
 
-def _compare_rays(outcome: Outcome, scene: Scene, r: RaySet, field: Any, quick: bool) -> None:
+def _compare_rays(outcome: Outcome, scene: vc.Scene, r: RaySet, field: Any, quick: bool) -> None:
     caster = scene.caster()
     trees = QUICK_TREES if quick else TREES
     bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
@@ -151,5 +150,5 @@ def _trial(tree: Any, r: RaySet) -> float:
     return min(timed(lambda: tree.intersect(origins, directions, 1))[0].cpu_s for _ in range(2))
 
 
-def _label(scene: Scene) -> str:
+def _label(scene: vc.Scene) -> str:
     return f"{(scene.spec or scene.name).partition('?')[0]} {scene.triangles}"

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from viscache.scene import Scene
-from viscache.settings.rays import Vlf
+import viscache as vc
 from viscache.vlf.dynamic import DynamicField
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.cases.beams import chords
@@ -18,8 +17,8 @@ from viscache_lab.cases.moving_object import STOPS, ball, with_object
 __all__ = ["compare_updates"]
 
 SCENE, QUICK_SCENE = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
-FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
-QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+FIELD = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
+QUICK_FIELD = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
 #: Triangles of the object that moves.
 SIZES, QUICK_SIZES = (100, 1000, 10_000), (100,)
 RAYS, QUICK_RAYS = 20_000, 2000
@@ -64,6 +63,6 @@ def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, 
     return timed(lambda: field.transform(number, matrix))[0]
 
 
-def _rebuild(settings: Vlf, scene: Scene, built: dict[str, Any]) -> Sample:
+def _rebuild(settings: vc.Vlf, scene: vc.Scene, built: dict[str, Any]) -> Sample:
     time, built["field"] = timed(lambda: settings.build(scene))
     return time

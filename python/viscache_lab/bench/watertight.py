@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache.settings.rays import Bsp, Embree
+import viscache as vc
 from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 
@@ -23,10 +22,10 @@ SCENES = (
 QUICK_SCENES = ("room?triangles=20000", "random_triangles?triangles=5000")
 #: Share of rays that robust packets may answer otherwise: those within rounding of an edge.
 EDGE_TOLERANCE = 1e-3
-CASTERS: dict[str, Embree | Bsp] = {
-    "watertight": Embree(watertight=True),
-    "robust": Embree(),
-    "BSP": Bsp(),
+CASTERS: dict[str, vc.Embree | vc.Bsp] = {
+    "watertight": vc.Embree(watertight=True),
+    "robust": vc.Embree(),
+    "BSP": vc.Bsp(),
 }
 
 
@@ -47,7 +46,7 @@ def watertight(quick: bool = False) -> Outcome:
     return outcome
 
 
-def _compare(outcome: Outcome, scene: Scene, name: str, r: RaySet, repeats: int) -> None:
+def _compare(outcome: Outcome, scene: vc.Scene, name: str, r: RaySet, repeats: int) -> None:
     answers: dict[str, npt.NDArray[np.bool_]] = {}
 
     def run(caster: str) -> Sample:

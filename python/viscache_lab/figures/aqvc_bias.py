@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from viscache import scenes
+import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_errors import Interval, bias, mean_interval
 from viscache_lab.figures.aqvc_runs import Shot
@@ -35,8 +33,8 @@ def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], lis
     rows, table = [], []
     for name in SCENES:
         shot = Shot(
-            scene=getattr(scenes, name)(),
-            integrator=Direct(),
+            scene=getattr(vc.scenes, name)(),
+            integrator=vc.Direct(),
             size=size or (QUICK_SIZE if quick else SIZE),
         )
         for form in FORMS:
@@ -72,7 +70,7 @@ def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float
                 **FORMS[form],
                 **VARIANTS[variant],
             }
-            frame = shot.frame(replaced(Aqvc(), given, "visibility"))
+            frame = shot.frame(replaced(vc.Aqvc(), given, "visibility"))
             values.append(bias(frame, exact))
             errors.append(float(abs(frame.image - exact.image).sum(dtype="f8")) / total)
             reductions.append(float(frame.counters["ray_reduction"]))

@@ -7,11 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from viscache import scenes
-from viscache.frame import Frame
+import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, PaperForm
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_flicker import flicker_rows
@@ -131,11 +128,11 @@ def shading_share(quick: bool, size: Size) -> list[Row]:
 def table_size(quick: bool, size: Size) -> list[Row]:
     """H3: a larger table gains little once it holds all keys."""
     shot = replace(SETUPS["delta"].shot(quick, size), size=QUICK_TILE if quick else TILE)
-    lossless = shot.frame(Aqvc(preset="paper", c_e=8, paper=PaperForm(storage="exact")))
+    lossless = shot.frame(vc.Aqvc(preset="paper", c_e=8, paper=vc.PaperForm(storage="exact")))
     keys = lossless.counters["rays"]
     tables = {load: max(64, int(4 * load * keys)) for load in SLOTS_PER_KEY}
     frames = shot.in_turns(
-        {load: Aqvc(preset="paper", c_e=8, table_bytes=size) for load, size in tables.items()},
+        {load: vc.Aqvc(preset="paper", c_e=8, table_bytes=size) for load, size in tables.items()},
         quick,
     )
     rays = {load: frame.counters["rays"] for load, frame in frames.items()}
@@ -161,9 +158,9 @@ def table_size(quick: bool, size: Size) -> list[Row]:
 
 def kept_tables(shot: Shot, quick: bool) -> list[Row]:
     """H3 on the CPU: tiles of 32², and tables per thread of the paper's 4 MB and other sizes."""
-    tiles = PaperForm(storage="paper_tiles")
+    tiles = vc.PaperForm(storage="paper_tiles")
     frames = shot.in_turns(
-        {s: Aqvc(preset="paper", c_e=8, table_bytes=s, paper=tiles) for s in KEPT_TABLES}, quick
+        {s: vc.Aqvc(preset="paper", c_e=8, table_bytes=s, paper=tiles) for s in KEPT_TABLES}, quick
     )
     largest = frames[KEPT_TABLES[-1]]
     return [
@@ -186,8 +183,8 @@ def collisions(quick: bool, size: Size) -> list[Row]:
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
         if name == "apartment" and not quick:
-            shot = replace(shot, integrator=Whitted(n_vpls=256, n_environment=32, n_brdf=32))
-        lossless = shot.frame(setup.cache("paper", C_E, paper=PaperForm(storage="exact")))
+            shot = replace(shot, integrator=vc.Whitted(n_vpls=256, n_environment=32, n_brdf=32))
+        lossless = shot.frame(setup.cache("paper", C_E, paper=vc.PaperForm(storage="exact")))
         edge = lossless.parameters["tile_edge_px"]
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))
@@ -205,7 +202,7 @@ def collisions(quick: bool, size: Size) -> list[Row]:
     return rows
 
 
-def share_of_collisions(lossy: Frame, lossless: Frame) -> float:
+def share_of_collisions(lossy: vc.Frame, lossless: vc.Frame) -> float:
     """Share of the rays that a lossless table would not have traced."""
     rays, needed = (float(frame.counters["rays"]) for frame in (lossy, lossless))
     return (rays - needed) / rays
@@ -214,8 +211,8 @@ def share_of_collisions(lossy: Frame, lossless: Frame) -> float:
 def simple_scene(quick: bool, size: Size) -> list[Row]:
     """H5: no speed-up in the Cornell box."""
     pixels = size or ((160, 160) if quick else (512, 512))
-    integrator = Whitted(n_vpls=32, n_area=8) if quick else Whitted(n_vpls=256, n_area=64)
-    shot = Shot(scene=scenes.cornell_box(), size=pixels, integrator=integrator)
+    integrator = vc.Whitted(n_vpls=32, n_area=8) if quick else vc.Whitted(n_vpls=256, n_area=64)
+    shot = Shot(scene=vc.scenes.cornell_box(), size=pixels, integrator=integrator)
     trades = shot.trades(presets(C_E), quick)
     paper, default = trades["paper"], trades["default"]
     return [
@@ -234,11 +231,11 @@ def simple_scene(quick: bool, size: Size) -> list[Row]:
 def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
     """H6: C_N = C_Z = 8 and C_R = 1.2 are best."""
     shot = Shot(
-        scene=scenes.room(triangles=QUICK_ROOM if quick else ROOM),
-        integrator=Direct(),
+        scene=vc.scenes.room(triangles=QUICK_ROOM if quick else ROOM),
+        integrator=vc.Direct(),
         size=size or (QUICK_SMALL if quick else SMALL),
     )
-    base = Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
+    base = vc.Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
     settings = {
         (name, value): replaced(base, {name: value}, "visibility")
         for name, values in PARAMETERS.items()

@@ -8,11 +8,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from viscache import SceneDescription, scenes
+import viscache as vc
 from viscache.aqvc import eye_keys, hash_keys, resolution_eye
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
 from viscache.shot.connections import trace_eye_points
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
@@ -33,13 +30,13 @@ Floats = npt.NDArray[np.float64]
 class EyeSamples:
     """The surfaces that the camera sees, one sample per pixel."""
 
-    scene: Scene
+    scene: vc.Scene
     position: Floats
     normal: Floats
     density: Floats
     pixel: npt.NDArray[np.int64]
 
-    def keys(self, settings: Aqvc, moved: Floats | None = None) -> npt.NDArray[np.int32]:
+    def keys(self, settings: vc.Aqvc, moved: Floats | None = None) -> npt.NDArray[np.int32]:
         """Cluster keys (N, 8) of the samples, or of displaced points, at the first level of C_E."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
@@ -55,7 +52,7 @@ class EyeSamples:
         assert valid.all()
         return keys
 
-    def resolutions(self, settings: Aqvc) -> Floats:
+    def resolutions(self, settings: vc.Aqvc) -> Floats:
         """R of Eq. 7, before it is rounded to a level."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
@@ -84,12 +81,12 @@ def figure2(
     """Cells in false colours; whether they follow normals and the footprint of samples."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
     above, aslant = (
-        eye_samples(Shot(scene=_plane(), integrator=Direct(), size=pixels, camera=view))
+        eye_samples(Shot(scene=_plane(), integrator=vc.Direct(), size=pixels, camera=view))
         for view in (0, 1)
     )
     room = Shot(
-        scene=scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
-        integrator=Direct(),
+        scene=vc.scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
+        integrator=vc.Direct(),
         size=pixels,
     )
     inside = eye_samples(room)
@@ -105,15 +102,15 @@ def figure2(
     return outcome
 
 
-def _plane() -> Scene:
+def _plane() -> vc.Scene:
     """A horizontal plane, larger than its cameras see, from above and at an angle."""
-    d = SceneDescription()
+    d = vc.SceneDescription()
     corners = [[-40, 0, 40], [40, 0, 40], [40, 0, -40], [-40, 0, -40]]
     d.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], material=d.add_material())
     d.add_point_light((0, 9, 0), (1, 1, 1))
     d.add_camera((0, 10, 0), (0, 0, 0), up=(0, 0, -1), fov_deg=20, name="above")
     d.add_camera((0, 6, 10), (0, 0, -1), fov_deg=45, name="aslant")
-    return Scene.from_description(d)
+    return vc.Scene.from_description(d)
 
 
 class Cells:
@@ -127,7 +124,7 @@ class Cells:
         self.first, self.number, self.count = first, number.reshape(-1), count
 
 
-def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: Aqvc) -> list[Row]:
+def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: vc.Aqvc) -> list[Row]:
     whole, cells = Cells(above.keys(settings)), Cells(aslant.keys(settings))
     # The near and far halves of the cells, by the density of their samples
     density = np.bincount(cells.number, aslant.density) / cells.count
@@ -154,7 +151,7 @@ def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: Aq
     ]
 
 
-def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
+def _share_of_neighbours(samples: EyeSamples, settings: vc.Aqvc) -> float:
     """Share of samples with the key of their neighbour in a random direction on the surface."""
     along = np.random.default_rng(0).normal(size=samples.normal.shape)
     along -= (along * samples.normal).sum(axis=1, keepdims=True) * samples.normal
@@ -164,7 +161,7 @@ def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
     return float(same.mean())
 
 
-def _normal_rows(preset: str, inside: EyeSamples, settings: Aqvc) -> list[Row]:
+def _normal_rows(preset: str, inside: EyeSamples, settings: vc.Aqvc) -> list[Row]:
     cells = Cells(inside.keys(settings))
     limit = 2 * greatest_angle_deg(settings)
     cosine = (inside.normal * inside.normal[cells.first][cells.number]).sum(axis=1)
@@ -182,7 +179,7 @@ def _normal_rows(preset: str, inside: EyeSamples, settings: Aqvc) -> list[Row]:
     ]
 
 
-def greatest_angle_deg(settings: Aqvc) -> float:
+def greatest_angle_deg(settings: vc.Aqvc) -> float:
     """The largest angle between a normal and the axis of its bin, over random normals."""
     rng = np.random.default_rng(1)
     n = rng.normal(size=(200_000, 3))

@@ -7,11 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from viscache import scenes
-from viscache.oracles.correct import Correct
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, Unoccluded, Visibility
-from viscache.shot.render import render
+import viscache as vc
+from viscache.settings.visibility import Visibility
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
 from viscache_lab.figures.aqvc_setups import SETUPS
@@ -25,7 +22,10 @@ SIZE, QUICK_SIZE = (192, 120), (64, 40)
 SHARES = (None, 0.05, 0.1, 0.25, 0.5)
 #: The share whose rows have bands.
 SHOWN = 0.1
-METHODS: dict[str, Visibility] = {"AQVC C_E 12": Aqvc(exact_groups=()), "no shadows": Unoccluded()}
+METHODS: dict[str, Visibility] = {
+    "AQVC C_E 12": vc.Aqvc(exact_groups=()),
+    "no shadows": vc.Unoccluded(),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,21 +92,21 @@ def correction(
 def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:
     """Many lights in one room, mostly hidden lamps, an area light."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
-    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
-    lit = {"room": Shot(scene=scenes.room(), integrator=room, size=pixels)}
+    room = vc.Whitted(n_vpls=32 if quick else 256, n_area=0)
+    lit = {"room": Shot(scene=vc.scenes.room(), integrator=room, size=pixels)}
     return lit | {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
 
 
 def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Corrected]:
     """Every method with every share, from frames of several seeds."""
-    exact = [np.asarray(shot.frame(Exact(), seed=s).image, np.float64) for s in range(seeds)]
+    exact = [np.asarray(shot.frame(vc.Exact(), seed=s).image, np.float64) for s in range(seeds)]
     light = np.array([image.mean() for image in exact])
     found = {}
     for method, visibility in METHODS.items():
         for share in SHARES:
-            use = None if share is None else Correct(share=share)
+            use = None if share is None else vc.Correct(share=share)
             frames = [
-                render(
+                vc.render(
                     shot.scene,
                     shot.integrator,
                     visibility=visibility,

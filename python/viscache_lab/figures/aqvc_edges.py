@@ -9,12 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes
+import viscache as vc
 from viscache.base import tonemap
-from viscache.frame import Frame
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, PaperForm
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
 from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
@@ -36,7 +33,7 @@ def figure3(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
     """Stairs in the sun with and without refinement."""
-    shot = Shot(scene=scenes.stairs(), integrator=Direct(), size=size or SIZE)
+    shot = Shot(scene=vc.scenes.stairs(), integrator=vc.Direct(), size=size or SIZE)
     exact = shot.frame()
     found: dict[str, dict[str, Trade]] = {"default": {}, "paper": {}}
     for refinement in ("off", "on"):
@@ -64,7 +61,7 @@ def figure3(
     return outcome
 
 
-def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], path: Path) -> Path:
+def _draw_refinement(exact: vc.Frame, found: Mapping[str, Mapping[str, Trade]], path: Path) -> Path:
     figure = new_figure(9.0, 6.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
     pictures = {"exact": exact.image}
@@ -84,14 +81,14 @@ def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
     """A cube's shadow with each order of the pixels."""
-    shot = Shot(scene=scenes.cube_on_plane(), integrator=Direct(), size=size or SIZE)
+    shot = Shot(scene=vc.scenes.cube_on_plane(), integrator=vc.Direct(), size=size or SIZE)
     exact = shot.frame()
     table: list[dict[str, Any]] = []
-    frames: dict[str, Frame] = {}
+    frames: dict[str, vc.Frame] = {}
     for order in ORDERS:
         for grid in range(QUICK_GRIDS if quick else GRIDS):
             for refinement in ("off", "on"):
-                base = Aqvc(preset="paper", c_e=C_E, paper=PaperForm(grid_seed=grid))
+                base = vc.Aqvc(preset="paper", c_e=C_E, paper=vc.PaperForm(grid_seed=grid))
                 chosen = {"order": order, "refinement": refinement, "storage": "exact"}
                 settings = replaced(base, chosen, "visibility")
                 trade = Trade(frame=shot.frame(settings), exact=exact)
@@ -122,7 +119,7 @@ def figure4(
     return outcome
 
 
-def shadow(frame: Frame) -> Plane:
+def shadow(frame: vc.Frame) -> Plane:
     """(H, W): luminance from the point lights."""
     return tonemap.luminance(frame.layers["point"])
 
@@ -196,7 +193,7 @@ def _order_rows(table: list[dict[str, Any]]) -> list[Row]:
     return rows
 
 
-def _draw_orders(exact: Frame, frames: Mapping[str, Frame], path: Path) -> Path:
+def _draw_orders(exact: vc.Frame, frames: Mapping[str, vc.Frame], path: Path) -> Path:
     figure = new_figure(10.0, 3.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
     pictures = {"scanline": frames["scanline"], "exact": exact, "random": frames["random"]}

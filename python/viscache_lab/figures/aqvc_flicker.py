@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+import viscache as vc
 from viscache.base import tonemap
 from viscache.metrics.temporal import mean_temporal_variance, seen
-from viscache.scene import Camera, look_at
-from viscache.settings.integrators import Direct
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
 from viscache_lab.figures.aqvc_setups import SETUPS
@@ -27,7 +26,7 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
     scene = SETUPS["delta"].scene(quick)
     pixels = size or (QUICK_SIZE if quick else SIZE)
     shots = [
-        Shot(scene=scene, integrator=Direct(), size=pixels, camera=camera)
+        Shot(scene=scene, integrator=vc.Direct(), size=pixels, camera=camera)
         for camera in cameras(QUICK_FRAMES if quick else FRAMES)
     ]
     frames = [shot.frame() for shot in shots]
@@ -57,10 +56,10 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
     return rows
 
 
-def cameras(frames: int) -> list[Camera]:
+def cameras(frames: int) -> list[vc.Camera]:
     """Views along the path."""
     start, end = (np.array(place) for place in PATH)
     return [
-        look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
+        vc.look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
         for t in np.linspace(0, 1, frames)
     ]

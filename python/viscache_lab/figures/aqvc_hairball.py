@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.base import tonemap
-from viscache.settings.visibility import Aqvc
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Trade, difference, group_rows
@@ -34,7 +34,7 @@ def figure6(
     for antialiased, c_e in C_E.items():
         spp = 1 if not antialiased else 4 if quick else setup.antialiased
         shot = setup.shot(quick, size, spp=spp)
-        caches: dict[str, Aqvc] = {preset: setup.cache(preset, c_e) for preset in PRESETS}
+        caches: dict[str, vc.Aqvc] = {preset: setup.cache(preset, c_e) for preset in PRESETS}
         trades = shot.trades(caches, quick)
         fast.append(trades["fast"].speedup)
         label = "AA" if antialiased else "no AA"

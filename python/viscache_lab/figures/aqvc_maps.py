@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import viscache as vc
 from viscache.base import tonemap
-from viscache.scene import look_at
-from viscache.settings.visibility import ShadowMap
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot, Trade
@@ -35,7 +34,7 @@ def figure8(
     outcome, table = Outcome(), []
     overview = SETUPS["delta"].shot(quick, size)
     place, target, fov_deg = CLOSE_UP
-    close = replace(overview, camera=look_at(place, target, (0.0, 1.0, 0.0), fov_deg))
+    close = replace(overview, camera=vc.look_at(place, target, (0.0, 1.0, 0.0), fov_deg))
     resolutions = fitting(QUICK_RESOLUTIONS if quick else RESOLUTIONS, outcome)
     found: dict[str, dict[str, Trade]] = {}
     for view, shot in (("overview", overview), ("close-up", close)):
@@ -74,7 +73,7 @@ def compare(shot: Shot, resolutions: Sequence[int], quick: bool) -> dict[str, Tr
     """Frames by name: of the cache with both presets, and of maps."""
     setup, c_e = SETUPS["delta"], printed.MAPS_C_E
     settings: dict[str, Any] = {p: setup.cache(p, c_e) for p in ("default", "paper")}
-    settings |= {_map(r): ShadowMap(resolution=r, max_bytes=1 << 40) for r in resolutions}
+    settings |= {_map(r): vc.ShadowMap(resolution=r, max_bytes=1 << 40) for r in resolutions}
     return shot.trades(settings, quick)
 
 

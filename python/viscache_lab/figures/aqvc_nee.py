@@ -11,11 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes
-from viscache.frame import Frame
-from viscache.settings.integrators import Whitted
-from viscache.settings.nee_plus_plus import NeePlusPlus
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+import viscache as vc
+from viscache.settings.visibility import Visibility
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import references
 from viscache_lab.figures.aqvc_runs import Shot, Trade
@@ -69,18 +66,18 @@ def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:
     setups = {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
     hairball = SETUPS["hairball"].shot(quick, pixels)
     sky = replace(SETUPS["hairball"].integrator(quick), n_vpls=0)
-    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
+    room = vc.Whitted(n_vpls=32 if quick else 256, n_area=0)
     return setups | {
         "hairball": replace(hairball, integrator=sky),
-        "room": Shot(scene=scenes.room(), integrator=room, size=pixels),
+        "room": Shot(scene=vc.scenes.room(), integrator=room, size=pixels),
     }
 
 
 def methods(quick: bool) -> dict[str, Visibility]:
     """Settings by name."""
-    plain = NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else NeePlusPlus()
+    plain = vc.NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else vc.NeePlusPlus()
     roulette = {f"NEE++ p^{e:g}": replace(plain, exponent=e) for e in EXPONENTS}
-    return {**roulette, **{f"AQVC C_E {c_e:g}": Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
+    return {**roulette, **{f"AQVC C_E {c_e:g}": vc.Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
 
 
 def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
@@ -93,7 +90,7 @@ def rays_left(trade: Trade) -> float:
     return 1 / trade.ray_reduction
 
 
-def discarded(frame: Frame) -> float:
+def discarded(frame: vc.Frame) -> float:
     """Share of the connections that the roulette skipped."""
     return float(frame.counters["discarded"] / frame.counters["queries"])
 
@@ -152,7 +149,7 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
             shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
         )
     )
-    chosen: dict[str, Visibility] = {"exact": Exact(engine="packets"), **methods(quick)}
+    chosen: dict[str, Visibility] = {"exact": vc.Exact(engine="packets"), **methods(quick)}
     seeds = range(2 if quick else SEEDS)
     frames = {n: [shot.frame(v, seed=s) for s in seeds] for n, v in chosen.items()}
     return {
@@ -182,6 +179,6 @@ def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
     return rows
 
 
-def _double(frame: Frame) -> npt.NDArray[Any]:
+def _double(frame: vc.Frame) -> npt.NDArray[Any]:
     """Reflected light only, because directly visible emitters have noise of their own."""
     return np.asarray(frame.image, np.float64) - frame.layers["emitted"]

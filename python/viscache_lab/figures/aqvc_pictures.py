@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes
+import viscache as vc
 from viscache.base import tonemap
-from viscache.settings.integrators import Bdpt
-from viscache.settings.visibility import Aqvc
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
@@ -55,7 +53,7 @@ def figure5(
     for panel in PANELS:
         setup = SETUPS[panel.setup]
         shot = setup.shot(quick, size, spp=panel.quick_spp if quick else panel.spp)
-        caches: dict[str, Aqvc] = {p: setup.cache(p, panel.c_e) for p in PRESETS}
+        caches: dict[str, vc.Aqvc] = {p: setup.cache(p, panel.c_e) for p in PRESETS}
         trades = shot.trades(caches, quick)
         outcome.rows += _panel_rows(panel, trades, quick)
         outcome.files.append(draw_panel(panel.setup, trades, folder))
@@ -81,8 +79,8 @@ def figure5(
 def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]:
     """Bidirectional path tracing, by preset."""
     shot = Shot(
-        scene=scenes.cornell_box(),
-        integrator=Bdpt(),
+        scene=vc.scenes.cornell_box(),
+        integrator=vc.Bdpt(),
         size=size or (QUICK_BIDIRECTIONAL_SIZE if quick else BIDIRECTIONAL_SIZE),
         spp=QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP,
     )

@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from viscache import scenes
+import viscache as vc
 from viscache.aqvc import eye_keys
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, PaperForm
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_bias import bias_rows
 from viscache_lab.figures.aqvc_errors import bias, stray_light
@@ -67,7 +65,7 @@ def leaking_cells() -> list[Row]:
     behind = front - np.float32(1e-3 * 2 * radius / cells) * up
     rows = []
     for mode in MODES:
-        settings = replaced(Aqvc(), {"normal_mode": mode}, "visibility")
+        settings = replaced(vc.Aqvc(), {"normal_mode": mode}, "visibility")
         sides = [
             eye_keys(settings, (0, 0, 0), radius, x, n, np.full(len(x), cells))[0]
             for x, n in ((front, up), (behind, -up))
@@ -89,7 +87,7 @@ def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
-        cache = Aqvc(c_e=C_E, exact_groups=(), paper=PaperForm(grid_seed=grid))
+        cache = vc.Aqvc(c_e=C_E, exact_groups=(), paper=vc.PaperForm(grid_seed=grid))
         settings = replaced(cache, given, "visibility")
         trade = Trade(frame=shot.frame(settings), exact=exact)
         found.append(
@@ -112,7 +110,7 @@ def _shot(quick: bool, size: Size) -> Shot:
 def normals(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
     """Bins of normals: rays and errors in the apartment, and stray light behind a thin wall."""
     apartment = _shot(quick, size)
-    wall = Shot(scene=scenes.thin_wall(), integrator=Direct(), size=apartment.size)
+    wall = Shot(scene=vc.scenes.thin_wall(), integrator=vc.Direct(), size=apartment.size)
     found = {m: mean_trade(apartment, quick, normal_mode=m) for m in MODES}
     stray = {m: mean_trade(wall, quick, normal_mode=m, refinement="off") for m in MODES}
     rows = []
@@ -190,7 +188,7 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
         trades = {
             state: Trade(
                 frame=shot.frame(
-                    Aqvc(
+                    vc.Aqvc(
                         c_e=C_E,
                         refinement=dict.fromkeys(kinds, state),
                         exact_groups=(),

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
+import viscache as vc
 from viscache.plots import label as plot_label
 from viscache.plots.sweeps import ticks_1_2_5
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import scene_file
-from viscache.settings.integrators import Whitted
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, group_rows
@@ -102,14 +101,14 @@ def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Seq
 
 
 def make_sweep(
-    setup: Setup, scene: Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
+    setup: Setup, scene: vc.Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
 ) -> tuple[Sweep, Shot]:
     """The sweeps to fill, and the frames to render."""
     spp = 1 if not antialiased else 4 if quick else setup.antialiased
     integrator = setup.integrator(quick)
     if antialiased and setup.n_vpls and not quick:
         n = setup.n_environment // ANTIALIASED_LIGHTS
-        integrator = Whitted(
+        integrator = vc.Whitted(
             n_vpls=setup.n_vpls // ANTIALIASED_LIGHTS,
             n_environment=n,
             n_brdf=n,
@@ -210,7 +209,7 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
         scene = load_file(name, outcome)
         if scene is None:
             continue
-        integrator = Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
+        integrator = vc.Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
         shot = Shot(scene=scene, integrator=integrator, size=size)
         presets: tuple[Preset, ...] = ("default", "paper")
         settings = {p: SETUPS["courtyard"].cache(p, FILES_C_E) for p in presets}
@@ -224,13 +223,13 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
     return rows
 
 
-def load_file(name: str, outcome: Outcome) -> Scene | None:
+def load_file(name: str, outcome: Outcome) -> vc.Scene | None:
     """A scene by another author, with a measured sky if it has no light that viscache models."""
     path = scene_file(name)
     if path is None:
         outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
         return None
-    scene = load_scene(path)
+    scene = vc.load_scene(path)
     sky = path.parent.parent / SKIES["noon"]
     if scene.lights:
         return scene

@@ -10,15 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from viscache import metrics
-from viscache.aqvc.table import AqvcTable
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics.temporal import flicker
-from viscache.scene import Camera, Scene
 from viscache.scenes.shapes import bumpy_sphere
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, Exact, PaperForm
-from viscache.shot.render import render
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_flicker import cameras
 from viscache_lab.figures.aqvc_setups import delta
@@ -42,7 +36,7 @@ WAYS = ("dropped", "kept", "epochs", "repaired")
 class Sequence:
     """The frames of one path, with one way to keep tables."""
 
-    frames: list[Frame] = field(default_factory=list)
+    frames: list[vc.Frame] = field(default_factory=list)
 
     def total(self, name: str) -> int:
         """A counter summed over all frames; 0 if absent."""
@@ -60,21 +54,21 @@ class Sequence:
 
 
 @cache
-def _apartment(triangles: int) -> Scene:
+def _apartment(triangles: int) -> vc.Scene:
     return delta(triangles)
 
 
 @cache
-def with_ball(triangles: int, x: float, y: float, z: float) -> Scene:
+def with_ball(triangles: int, x: float, y: float, z: float) -> vc.Scene:
     """The apartment with a ball in the air."""
     d = _apartment(triangles).description()
     vertices, faces = bumpy_sphere(BALL_RADIUS, 12).mesh(1.0)
     ball = np.asarray(vertices, np.float32) + np.array([x, y, z], np.float32)
     d.add_mesh(ball, np.asarray(faces, np.uint32), material=0, name="ball")
-    return Scene.from_description(d)
+    return vc.Scene.from_description(d)
 
 
-def views(path: str, quick: bool) -> list[tuple[Scene, Camera]]:
+def views(path: str, quick: bool) -> list[tuple[vc.Scene, vc.Camera]]:
     """Scene and camera of every frame: "camera" moves the camera, "ball" the ball."""
     n = QUICK_FRAMES if quick else FRAMES
     triangles = QUICK_TRIANGLES if quick else TRIANGLES
@@ -89,24 +83,24 @@ def views(path: str, quick: bool) -> list[tuple[Scene, Camera]]:
 
 
 def run(
-    shots: list[tuple[Scene, Camera]], way: str, refinement: str, size: tuple[int, int]
+    shots: list[tuple[vc.Scene, vc.Camera]], way: str, refinement: str, size: tuple[int, int]
 ) -> Sequence:
     """Render all frames of a path in one way."""
-    settings = Aqvc(
+    settings = vc.Aqvc(
         c_e=C_E,
-        paper=PaperForm(form="pairs", scale_free=True),
+        paper=vc.PaperForm(form="pairs", scale_free=True),
         refinement="on" if refinement == "on" else "off",
     )
     table = None
     if way != "dropped":
         repair = way == "repaired"
-        table = AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
+        table = vc.AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
     made = Sequence()
     for scene, view in shots:
         if table is not None:
             table.moved(scene, forget=way == "epochs")
         made.frames.append(
-            render(scene, Direct(), visibility=settings, size=size, camera=view, keep=table)
+            vc.render(scene, vc.Direct(), visibility=settings, size=size, camera=view, keep=table)
         )
     return made
 
@@ -124,7 +118,7 @@ def temporal(
     for path in ("camera", "ball"):
         shots = views(path, quick)
         exact = [
-            render(scene, Direct(), visibility=Exact(), size=pixels, camera=view)
+            vc.render(scene, vc.Direct(), visibility=vc.Exact(), size=pixels, camera=view)
             for scene, view in shots
         ]
         for refinement in ("off", "on"):
@@ -146,7 +140,7 @@ def temporal(
     return outcome
 
 
-def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame]) -> list[Row]:
+def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.Frame]) -> list[Row]:
     rows = []
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
@@ -201,17 +195,17 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Fram
     return rows
 
 
-def _mean_error(s: Sequence, exact: list[Frame]) -> float:
+def _mean_error(s: Sequence, exact: list[vc.Frame]) -> float:
     return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
 
 
-def _error(frame: Frame, exact: Frame) -> float:
+def _error(frame: vc.Frame, exact: vc.Frame) -> float:
     cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
-    return metrics.rel_l1(cached, truth) or 0.0
+    return vc.metrics.rel_l1(cached, truth) or 0.0
 
 
 def _table(
-    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[Frame]
+    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[vc.Frame]
 ) -> list[dict[str, Any]]:
     names = (
         "queries",

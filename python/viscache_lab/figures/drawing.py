@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.base import tonemap
 from viscache.plots.drawing import new_figure
-from viscache.scene import Camera
 
 __all__ = ["draw_image", "draw_lines", "draw_records", "new_figure", "project", "save_figure"]
 
@@ -48,7 +48,7 @@ def draw_lines(
     return save_figure(figure, path)
 
 
-def project(camera: Camera, size: tuple[int, int], points: Floats) -> Floats:
+def project(camera: vc.Camera, size: tuple[int, int], points: Floats) -> Floats:
     """(N, 2) pixel coordinates of (N, 3) points, from the upper left; NaN behind the camera."""
     width, height = size
     offset = np.asarray(points, float) - np.array(camera.origin)
@@ -70,7 +70,9 @@ def draw_image(axes: Any, image: Floats, title: str = "", *, exposure: float | N
     axes.set_axis_off()
 
 
-def draw_records(axes: Any, image: Floats, camera: Camera, positions: Floats, title: str) -> None:
+def draw_records(
+    axes: Any, image: Floats, camera: vc.Camera, positions: Floats, title: str
+) -> None:
     """Red dots at the records (N, 3), on the picture they were made for."""
     height, width = image.shape[:2]
     draw_image(axes, image, title)

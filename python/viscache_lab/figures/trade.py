@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.passes.over_time import gain, passes_over_time
+import viscache as vc
+from viscache.passes.over_time import gain
 from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
-from viscache.scene import Scene, load_scene
 from viscache.scenes import sources
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
 from viscache_lab.figures import trade_bands as bands
 from viscache_lab.figures.drawing import save_figure
 from viscache_lab.figures.outcome import Band, Outcome, Row
@@ -34,12 +32,12 @@ class Case:
     name: str
     spec: str
 
-    def opened(self) -> Scene | None:
+    def opened(self) -> vc.Scene | None:
         """The scene; None without its file."""
         if "/" not in self.spec:
             return sources.opened(self.spec)
         path = sources.made_by_others(self.spec)
-        return None if path is None else load_scene(path)
+        return None if path is None else vc.load_scene(path)
 
 
 CASES = (
@@ -64,13 +62,13 @@ def trade(
 ) -> Outcome:
     """Passes of one sample with lights that stay the same, on one thread each."""
     outcome, found, table = Outcome(), {}, []
-    light = Whitted(n_vpls=64 if quick else 1024)
+    light = vc.Whitted(n_vpls=64 if quick else 1024)
     for case in QUICK if quick else CASES:
         scene = case.opened()
         if scene is None:
             outcome.skip(case.name, "VISCACHE_SCENES has no such file")
             continue
-        ds = passes_over_time(
+        ds = vc.passes_over_time(
             scene,
             light,
             settings(light),
@@ -98,15 +96,15 @@ def trade(
     return outcome
 
 
-def settings(light: Whitted) -> dict[str, Any]:
+def settings(light: vc.Whitted) -> dict[str, Any]:
     """What is compared, by name."""
-    cache = Aqvc(c_e=C_E)
+    cache = vc.Aqvc(c_e=C_E)
     return {
-        "exact": {"visibility": Exact()},
-        "packets": {"visibility": Exact(engine="packets")},
+        "exact": {"visibility": vc.Exact()},
+        "packets": {"visibility": vc.Exact(engine="packets")},
         "biased": {"visibility": cache, "use": "replace"},
         "corrected": {"visibility": cache, "use": "correct"},
-        f"{PICKS} picks": {"visibility": Exact(), "integrator": replace(light, pick=PICKS)},
+        f"{PICKS} picks": {"visibility": vc.Exact(), "integrator": replace(light, pick=PICKS)},
     }
 
 

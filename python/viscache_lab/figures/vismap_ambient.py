@@ -7,11 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.scenes import build
-from viscache.settings.integrators import AmbientOcclusion
-from viscache.shot.render import render
-from viscache.vismap import cached_ambient_occlusion
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
 from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
@@ -30,9 +27,9 @@ def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome = Outcome()
     scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
     n_rays = QUICK_RAYS if quick else printed.AO_RAYS
-    cached = cached_ambient_occlusion(scene, size=size, spp=printed.AO_SAMPLES)
-    unlimited = AmbientOcclusion(n_samples=n_rays, max_distance=None)
-    exact = render(scene, unlimited, size=size, spp=printed.AO_SAMPLES, progress=progress)
+    cached = vc.cached_ambient_occlusion(scene, size=size, spp=printed.AO_SAMPLES)
+    unlimited = vc.AmbientOcclusion(n_samples=n_rays, max_distance=None)
+    exact = vc.render(scene, unlimited, size=size, spp=printed.AO_SAMPLES, progress=progress)
     outcome.rows += _rows(exact, cached, n_rays, quick)
     path = folder / "vismap-fig10.png"
     save_figure(_picture(exact, cached), path, dpi=150)
@@ -40,7 +37,7 @@ def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
+def _rows(exact: vc.Frame, cached: vc.Frame, n_rays: int, quick: bool) -> list[Row]:
     """A quick picture has too few pixels to share its records: its gains have no bands."""
     error = np.abs(_visible(cached) - _visible(exact))
     per_point = cached.counters["rays_per_point"]
@@ -81,13 +78,13 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
     ]
 
 
-def _visible(frame: Frame) -> Any:
+def _visible(frame: vc.Frame) -> Any:
     """(H, W) ambient visibility; samples of a pixel without a surface count as 0 in both."""
     over_hits = "ambient" not in frame.layers  # a cached picture's mean covers surfaces only
     return (frame.image * (frame.layers["coverage"] if over_hits else 1.0))[:, :, 0].astype(float)
 
 
-def _picture(exact: Frame, cached: Frame) -> Any:
+def _picture(exact: vc.Frame, cached: vc.Frame) -> Any:
     figure = new_figure(13.0, 3.6)
     axes = figure.subplots(1, 3)
     draw_image(axes[0], exact.image, "by rays", exposure=1.0)

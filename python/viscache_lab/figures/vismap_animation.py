@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.base.progress import progress_bar
 from viscache.metrics.variance import variance_ratio
 from viscache.plots import COLORS
-from viscache.scene import Camera, Scene
-from viscache.scene.cameras import look_at
 from viscache.scenes import SCENES
 from viscache.scenes.light_product import (
     LUMINANCE,
@@ -28,7 +27,6 @@ from viscache.scenes.light_product import (
     reflected,
 )
 from viscache.scenes.shapes import place, soft_box
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures.drawing import new_figure, save_figure
@@ -71,7 +69,7 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
         )
     )
     frames: list[Frame] = []
-    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
     with progress_bar(progress, unit="frame") as report:
         for k in range(n_frames):
             frames.append(_frame(cache, k / n_frames, size, *pixels))
@@ -84,29 +82,29 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def crate_and_garage(t: float) -> Scene:
+def crate_and_garage(t: float) -> vc.Scene:
     """The garage with a crate that slides from the camera's left to its right, t in [0, 1]."""
     b = SCENES["garage"].builder(triangles=TRIANGLES)
     vertices, triangles = soft_box((0.9, 0.9, 0.9), (6, 6, 6), power=14, bulge=0.05).mesh(1.0)
     at = place([9.6, 0.46, 6.6 - 5.0 * t], yaw=60.0 * t)
     b.add_mesh(vertices @ at[:3, :3].T + at[:3, 3], triangles, b.diffuse("crate", (0.6, 0.5, 0.3)))
-    return Scene.from_description(b.description)
+    return vc.Scene.from_description(b.description)
 
 
-def swinging_camera(t: float) -> Camera:
+def swinging_camera(t: float) -> vc.Camera:
     """One swing to and fro before the gate."""
     swing = math.sin(2 * math.pi * t)
-    return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
+    return vc.look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
 
 
 def _inserted_again(size: tuple[int, int]) -> int:
-    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
     cache.update(swinging_camera(0.0), size=size)
     return cache.update(swinging_camera(0.0), size=size).inserted
 
 
 def _frame(
-    cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
+    cache: vc.VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
 ) -> Frame:
     """Update, estimate, compare the records with exact rays, remove."""
     view, scene = swinging_camera(t), crate_and_garage(t)
@@ -137,7 +135,7 @@ def _frame(
 
 
 def _compare(
-    cache: VisibilityMapCache, view: Camera, size: tuple[int, int], pixels: int
+    cache: vc.VisibilityMapCache, view: vc.Camera, size: tuple[int, int], pixels: int
 ) -> tuple[int, int]:
     """Count how often records contradict exact light-product rays of random pixels."""
     scene = cache.scene

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.metrics.variance import variance_ratio
 from viscache.scenes.light_product import blocked_share, first_hits
-from viscache.vismap import VisMaps
 from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
@@ -114,7 +114,7 @@ def _garage(quick: bool) -> Picture:
     return Picture(scene=VIEWS["garage"].open(quick), size=QUICK_SIZE if quick else SIZE)
 
 
-def _rivals(picture: Picture, maps: VisMaps, ours: int, theirs: int, renders: int) -> Rivals:
+def _rivals(picture: Picture, maps: vc.VisMaps, ours: int, theirs: int, renders: int) -> Rivals:
     return Rivals(
         maps=images(lambda seed: picture.maps(ours, maps, seed), range(renders)),
         product=images(lambda seed: picture.product(theirs, seed), range(100, 100 + renders)),
@@ -153,9 +153,9 @@ def _shadow_rows(
 def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     """Guided densities, an extension of the paper's method, in equal time."""
     samples = printed.EQUAL_TIME_SAMPLES[0]
-    seconds = cpu_median([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
+    seconds = cpu_median([picture.maps(samples, vc.VisMaps(sampling="guided")) for _ in range(3)])
     equal = samples_in(picture, seconds)
-    maps = VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
+    maps = vc.VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
     rivals = _rivals(picture, maps, samples, equal, renders)
     left = variance_ratio(rivals.maps, rivals.product)
     return [

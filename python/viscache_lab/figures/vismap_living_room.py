@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import viscache as vc
 from viscache.metrics.variance import variance_ratio
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import SCENES_VARIABLE, made_by_others
-from viscache.settings.visibility import VisMaps
 from viscache_lab.cases.map_renders import Picture, paper_maps
 from viscache_lab.figures.outcome import Outcome, Row
 
@@ -21,9 +20,9 @@ RENDERS, SIZE = 8, (160, 120)
 QUICK_RENDERS, QUICK_SIZE = 3, (32, 24)
 
 
-def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
+def living_rooms(outcome: Outcome) -> Iterator[tuple[str, vc.Scene]]:
     """The room under every available sky; absent files are recorded in `outcome.skipped`."""
-    room: Scene | None = None
+    room: vc.Scene | None = None
     for name, sky in SKIES.items():
         label = f"living-room, {name}"
         mesh, light = made_by_others(SCENE), made_by_others(sky)
@@ -31,16 +30,16 @@ def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
             absent = SCENE if mesh is None else sky
             outcome.skip(label, f"{absent} is absent: set {SCENES_VARIABLE} to its folder")
             continue
-        room = room or load_scene(mesh)
+        room = room or vc.load_scene(mesh)
         yield label, room.with_environment(light)
 
 
-def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:
+def variance_rows(label: str, scene: vc.Scene, quick: bool) -> list[Row]:
     """Remaining variance of rendered pictures, with a cache built before."""
     renders = QUICK_RENDERS if quick else RENDERS
     picture = Picture(scene=scene, size=QUICK_SIZE if quick else SIZE)
     cache = picture.build_cache()
-    ways = {"alpha one": paper_maps(cache), "default": VisMaps(cache=cache, update=False)}
+    ways = {"alpha one": paper_maps(cache), "default": vc.VisMaps(cache=cache, update=False)}
     rows = []
     for n in QUICK_SAMPLES if quick else SAMPLES:
         base = [picture.product(n, 100 + seed).image for seed in range(renders)]

@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
+import viscache as vc
 from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
-from viscache.frame import Frame
 from viscache.scenes.garage import sky_image
-from viscache.settings.integrators import Direct
-from viscache.vismap import Relighting, VisibilityMapCache
 from viscache_lab.figures import references
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
@@ -33,13 +31,13 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome = Outcome()
     scene, size = VIEWS["garage"].open(quick), QUICK_SIZE if quick else SIZE
     samples = QUICK_SAMPLES if quick else SAMPLES
-    cache = VisibilityMapCache(scene)
-    design = Relighting(cache, size=size)
+    cache = vc.VisibilityMapCache(scene)
+    design = vc.Relighting(cache, size=size)
     traced, sky = cache.rays, sky_image()
     previews = [design.under(sky, rotation_deg=turn) for turn in TURNS_DEG]
     rays = sum(frame.counters["rays"] for frame in previews) + cache.rays - traced
     reference = references.exact_frames()(
-        scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
+        scene, vc.Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
     )
     outcome.rows += [
         Row("records", len(cache), printed=printed.PREVIEW_RECORDS),
@@ -64,7 +62,7 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def alike(preview: Frame, reference: Frame) -> float:
+def alike(preview: vc.Frame, reference: vc.Frame) -> float:
     """Pearson correlation of displayed luminance, of pixels that see only surfaces."""
     surface = reference.layers["coverage"][:, :, 0] == 1
     exposure = auto_exposure(reference.image, 95.0)
@@ -72,7 +70,7 @@ def alike(preview: Frame, reference: Frame) -> float:
     return float(np.corrcoef(*shown)[0, 1])
 
 
-def _picture(reference: Frame, previews: list[Frame]) -> Any:
+def _picture(reference: vc.Frame, previews: list[vc.Frame]) -> Any:
     exposure = auto_exposure(reference.image, 95.0)
     shown = {"reference": reference, "preview": previews[0]}
     shown |= {f"turned by {d:g}°": f for d, f in zip(TURNS_DEG[1:], previews[1:], strict=True)}

@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation import measure
-from viscache.scene import Camera, Scene
 from viscache.scene.cameras import find_camera
 from viscache.scenes import build
-from viscache.settings.integrators import Direct
-from viscache.shot.render import render
-from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
+from viscache.vismap import UpdateReport
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
 from viscache_lab.figures.drawing import draw_records, new_figure, save_figure
@@ -42,10 +40,10 @@ class View:
     camera: int = 0
     m: int = 5
 
-    def open(self, quick: bool) -> Scene:
+    def open(self, quick: bool) -> vc.Scene:
         """The scene, smaller for quick runs."""
         made = build(self.quick_scene if quick else self.scene)
-        assert isinstance(made, Scene)
+        assert isinstance(made, vc.Scene)
         return made
 
 
@@ -67,7 +65,7 @@ POINTS, LEVELS, MAP_SIZE = 8192, 9, 24
 class Built:
     """A cache after its first update."""
 
-    cache: VisibilityMapCache
+    cache: vc.VisibilityMapCache
     report: UpdateReport
 
     @property
@@ -76,9 +74,11 @@ class Built:
         return np.asarray(self.cache.records().positions[self.report.startup :])
 
 
-def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapSettings) -> Built:
+def build_cache(
+    scene: vc.Scene, camera: int, size: tuple[int, int], settings: vc.MapSettings
+) -> Built:
     """A cache for one picture."""
-    cache = VisibilityMapCache(scene, settings)
+    cache = vc.VisibilityMapCache(scene, settings)
     return Built(cache=cache, report=cache.update(camera, size=size))
 
 
@@ -89,12 +89,12 @@ def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
     size = QUICK if quick else FULL
     for name, view in VIEWS.items():
         scene = view.open(quick)
-        built = build_cache(scene, view.camera, size, MapSettings(m=view.m))
+        built = build_cache(scene, view.camera, size, vc.MapSettings(m=view.m))
         outcome.rows += _table_rows(name, built, size)
-        automatic = MapSettings(preset="auto", m=view.m)
+        automatic = vc.MapSettings(preset="auto", m=view.m)
         outcome.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
     for label, scene in living_rooms(outcome):
-        rows = _table_rows(label, build_cache(scene, 0, size, MapSettings()), size)
+        rows = _table_rows(label, build_cache(scene, 0, size, vc.MapSettings()), size)
         outcome.rows += [replace(row, band=None) for row in rows]
     if quick:
         outcome.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
@@ -151,8 +151,8 @@ def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records by weight only, and by the difference of maps only."""
     outcome = Outcome()
     scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
-    by_weight = build_cache(scene, 0, size, MapSettings(w_min=0.4, delta_max=1.0))
-    by_difference = build_cache(scene, 0, size, MapSettings(w_min=0.0, delta_max=0.06))
+    by_weight = build_cache(scene, 0, size, vc.MapSettings(w_min=0.4, delta_max=1.0))
+    by_difference = build_cache(scene, 0, size, vc.MapSettings(w_min=0.0, delta_max=0.06))
     outcome.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
     titles = (
         f"weight: {len(by_weight.added)} records",
@@ -164,7 +164,7 @@ def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
+def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
     """Rank correlations of the densities with curvature, and with 1 − ρ of the surroundings."""
     ds = measure(scene, n_points=POINTS, map_size=MAP_SIZE)
     positions, normals = ds["position"].values, ds["normal"].values
@@ -199,7 +199,7 @@ def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
     for name in ("garden1", "dynamics"):
         view = VIEWS[name]
         scene = view.open(quick)
-        built[name] = build_cache(scene, view.camera, size, MapSettings())
+        built[name] = build_cache(scene, view.camera, size, vc.MapSettings())
         path = folder / f"vismap-fig12-{name}.png"
         records = built[name].cache.records().positions
         _dots(scene, view.camera, size, {f"{name}: {len(records)} records": records}, path)
@@ -217,10 +217,10 @@ def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def _dots(
-    scene: Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
+    scene: vc.Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
 ) -> None:
-    view: Camera = find_camera(scene, camera)
-    image = render(scene, Direct(n_environment=16), camera=camera, size=size).image
+    view: vc.Camera = find_camera(scene, camera)
+    image = vc.render(scene, vc.Direct(n_environment=16), camera=camera, size=size).image
     figure = new_figure(5.0 * len(records), 4.0)
     both = figure.subplots(1, len(records), squeeze=False)[0]
     for axes, (title, positions) in zip(both, records.items(), strict=True):

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import viscache as vc
 from viscache.base.progress import progress_bar
 from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.plots import COLORS, pareto
-from viscache.scene import Scene
 from viscache.scenes import build
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures.drawing import new_figure, save_figure
@@ -78,10 +77,10 @@ def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
+def measure(scene: vc.Scene, value: Mapping[str, Any], quick: bool) -> Setting:
     """Build a cache, and estimate random pixels with it."""
     size = QUICK_SIZE if quick else SIZE
-    cache = VisibilityMapCache(scene, MapSettings(**value))
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(**value))
     start = time.perf_counter()
     report = cache.update(size=size)
     seconds = time.perf_counter() - start

@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps
 from viscache_lab.figures import vismap_bands as bands
@@ -73,7 +73,7 @@ def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
         picture = Picture(
             scene=view.open(quick), camera=view.camera, size=QUICK_SIZE if quick else SIZE
         )
-        settings = MapSettings(m=view.m)
+        settings = vc.MapSettings(m=view.m)
         outcome.rows += _rendered_rows(name, picture, settings, samples, quick)
         found = simulate(
             picture.build_cache(settings),
@@ -105,7 +105,7 @@ def _ways() -> list[Way]:
 
 
 def _rendered_rows(
-    name: str, picture: Picture, settings: MapSettings, samples: tuple[int, ...], quick: bool
+    name: str, picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...], quick: bool
 ) -> list[Row]:
     cache = picture.build_cache(settings)
     left = {n: _rendered(picture, cache, n, QUICK_RENDERS if quick else RENDERS) for n in samples}
@@ -131,7 +131,9 @@ def _rendered_rows(
     return rows + _time_rows(name, _times(picture, settings, samples), quick)
 
 
-def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int) -> VarianceRatio:
+def _rendered(
+    picture: Picture, cache: vc.VisibilityMapCache, n: int, renders: int
+) -> VarianceRatio:
     maps = paper_maps(cache)
     return variance_ratio(
         images(lambda seed: picture.maps(n, maps, seed), range(renders)),
@@ -139,7 +141,7 @@ def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int)
     )
 
 
-def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) -> Times:
+def _times(picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...]) -> Times:
     """The faster of two runs of each picture; with maps, each run makes the cache's records."""
 
     def seconds(frames: list[Any]) -> float:

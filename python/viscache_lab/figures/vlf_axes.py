@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scene.about import offset_extent
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
@@ -37,7 +36,7 @@ X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Error of ambient occlusion by number of directions, with equal and solid-angle weights."""
     triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
-    scene: Scene = scenes.bumpy_spheres(triangles=triangles)
+    scene: vc.Scene = vc.scenes.bumpy_spheres(triangles=triangles)
     size = QUICK_X2_SIZE if quick else X2_SIZE
     points, normals, seen = first_hits(scene, scene.cameras[0], size)
     reference = hemisphere_reference(
@@ -47,7 +46,7 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     errors: dict[str, dict[int, npt.NDArray[np.float64]]] = {"equal": {}, "solid angle": {}}
     for count in counts:
         free = bits_of(scene, points, normals, count)
-        weights = vlf.direction_weights(count).astype(float)
+        weights = vc.vlf.direction_weights(count).astype(float)
         errors["equal"][count] = free.mean(axis=1) - reference
         errors["solid angle"][count] = free @ weights / weights.sum() - reference
     rmse = {w: {n: _rms(e) for n, e in found.items()} for w, found in errors.items()}
@@ -78,7 +77,7 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def hemisphere_reference(
-    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
+    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
 ) -> npt.NDArray[np.float64]:
     """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
@@ -96,10 +95,10 @@ def hemisphere_reference(
 
 
 def bits_of(
-    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
+    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
 ) -> npt.NDArray[np.bool_]:
     """(N, l): which directions are unoccluded."""
-    words = vlf.aligned_occlusion(scene, points, normals, count)
+    words = vc.vlf.aligned_occlusion(scene, points, normals, count)
     return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
 
@@ -166,7 +165,7 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
     lines: dict[str, tuple[list[float], list[float]]] = {}
     directions = QUICK_X4_DIRECTIONS if quick else X4_DIRECTIONS
     for spec in QUICK_X4_SCENES if quick else X4_SCENES:
-        scene: Scene = scenes.build(spec)
+        scene: vc.Scene = vc.scenes.build(spec)
         name = spec.partition("?")[0]
         gains, chosen = [], []
         shares = QUICK_SHARES if quick else SHARES
@@ -227,7 +226,7 @@ def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
     return {shares[0]: bands.FEW_POINTS, shares[-1]: bands.MANY_POINTS}.get(share)
 
 
-def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
+def _engines(scene: vc.Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
     """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
     wanted = max(16, round(share * scene.triangles))
     side = math.ceil(math.sqrt(2.5 * wanted))
@@ -239,7 +238,9 @@ def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, flo
     def run(engine: Any) -> Callable[[], None]:
         def trace() -> None:
             nonlocal taken
-            rows = vlf.trace_aligned(scene, points, normals, directions, engine=engine, threads=1)
+            rows = vc.vlf.trace_aligned(
+                scene, points, normals, directions, engine=engine, threads=1
+            )
             if engine == "auto":
                 taken = rows.engine
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import vlf
+import viscache as vc
 from viscache.vlf.tiles import cover_tiles, walk_leaves, walk_tiles
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures.drawing import new_figure, save_figure
@@ -150,8 +150,8 @@ def _aligned_tiles(rng: np.random.Generator, n: int) -> float:
 def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
     ends = rng.normal(size=(2, n, 3))
     o, e = ends / np.linalg.norm(ends, axis=2, keepdims=True)
-    axis = vlf.nearest_direction((e - o).astype(np.float32), count)
-    frames = vlf.direction_frames(count)[axis].astype(float)
+    axis = vc.vlf.nearest_direction((e - o).astype(np.float32), count)
+    frames = vc.vlf.direction_frames(count)[axis].astype(float)
     q, g = (np.einsum("nij,nj->ni", frames, v) for v in (o, e - o))
     walks = zip(q.tolist(), g.tolist(), strict=True)
     return float(np.mean([len(walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0]) for p, d in walks]))

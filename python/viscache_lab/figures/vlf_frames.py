@@ -10,12 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.frame import Frame
-from viscache.scene import Camera, Scene, look_at
-from viscache.settings.integrators import Whitted
-from viscache.settings.rays import Rays, Vlf
-from viscache.shot.render import render
+import viscache as vc
+from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
@@ -49,8 +45,8 @@ METHODS = ("CRT", "VLF-RT", "Embree", FAST_EMBREE)
 QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
 
-def _random(count: int) -> Scene:
-    made: Scene = scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
+def _random(count: int) -> vc.Scene:
+    made: vc.Scene = vc.scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
     return made
 
 
@@ -60,9 +56,9 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome, figure = Outcome(), new_figure(8.0, 4.2)
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
-        view = look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
+        view = vc.look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
         size = QUICK_SIZE if quick else printed.RANDOM_SIZE
-        frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
+        frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
         axes = figure.add_subplot(1, 2, column + 1)
         draw_image(axes, frame.image, f"{count} triangles")
         outcome.rows.append(
@@ -128,7 +124,7 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 def _stations(size: tuple[int, int]) -> Beams:
     parts = [
-        camera_rays(look_at(p, (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0), size) for p in STATIONS
+        camera_rays(vc.look_at(p, (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0), size) for p in STATIONS
     ]
     return Beams(
         origins=np.concatenate([p.origins for p in parts]),
@@ -159,10 +155,10 @@ def _count_rows(
     ]
 
 
-def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
+def steps_of_a_ray(scene: vc.Scene, beams: Beams, quick: bool) -> float:
     """Tiles, leaves and triangles that a ray visits in a field of depth 3, mean."""
     n_directions = QUICK_DIRECTIONS if quick else printed.DIRECTIONS
-    settings = Vlf(
+    settings = vc.Vlf(
         n_directions=n_directions,
         n_tiles=QUICK_TILES if quick else printed.TILES,
         bsp_depth=3,
@@ -170,7 +166,7 @@ def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
         max_bytes=MAX_BYTES,
     )
     field = settings.build(scene)
-    axes = vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
+    axes = vc.vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
     steps = field.trace_by(beams.origins, beams.directions, axes)[3]
     return float(sum(steps[name] for name in ("tiles", "leaves", "tests")) / len(beams))
 
@@ -206,7 +202,7 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
     # One scene per tracer: a scene keeps only one caster besides Embree's
     rooms = {name: _classroom(quick) for name in METHODS}
-    views = [scenes.classroom_camera(k) for k in frames]
+    views = [vc.scenes.classroom_camera(k) for k in frames]
     trial = camera_rays(views[len(views) // 2], size)
     tuned = {
         "CRT": best_bsp(rooms["CRT"], trial, quick),
@@ -244,15 +240,17 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def _classroom(quick: bool) -> Scene:
-    made: Scene = scenes.classroom_like(triangles=5000 if quick else printed.CLASSROOM_TRIANGLES)
+def _classroom(quick: bool) -> vc.Scene:
+    made: vc.Scene = vc.scenes.classroom_like(
+        triangles=5000 if quick else printed.CLASSROOM_TRIANGLES
+    )
     return made
 
 
-def _whitted(scene: Scene, rays: Rays, view: Camera, size: tuple[int, int]) -> Frame:
+def _whitted(scene: vc.Scene, rays: Rays, view: vc.Camera, size: tuple[int, int]) -> vc.Frame:
     """A frame; its time excludes building the caster."""
     scene.caster(rays)
-    return render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
+    return vc.render(scene, vc.Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
 
 
 def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[np.float64]:
@@ -313,11 +311,11 @@ def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
 @figure("vlf-fig7", "the classroom")
 def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The classroom with Whitted and with OpenGL-like shading."""
-    scene: Scene = scenes.classroom_like()
+    scene: vc.Scene = vc.scenes.classroom_like()
     lights = [light for light in scene.lights if light["kind"] == "point"]
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
     view = scene.cameras[1]
-    frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
+    frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
     figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
         "Whitted": frame.image,
@@ -343,7 +341,7 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def local_shading(
-    frame: Any, view: Camera, lights: list[dict[str, Any]]
+    frame: Any, view: vc.Camera, lights: list[dict[str, Any]]
 ) -> npt.NDArray[np.float64]:
     """(H, W, 3): local shading by the lights' distances and directions, without shadows."""
     layers = frame.layers

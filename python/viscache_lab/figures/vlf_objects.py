@@ -8,9 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from viscache import scenes
-from viscache.scene import Scene
-from viscache.settings.rays import Vlf
+import viscache as vc
 from viscache.vlf.dynamic import DynamicField
 from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
@@ -25,8 +23,8 @@ Mode: TypeAlias = Literal["overlay", "in_place"]
 TRIANGLES, QUICK_TRIANGLES = 100_000, 3_000
 #: Triangles of the moving object, as shares of the scene's: 100 to 10,000.
 SHARES, QUICK_SHARES = (0.001, 0.003, 0.01, 0.03, 0.1), (0.01, 0.1)
-FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
-QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+FIELD = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
+QUICK_FIELD = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
 CHORDS, QUICK_CHORDS = 50_000, 2_000
 
 
@@ -34,7 +32,7 @@ CHORDS, QUICK_CHORDS = 50_000, 2_000
 def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """CPU time of an update against that of rebuilding the field."""
     settings = QUICK_FIELD if quick else FIELD
-    scene: Scene = scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
+    scene: vc.Scene = vc.scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
     rebuild = cpu_seconds(partial(settings.build, scene), 1 if quick else 2)
     outcome = Outcome(
         rows=[
@@ -83,7 +81,7 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def _move(
-    field: DynamicField, scene: Scene, share: float, mode: Mode, quick: bool
+    field: DynamicField, scene: vc.Scene, share: float, mode: Mode, quick: bool
 ) -> dict[str, Any]:
     """Insert an object, move it from stop to stop, compare the last stop, and delete it."""
     vertices, triangles = ball(round(share * scene.triangles), (0.0, 0.5, 0.0))
@@ -96,7 +94,7 @@ def _move(
     beams = chords(scene, QUICK_CHORDS if quick else CHORDS)
     found = field.intersect(beams.origins, beams.directions).t
     moved = with_object(scene, vertices + np.array(STOPS[-1]), triangles)
-    fresh = Vlf(n_directions=33, n_tiles=64, bsp_depth=3).build(moved)
+    fresh = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3).build(moved)
     expected = fresh.intersect(beams.origins, beams.directions)[0]
     nbytes = field.stats["bytes"]
     field.delete(number)

@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scene.about import offset_extent
-from viscache.settings.rays import Embree
 from viscache_lab.cases.beams import Beams
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
@@ -46,7 +44,7 @@ class Place:
     """A scene, the points that its first camera sees, and rays along all axes."""
 
     name: str
-    scene: Scene
+    scene: vc.Scene
     positions: npt.NDArray[np.float32]
     normals: npt.NDArray[np.float32]
     seen: npt.NDArray[np.bool_]
@@ -59,7 +57,7 @@ class Place:
         extent = np.float32(offset_extent(self.scene))
         size = np.maximum(np.abs(p).max(axis=1, keepdims=True), extent)
         o = (p + n * (np.float32(OFFSET) * size)).astype(np.float32)
-        axes = vlf.directions(self.n_directions)
+        axes = vc.vlf.directions(self.n_directions)
         sign = np.where(n @ axes.T >= 0, 1, -1).astype(np.float32)
         d = sign[:, :, None] * axes
         o = np.broadcast_to(o[:, None], d.shape)
@@ -73,8 +71,8 @@ class Place:
 def place(name: str, quick: bool) -> Place:
     """A stand-in for a scene of Table 1, with the paper's number of triangles."""
     triangles = printed.OCCLUSION[name].triangles
-    make: Any = scenes.church if name == "church" else scenes.bumpy_spheres
-    scene: Scene = make(triangles=triangles)
+    make: Any = vc.scenes.church if name == "church" else vc.scenes.bumpy_spheres
+    scene: vc.Scene = make(triangles=triangles)
     found = first_hits(scene, scene.cameras[0], QUICK_SIZE if quick else SIZE)
     return Place(
         name=name,
@@ -170,7 +168,7 @@ def _run(
     answers: dict[str, npt.NDArray[np.bool_]], name: str, beams: Beams, tuned: Tuned
 ) -> Callable[[], None]:
     def run() -> None:
-        if isinstance(tuned.settings, Embree):
+        if isinstance(tuned.settings, vc.Embree):
             found = tuned.caster.bare_occluded(
                 beams.origins, beams.directions, math.inf, 16, threads=1
             )
@@ -186,7 +184,7 @@ def _rows_of_bits(spot: Place, quick: bool) -> dict[str, float]:
     engines: dict[str, Any] = {"aligned batch": "batch", "Embree's rows": "embree"}
     runs: dict[str, Callable[[], Any]] = {
         name: partial(
-            vlf.trace_aligned,
+            vc.vlf.trace_aligned,
             spot.scene,
             spot.positions,
             spot.normals,
@@ -285,7 +283,7 @@ def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     for column, name in enumerate(names):
         spot = place(name, quick)
         bits = {engine: _bits(spot, engine) for engine in ("batch", "embree")}
-        weights = vlf.direction_weights(spot.n_directions).astype(float)
+        weights = vc.vlf.direction_weights(spot.n_directions).astype(float)
         image = np.zeros((*spot.seen.shape, 1))
         image[spot.seen, 0] = bits["batch"] @ weights / weights.sum()
         draw_image(
@@ -316,7 +314,7 @@ def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def _bits(spot: Place, engine: Any) -> npt.NDArray[np.bool_]:
-    words = vlf.aligned_occlusion(
+    words = vc.vlf.aligned_occlusion(
         spot.scene, spot.positions, spot.normals, spot.n_directions, engine=engine
     )
     unpacked = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")

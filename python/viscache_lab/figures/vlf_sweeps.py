@@ -9,9 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from viscache import VisibilityField, scenes, vlf
-from viscache.scene import Scene
-from viscache.settings.rays import Vlf
+import viscache as vc
 from viscache.vlf.tiles import expected_references
 from viscache_lab.cases.beams import Beams, chords
 from viscache_lab.figures import vlf_bands as bands
@@ -22,8 +20,8 @@ from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, wri
 
 #: X1: one parameter at a time, around the paper's settings.
 BASE, QUICK_BASE = (
-    Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
-    Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
+    vc.Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
+    vc.Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
 )
 SWEPT: dict[str, tuple[int, ...]] = {
     "n_directions": (33, 129, 513, 2049),
@@ -60,7 +58,7 @@ def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     base = QUICK_BASE if quick else BASE
     swept = QUICK_SWEPT if quick else SWEPT
     triangles = QUICK_TRIANGLES if quick else TRIANGLES
-    scene: Scene = scenes.random_triangles(triangles=triangles, edge_factor=1.0)
+    scene: vc.Scene = vc.scenes.random_triangles(triangles=triangles, edge_factor=1.0)
     beams = chords(scene, QUICK_CHORDS if quick else CHORDS)
     table = []
     for name, values in swept.items():
@@ -91,11 +89,11 @@ def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def _measure(scene: Scene, beams: Beams, settings: Vlf) -> dict[str, Any]:
+def _measure(scene: vc.Scene, beams: Beams, settings: vc.Vlf) -> dict[str, Any]:
     start = time.process_time()
     field = settings.build(scene)
     build_s = time.process_time() - start
-    axes = vlf.nearest_direction(beams.directions, field.settings.n_directions).astype(np.uint32)
+    axes = vc.vlf.nearest_direction(beams.directions, field.settings.n_directions).astype(np.uint32)
     steps = field.trace_by(beams.origins, beams.directions, axes)[3]
     seconds = cpu_seconds(lambda: beams.trace(field))
     n = len(beams)
@@ -171,11 +169,11 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome, table = Outcome(), []
     directions = QUICK_X3_DIRECTIONS if quick else X3_DIRECTIONS
     for spec, n_tiles, depth in QUICK_FIELDS if quick else FIELDS:
-        scene: Scene = scenes.build(spec)
-        settings = Vlf(
+        scene: vc.Scene = vc.scenes.build(spec)
+        settings = vc.Vlf(
             n_directions=directions, n_tiles=n_tiles, bsp_depth=depth, max_bytes=MAX_BYTES
         )
-        predicted = VisibilityField.memory_estimate(scene, settings)
+        predicted = vc.VisibilityField.memory_estimate(scene, settings)
         start = time.process_time()
         stats = settings.build(scene).stats
         build_s = time.process_time() - start
