@@ -48,6 +48,7 @@ LAB = "python/viscache_lab/"
 #: Its rooms.
 LAB_FLOORS: tuple[tuple[str, ...], ...] = (
     ("viscache_lab",),
+    ("experiment",),
     ("cases", "extremes", "parity"),
     ("bench", "figures"),
     ("commands",),
@@ -59,8 +60,7 @@ ROOMS = {
 #: Files that find modules of their package by name: sub-commands, figures, families of checks.
 BY_NAME = (
     f"{PACKAGE}cli.py",
-    f"{LAB}figures/__init__.py",
-    f"{LAB}extremes/families/__init__.py",
+    f"{LAB}experiment/registry.py",
 )
 
 

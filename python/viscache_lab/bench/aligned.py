@@ -10,17 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.scenes.sources import made_by_others
 from viscache.vlf import trace_aligned
-from viscache_lab.bench.common import (
-    Outcome,
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
     Sample,
-    build_scene,
-    figure,
     interleave,
-    ratio_figure,
     timed,
 )
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["FITTED", "HELD_OUT", "Case", "aligned", "eye_points", "opened", "rays_of"]
 
@@ -87,37 +84,28 @@ QUICK_SCENES = ("bumpy_spheres?triangles=15000", "classroom_like")
 QUICK_CASES = tuple(Case(size=(64, 40), n_directions=129, distance=d) for d in (0.05, math.inf))
 
 
-def aligned(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "aligned", "the engine chosen for aligned rays against Embree, in scenes not used to fit"
+)
+def aligned(trial: Trial) -> None:
     """Every case of the held-out scenes: engine "auto" against engine "embree"."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else HELD_OUT:
+    for spec in QUICK_SCENES if trial.quick else HELD_OUT:
         scene = opened(spec)
         if scene is None:
-            outcome.skip(spec, f"VISCACHE_SCENES holds no {spec}")
+            trial.skip(spec, f"VISCACHE_SCENES holds no {spec}")
             continue
         points = {}
-        for case in QUICK_CASES if quick else CASES:
+        for case in QUICK_CASES if trial.quick else CASES:
             if case.size not in points:
                 points[case.size] = eye_points(scene, case.size)
-            _compare(outcome, spec, scene, case, points[case.size], 2 if quick else 3)
-    ratios = [f["ratio"] for f in outcome.figures]
+            _compare(trial, spec, scene, case, points[case.size], 2 if trial.quick else 3)
+    ratios = [f["ratio"] for f in trial.figures]
     if ratios:
-        outcome.figures.append(
-            figure("worst case vs embree", min(ratios), "", ratios=[min(ratios)], goal=GOAL)
-        )
-    outcome.notes.append(
+        trial.figure("worst case vs embree", min(ratios), "", ratios=[min(ratios)], goal=GOAL)
+    trial.notes.append(
         "one thread; Embree: packets of 16 in the order for the number of points and triangles."
         " ours: engine=auto, with the time that the choice takes. Both include sorting the points."
     )
-    return outcome
-
-
-def opened(spec: str) -> vc.Scene | None:
-    """A built-in scene or a file in the folder of scenes by others; None without the file."""
-    if "/" not in spec:
-        return build_scene(spec)
-    path = made_by_others(spec)
-    return None if path is None else vc.load_scene(path)
 
 
 def eye_points(
@@ -135,7 +123,7 @@ def rays_of(scene: vc.Scene, distance: float) -> float:
 
 
 def _compare(
-    outcome: Outcome,
+    trial: Trial,
     spec: str,
     scene: vc.Scene,
     case: Case,
@@ -161,18 +149,16 @@ def _compare(
     samples = interleave({"auto": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
     label = f"{spec.partition('?')[0]} {case.label}"
     n_rays = len(points[0]) * case.n_directions
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["auto"],
-            samples["embree"],
-            work=n_rays,
-            goal=GOAL,
-            points=len(points[0]),
-            triangles=scene.triangles,
-            engine=rows["auto"].engine,
-            reason=rows["auto"].reason,
-        )
+    trial.ratio(
+        f"{label} vs embree",
+        samples["auto"],
+        samples["embree"],
+        work=n_rays,
+        goal=GOAL,
+        points=len(points[0]),
+        triangles=scene.triangles,
+        engine=rows["auto"].engine,
+        reason=rows["auto"].reason,
     )
     unlike = np.bitwise_count(rows["auto"].bits ^ rows["embree"].bits).sum() / n_rays
-    outcome.check(f"{label}: share unlike embree", float(unlike), DIFFERING)
+    trial.check(f"{label}: share unlike embree", float(unlike), DIFFERING)

@@ -9,7 +9,8 @@ from typing import Any, Literal
 import viscache as vc
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_apartment"]
 
@@ -32,21 +33,22 @@ def settings(c_e: float) -> dict[str, Visibility]:
     }
 
 
-def aqvc_apartment(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "aqvc-apartment", "24 lamps, 1024 virtual lights and 256 sky samples with the quantized cache"
+)
+def aqvc_apartment(trial: Trial) -> None:
     """24 lamps, 1024 virtual lights and 256 sky samples, per pixel or shared by all pixels."""
-    outcome = Outcome()
-    scene = build_scene(f"apartment?triangles={20_000 if quick else 750_000}")
+    scene = build_scene(f"apartment?triangles={20_000 if trial.quick else 750_000}")
     scene.caster()  # not part of any frame
     for sky in ("mis", "shared"):
-        measure(outcome, scene, sky, quick)
-    if not quick:
-        measure_table(outcome, scene)
-    outcome.notes.append(
+        measure(trial, scene, sky, trial.quick)
+    if not trial.quick:
+        measure_table(trial, scene)
+    trial.notes.append(
         "exact: our fastest exact order. Each pixel's own samples: 128 by radiance and 128 by the"
         " BRDF; shared: 256 directions. C_E 10, of lamps 4. Ratios are of CPU seconds of whole"
         " frames, one run each."
     )
-    return outcome
 
 
 def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
@@ -81,7 +83,7 @@ def frame_of(
     return run
 
 
-def measure(outcome: Outcome, scene: vc.Scene, sky: Sky, quick: bool) -> None:
+def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
     """Compare whole frames with exact ones."""
     frames: dict[str, vc.Frame] = {}
     light = integrator(sky, quick)
@@ -114,11 +116,11 @@ def measure(outcome: Outcome, scene: vc.Scene, sky: Sky, quick: bool) -> None:
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        outcome.figures.append(row)
-        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+        trial.figures.append(row)
+        trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
 
 
-def measure_table(outcome: Outcome, scene: vc.Scene) -> None:
+def measure_table(trial: Trial, scene: vc.Scene) -> None:
     """Visibility of the sky samples alone: bit rows, the hash table and rays."""
     frames: dict[str, vc.Frame] = {}
     light = integrator("mis", False, n_vpls=0)
@@ -135,15 +137,13 @@ def measure_table(outcome: Outcome, scene: vc.Scene) -> None:
             k: Sample(wall_s=f.timings["visibility_s"], cpu_s=f.timings["visibility_cpu_s"])
             for k, f in frames.items()
         }
-        outcome.figures.append(
-            ratio_figure(
-                f"apartment, lamps and own sky samples, {key}: visibility vs exact",
-                [took[key]],
-                [took["exact"]],
-                nanoseconds_per_query=took[key].cpu_s / queries * 1e9,
-                share_rays=ray_shares(frames[key]),
-                rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
-            )
+        trial.ratio(
+            f"apartment, lamps and own sky samples, {key}: visibility vs exact",
+            [took[key]],
+            [took["exact"]],
+            nanoseconds_per_query=took[key].cpu_s / queries * 1e9,
+            share_rays=ray_shares(frames[key]),
+            rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
         )
 
 

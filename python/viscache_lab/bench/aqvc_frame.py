@@ -10,7 +10,8 @@ import viscache as vc
 from viscache.metrics import compare
 from viscache.scenes.sources import scene_file
 from viscache.settings.visibility import Visibility
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, ratio_figure
 
 __all__ = ["aqvc_frame"]
 
@@ -77,20 +78,20 @@ FILES = ("living-room", "veach-ajar")
 REL_L1_GOAL = 0.01
 
 
-def aqvc_frame(quick: bool = False) -> Outcome:
+@BENCHES.add("aqvc-frame", "whole frames with the quantized cache against exact frames")
+def aqvc_frame(trial: Trial) -> None:
     """The room in several sizes, with refinement for all light groups."""
-    outcome = Outcome()
-    scene = build_scene(SMALL if quick else ROOM)
-    for case in QUICK if quick else CASES:
-        measure(outcome, scene, "room", case)
-    for name in () if quick else FILES:
+    scene = build_scene(SMALL if trial.quick else ROOM)
+    for case in QUICK if trial.quick else CASES:
+        measure(trial, scene, "room", case)
+    for name in () if trial.quick else FILES:
         path = scene_file(name)
         if path is None:
-            outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+            trial.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
         else:
             case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
-            measure(outcome, vc.load_scene(path), name, case)
-    outcome.notes.append(
+            measure(trial, vc.load_scene(path), name, case)
+    trial.notes.append(
         "packets: our fastest exact rays (16 neighbouring eye points towards one light); exact:"
         " vc.Exact(), which takes shafts where they pay; exact-by-pixel: 16 lights from one eye"
         " point; hash: the paper's form, one table look-up per query. Ratios are of CPU seconds of"
@@ -98,11 +99,10 @@ def aqvc_frame(quick: bool = False) -> Outcome:
         " camera paths out. tuned: the setting nearest the goal at rel_l1 <= 1 %, found by trial on"
         " this scene."
     )
-    return outcome
 
 
 def measure(
-    outcome: Outcome, scene: vc.Scene, name: str, case: Case, camera: str | None = None
+    trial: Trial, scene: vc.Scene, name: str, case: Case, camera: str | None = None
 ) -> dict[str, vc.Frame]:
     """Add the figures of one case."""
     settings: dict[str, Visibility] = {"tuned": case.tuned} if case.tuned else {}
@@ -165,12 +165,12 @@ def measure(
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        outcome.figures.append(row)
-        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+        trial.figures.append(row)
+        trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
     for key in ("packets", "exact-by-pixel"):
         if key in frames:
             unlike = float(frames[key].sha256 != frames["exact"].sha256)
-            outcome.check(f"{name} {case.label}: bytes of exact and {key} differ", unlike, 0)
+            trial.check(f"{name} {case.label}: bytes of exact and {key} differ", unlike, 0)
     return frames
 
 

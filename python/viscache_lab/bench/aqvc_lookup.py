@@ -13,17 +13,20 @@ import viscache as vc
 from viscache.aqvc.equations import level_hashes
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
-from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, figure, interleave
 
 __all__ = ["aqvc_lookup"]
 
 
-def aqvc_lookup(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "aqvc-lookup", "nanoseconds per query of each form of the quantized cache, beside one ray"
+)
+def aqvc_lookup(trial: Trial) -> None:
     """Time per query inside the oracle, with its misses traced and with almost no misses."""
-    outcome = Outcome()
-    scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
-    size = (96, 96) if quick else (512, 512)
-    integrator = vc.Whitted(n_vpls=64 if quick else 256)
+    scene = build_scene("room?triangles=20000" if trial.quick else "room?triangles=200000")
+    size = (96, 96) if trial.quick else (512, 512)
+    integrator = vc.Whitted(n_vpls=64 if trial.quick else 256)
     settings: dict[str, Visibility] = {"ray": vc.Exact(engine="packets")}
     forms = {"waves": vc.PaperForm(), "pairs": vc.PaperForm(form="pairs")}
     for name, form in forms.items():
@@ -42,7 +45,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
         return run
 
     scene.caster()
-    samples = interleave({k: runner(k) for k in settings}, 2 if quick else 3, warm_up=False)
+    samples = interleave({k: runner(k) for k in settings}, 2 if trial.quick else 3, warm_up=False)
     exact = frames["ray"]
     per_query = {
         key: [s.cpu_s / max(1, frames[key].counters["queries"]) * 1e9 for s in samples[key]]
@@ -53,24 +56,21 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
             continue
         ratios = [a / b for a, b in zip(per_query["ray"], per_query[key], strict=True)]
         error = compare(frames[key], exact).rel_l1 or 0.0
-        outcome.figures.append(
-            figure(
-                f"{key} ns/query vs ns/ray",
-                sorted(per_query[key])[len(ratios) // 2],
-                "ns",
-                baseline=sorted(per_query["ray"])[len(ratios) // 2],
-                ratios=ratios,
-                rel_l1=error,
-                share_rays=frames[key].counters["rays"] / max(1, frames[key].counters["queries"]),
-                clock="cpu",
-            )
+        trial.figure(
+            f"{key} ns/query vs ns/ray",
+            sorted(per_query[key])[len(ratios) // 2],
+            "ns",
+            baseline=sorted(per_query["ray"])[len(ratios) // 2],
+            ratios=ratios,
+            rel_l1=error,
+            share_rays=frames[key].counters["rays"] / max(1, frames[key].counters["queries"]),
+            clock="cpu",
         )
         same = frames[key].counters["queries"] == exact.counters["queries"]
-        outcome.check(f"{key}: other queries than exact", float(not same), 0)
+        trial.check(f"{key}: other queries than exact", float(not same), 0)
         if "alone" not in key:
-            outcome.check(f"{key}: rel_l1", error, 0.1)
-    outcome.figures.append(keys(20_000 if quick else 500_000, outcome))
-    return outcome
+            trial.check(f"{key}: rel_l1", error, 0.1)
+    trial.figures.append(keys(20_000 if trial.quick else 500_000, trial))
 
 
 def storages() -> dict[str, Visibility]:
@@ -85,7 +85,7 @@ def storages() -> dict[str, Visibility]:
     return {name: vc.Aqvc(c_e=10, refinement="on", paper=way) for name, way in ways.items()}
 
 
-def keys(points: int, outcome: Outcome) -> dict[str, Any]:
+def keys(points: int, trial: Trial) -> dict[str, Any]:
     """Nanoseconds per key: cells and hashes of four levels, in sequence and at once."""
     rng = np.random.default_rng(1)
     x, lights = rng.uniform(-1, 1, (2, points, 3)).astype(np.float32)
@@ -108,7 +108,7 @@ def keys(points: int, outcome: Outcome) -> dict[str, Any]:
     per_key = {n: [s.cpu_s / (4 * points) * 1e9 for s in made] for n, made in samples.items()}
     ratios = [a / b for a, b in zip(per_key["one"], per_key["four"], strict=True)]
     same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))
-    outcome.check("keys of 4 levels at once: other hashes", float(not same), 0)
+    trial.check("keys of 4 levels at once: other hashes", float(not same), 0)
     return figure(
         "ns/key of 4 levels at once vs one at a time",
         median(per_key["four"]),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache_lab.bench.common import figure
+from viscache_lab.experiment.amounts import figure
 
 __all__ = ["Errors", "energy_z", "gain", "gain_figure"]
 

@@ -8,24 +8,25 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import make_ray_set
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave
 
 __all__ = ["frames"]
 
 
-def frames(quick: bool = False) -> Outcome:
+@BENCHES.add("frames", "exact frames: ambient occlusion and 500 point lights against Mitsuba")
+def frames(trial: Trial) -> None:
     """Ambient occlusion from a G-buffer, and 500 point lights at all pixels."""
-    outcome = Outcome()
-    side, lights, samples = (64, 20, 8) if quick else (512, 500, 64)
-    triangles = 20_000 if quick else 200_000
+    side, lights, samples = (64, 20, 8) if trial.quick else (512, 500, 64)
+    triangles = 20_000 if trial.quick else 200_000
     spec = f"room?triangles={triangles}&lights={lights}"
     scene = build_scene(spec)
     reason = missing("mitsuba", scene)
     if reason:
-        outcome.skip(f"{spec} vs mitsuba", reason)
-        return outcome
+        trial.skip(f"{spec} vs mitsuba", reason)
+        return
     with Peer("mitsuba", scene) as peer:
         points, normals = g_buffer(scene, side)
         positions = np.array([light["position"] for light in scene.lights], np.float32)
@@ -38,12 +39,11 @@ def frames(quick: bool = False) -> Outcome:
             ),
             (f"{lights} point lights", vc.Direct(), {"job": "lights"}),
         ):
-            _compare(outcome, scene, f"room {side}x{side} {name}", integrator, peer, job, quick)
-    outcome.notes.append(
+            _compare(trial, scene, f"room {side}x{side} {name}", integrator, peer, job, trial.quick)
+    trial.notes.append(
         "Rays per CPU second: ours of whole frames (camera rays and sums included), Mitsuba's of"
         " ray_test over a G-buffer that it is given. Robust scene flag on both sides."
     )
-    return outcome
 
 
 def g_buffer(scene: vc.Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
@@ -65,7 +65,7 @@ def g_buffer(scene: vc.Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.N
 
 
 def _compare(
-    outcome: Outcome,
+    trial: Trial,
     scene: vc.Scene,
     label: str,
     integrator: vc.AmbientOcclusion | vc.Direct,
@@ -101,23 +101,21 @@ def _compare(
         frame.counters["rays"] / a.wall_s * b.wall_s / reports["rays"]
         for a, b in zip(samples[best], samples["mitsuba"], strict=True)
     ]
-    outcome.figures.append(
-        figure(
-            f"{label} rays/s vs mitsuba",
-            float(np.median(rate)),
-            "Mray/s",
-            baseline=float(np.median(base)),
-            ratios=[a / b for a, b in zip(rate, base, strict=True)],
-            goal=1.0,
-            clock="cpu",
-            ratio_wall=float(np.median(wall)),
-            flag=best,
-        )
+    trial.figure(
+        f"{label} rays/s vs mitsuba",
+        float(np.median(rate)),
+        "Mray/s",
+        baseline=float(np.median(base)),
+        ratios=[a / b for a, b in zip(rate, base, strict=True)],
+        goal=1.0,
+        clock="cpu",
+        ratio_wall=float(np.median(wall)),
+        flag=best,
     )
     free = 1 - frame.counters["occluded"] / max(1, frame.counters["rays"])
     their_free = reports.get("open", 1 - reports.get("blocked", 0) / reports["rays"])
-    outcome.check(f"{label}: free share unlike mitsuba's", abs(free - their_free), 0.02)
-    outcome.check(
+    trial.check(f"{label}: free share unlike mitsuba's", abs(free - their_free), 0.02)
+    trial.check(
         f"{label}: bytes unlike under the other flag",
         float(ours["True"].sha256 != ours["False"].sha256),
         0,

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import viscache as vc
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, figure
 from viscache_lab.bench.pass_runs import Run, take_turns
+from viscache_lab.experiment import Trial
 
 __all__ = ["CASES", "QUICK", "Case", "never_slower"]
 
@@ -51,17 +50,13 @@ CASES = (
 QUICK = (Case("24 lamps", "room?triangles=3000", vc.Direct(n_area=0), (48, 32), 4, None),)
 
 
-def never_slower(outcome: Outcome, cases: tuple[Case, ...]) -> None:
+def never_slower(trial: Trial, cases: tuple[Case, ...]) -> None:
     """CPU seconds of exact passes over those of corrected ones."""
-    for case in cases:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            _measure(outcome, case, scene)
+    for case, scene in trial.scenes(cases):
+        _measure(trial, case, scene)
 
 
-def _measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
+def _measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     def picture(visibility: Any, use: Any = None) -> vc.Progressive:
         return vc.Progressive(scene, case.light, visibility=visibility, use=use, size=case.size)
 
@@ -72,16 +67,14 @@ def _measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
         take_turns([exact, ours], case.passes)
         turns.append((exact.cpu_s, ours.cpu_s))
     frame = ours.picture.frame
-    outcome.figures.append(
-        figure(
-            f"never slower, {case.name}: corrected vs exact passes, CPU time",
-            statistics.median(cpu_s for _, cpu_s in turns),
-            "s",
-            baseline=statistics.median(cpu_s for cpu_s, _ in turns),
-            ratios=[theirs / ours_s for theirs, ours_s in turns],
-            goal=case.goal,
-            exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
-            becomes_exact=any("exact visibility from" in text for text in frame.warnings),
-            passes=case.passes,
-        )
+    trial.figure(
+        f"never slower, {case.name}: corrected vs exact passes, CPU time",
+        statistics.median(cpu_s for _, cpu_s in turns),
+        "s",
+        baseline=statistics.median(cpu_s for cpu_s, _ in turns),
+        ratios=[theirs / ours_s for theirs, ours_s in turns],
+        goal=case.goal,
+        exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
+        becomes_exact=any("exact visibility from" in text for text in frame.warnings),
+        passes=case.passes,
     )

@@ -12,7 +12,8 @@ import numpy as np
 
 import viscache as vc
 from viscache.base import tonemap
-from viscache_lab.bench.common import Outcome, Sample, at_most_figure, build_scene, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, timed
 
 __all__ = ["notebook_slider"]
 
@@ -46,14 +47,16 @@ class Callback:
         )
 
 
-def notebook_slider(quick: bool) -> Outcome:
+@BENCHES.add(
+    "notebook-slider", "the C_E slider of a notebook, from the move to the picture that is shown"
+)
+def notebook_slider(trial: Trial) -> None:
     """64 lights of the room at 480×270, 1 sample, on all cores; moved to every C_E and back."""
-    outcome = Outcome()
     if importlib.util.find_spec("ipywidgets") is None:
-        outcome.skip("the C_E slider", "ipywidgets is not installed")
-        return outcome
-    size, turns = ((120, 68), 1) if quick else ((480, 270), 5)
-    callback = Callback(build_scene(QUICK_SCENE if quick else SCENE), size)
+        trial.skip("the C_E slider", "ipywidgets is not installed")
+        return
+    size, turns = ((120, 68), 1) if trial.quick else ((480, 270), 5)
+    callback = Callback(build_scene(QUICK_SCENE if trial.quick else SCENE), size)
     began = time.perf_counter()
     view = vc.notebook.sliders(
         callback, c_e=list(C_E), first={"c_e": C_E[-1]}, exposure=callback.exposure
@@ -64,24 +67,21 @@ def notebook_slider(quick: bool) -> Outcome:
         for c_e in C_E if turn % 2 == 0 else (*C_E[-2::-1], C_E[-1]):
             moves[c_e].append(_moved(view, callback, c_e))
     wrong = sum(_differs(view, callback, c_e) for c_e in C_E)
-    outcome.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
+    trial.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
     expected = 1 + len(C_E) * (turns + 1)  # a slider reports changes only
-    outcome.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
+    trial.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
     rows = [_row(c_e, taken) for c_e, taken in moves.items()]
     worst = max(rows, key=lambda row: row["wall_ms"])
-    outcome.figures.append(
-        at_most_figure(
-            f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
-            worst["wall_ms"],
-            "ms",
-            None if quick else MILLISECONDS_AT_MOST,
-            c_e=worst["c_e"],
-            first_ms=first_ms,
-            moves=rows,
-        )
+    trial.at_most(
+        f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
+        worst["wall_ms"],
+        "ms",
+        None if trial.quick else MILLISECONDS_AT_MOST,
+        c_e=worst["c_e"],
+        first_ms=first_ms,
+        moves=rows,
     )
-    outcome.notes += [_sentence(row) for row in rows]
-    return outcome
+    trial.notes += [_sentence(row) for row in rows]
 
 
 def _moved(view: vc.notebook.Sliders, callback: Callback, c_e: float) -> dict[str, Sample]:

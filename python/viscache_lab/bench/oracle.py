@@ -9,7 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
+    Sample,
+    build_scene,
+    interleave,
+    timed,
+)
 
 __all__ = ["oracle"]
 
@@ -27,16 +33,15 @@ class Traced:
         return eyes.trace(lamps, wanted)
 
 
-def oracle(quick: bool = False) -> Outcome:
+@BENCHES.add("oracle", "caches asked with arrays, and oracles written in Python, beside frames")
+def oracle(trial: Trial) -> None:
     """A million points × 256 lights from NumPy; a frame through Python."""
-    outcome = Outcome()
-    scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
-    arrays(scene, quick, outcome)
-    in_python(scene, quick, outcome)
-    return outcome
+    scene = build_scene("room?triangles=20000" if trial.quick else "room?triangles=200000")
+    arrays(scene, trial.quick, trial)
+    in_python(scene, trial.quick, trial)
 
 
-def arrays(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
+def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
     """The renderer's eye points and virtual lights: queried by it, and as arrays."""
     size, light = ((96, 96), 64) if quick else ((1000, 1000), 256)
     conn = vc.connections(scene, vc.Whitted(n_vpls=light), size=size)
@@ -69,25 +74,23 @@ def arrays(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
             1 if quick else 3,
             warm_up=False,
         )
-        outcome.figures.append(
-            ratio_figure(
-                f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
-                samples["arrays"],
-                samples["renderer"],
-                goal=GOAL,
-                work=found["renderer"].counters["queries"],
-            )
+        trial.ratio(
+            f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
+            samples["arrays"],
+            samples["renderer"],
+            goal=GOAL,
+            work=found["renderer"].counters["queries"],
         )
         differ = np.bitwise_count(found["arrays"].bits[back] ^ found["renderer"].bits).sum()
         share = float(differ) / max(1, found["renderer"].counters["queries"])
-        outcome.check(
+        trial.check(
             f"{name}: other answers than the renderer's tiles",
             share,
             0.0 if name == "exact" else 0.05,
         )
 
 
-def in_python(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
+def in_python(scene: vc.Scene, quick: bool, trial: Trial) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
     size, integrator = ((96, 64), vc.Whitted(n_vpls=64)) if quick else ((640, 400), vc.Whitted())
     frames: dict[str, vc.Frame] = {}
@@ -103,13 +106,11 @@ def in_python(scene: vc.Scene, quick: bool, outcome: Outcome) -> None:
         return run
 
     samples = interleave({name: runner(name) for name in ways}, 1 if quick else 3)
-    outcome.figures.append(
-        ratio_figure(
-            f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
-            samples["python"],
-            samples["core"],
-            goal=GOAL,
-        )
+    trial.ratio(
+        f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
+        samples["python"],
+        samples["core"],
+        goal=GOAL,
     )
     same = frames["python"].sha256 == frames["core"].sha256
-    outcome.check("frame in Python: other bytes than exact", float(not same), 0)
+    trial.check("frame in Python: other bytes than exact", float(not same), 0)

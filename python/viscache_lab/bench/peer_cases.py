@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.shot.render import render
-from viscache_lab.bench.common import build_scene
+from viscache_lab.experiment.amounts import build_scene
 
 __all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]
 

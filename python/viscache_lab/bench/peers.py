@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
-from viscache_lab.bench.common import Sample
+from viscache_lab.experiment.amounts import Sample
 
 __all__ = ["PEERS", "Peer", "PeerError", "missing", "missing_scene"]
 

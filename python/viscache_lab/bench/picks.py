@@ -16,9 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["picks"]
 
@@ -88,24 +87,19 @@ QUICK = (
 )
 
 
-def picks(quick: bool = False) -> Outcome:
+@BENCHES.add("picks", "error over time: exact, cached, or a few lights picked by each eye point")
+def picks(trial: Trial) -> None:
     """MSE · CPU time of exact frames over that of picks, of cached frames, and of both."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+    trial.notes.append(
         "Ratios: mean squared error times CPU seconds, exact over the other, with the 95 % interval"
         " of a bootstrap over seeds. Values: the same of the other, relative to the squared mean."
         " gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     scene.caster()
     converged = np.stack([_render(case, scene, s)[0] for s in _reference_seeds(case)])
@@ -131,7 +125,7 @@ def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     for way, options in ways.items():
         if way == "exact":
             continue
-        outcome.figures.append(
+        trial.figures.append(
             gain_figure(
                 f"{case.name}: {way} vs exact",
                 found,
@@ -142,7 +136,7 @@ def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
         )
         if "pick" in options or "use" in options:
             z = energy_z(np.stack(images[way]), np.stack(images["exact"]))
-            outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
+            trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def _reference_seeds(case: Case) -> range:

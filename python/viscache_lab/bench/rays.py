@@ -9,9 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
+    Sample,
+    build_scene,
+    interleave,
+    timed,
+)
 
 __all__ = ["EDGE_TOLERANCE", "rays"]
 
@@ -29,37 +35,43 @@ GOALS = {"embree-loop": 0.97, "mitsuba": 1.0, "embreex": 1.7}
 PLANS = [(w, c) for w in (1, 4, 8, 16) for c in (False, True) if not (w == 1 and c)]
 
 
-def rays(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "rays", "any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex"
+)
+def rays(trial: Trial) -> None:
     """Every scene, ray set and baseline, with Embree's robust flag on all sides."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else SCENES:
+    for spec in QUICK_SCENES if trial.quick else SCENES:
         scene = build_scene(spec)
         peers = {}
         for name in ("mitsuba", "embreex"):
             reason = missing(name, scene)
             if reason:
-                outcome.skip(f"{spec} vs {name}", reason)
+                trial.skip(f"{spec} vs {name}", reason)
             else:
                 peers[name] = Peer(name, scene)
         try:
             for which in SETS:
-                n = 50_000 if quick else 500_000
+                n = 50_000 if trial.quick else 500_000
                 _compare(
-                    outcome, scene, spec, make_ray_set(scene, which, n), peers, 2 if quick else 5
+                    trial,
+                    scene,
+                    spec,
+                    make_ray_set(scene, which, n),
+                    peers,
+                    2 if trial.quick else 5,
                 )
         finally:
             for peer in peers.values():
                 peer.__exit__(None, None, None)
-    outcome.notes.append(
+    trial.notes.append(
         "embree-loop: the best of loops over rtcOccluded1/4/8/16 with either traversal flag, same"
         " threads, same chunks. mitsuba: ray_test of its llvm variant. embreex: its one thread"
         " against all of ours, by the wall clock. Robust scene flag on all sides."
     )
-    return outcome
 
 
 def _compare(
-    outcome: Outcome, scene: vc.Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
+    trial: Trial, scene: vc.Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
 ) -> None:
     caster = scene.caster()
     width, coherent = _best_plan(caster, r)
@@ -90,25 +102,23 @@ def _compare(
         more: dict[str, Any] = {}
         if name == "embree-loop":
             more["plan"] = f"{width}{' coherent' if coherent else ''}"
-        outcome.figures.append(
-            ratio_figure(
-                f"{label} vs {name}",
-                samples["ours"],
-                samples[name],
-                clock="wall_s" if name == "embreex" else "cpu_s",
-                work=len(r),
-                goal=GOALS[name],
-                **more,
-            )
+        trial.ratio(
+            f"{label} vs {name}",
+            samples["ours"],
+            samples[name],
+            clock="wall_s" if name == "embreex" else "cpu_s",
+            work=len(r),
+            goal=GOALS[name],
+            **more,
         )
         differing = float(np.mean(answers["ours"] != answers[name]))
-        outcome.check(
+        trial.check(
             f"{label}: share unlike {name}",
             differing,
             0 if name == "embree-loop" else EDGE_TOLERANCE,
         )
     blocked = float(answers["ours"].mean())
-    outcome.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
+    trial.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
 
 
 def _loop(caster: Any, r: RaySet, width: int, coherent: bool) -> npt.NDArray[np.bool_]:

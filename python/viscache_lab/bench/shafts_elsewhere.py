@@ -13,8 +13,9 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.correlation.rows import SurfacePoints, surface_points
 from viscache.scene.queries import shaft_matrix, visible_matrix
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, interleave, timed
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["shafts_elsewhere"]
 
@@ -77,26 +78,27 @@ QUICK = (
 )
 
 
-def shafts_elsewhere(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "shafts-elsewhere", "visible_matrix and oracle.block by shafts against packets of rays"
+)
+def shafts_elsewhere(trial: Trial) -> None:
     """CPU seconds of `visible_matrix` and `oracle.block`, one thread; bits must be equal."""
-    outcome = Outcome()
     scenes: dict[str, vc.Scene | None] = {}
-    for case in QUICK if quick else CASES:
+    for case in QUICK if trial.quick else CASES:
         if case.scene not in scenes:
             scenes = {case.scene: opened(case.scene)}  # one at a time
         scene = scenes[case.scene]
         if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+            trial.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
-            measure(outcome, case, scene, 1 if quick else 3)
-    outcome.notes.append(
+            measure(trial, case, scene, 1 if trial.quick else 3)
+    trial.notes.append(
         "Whole calls from NumPy to NumPy, one thread, without the tree of the scene. open: share of"
         " queries that rays answer; left: share that shafts were not asked."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare their bytes."""
     asked = Asked(scene, case)
     points, targets = asked.ends
@@ -111,19 +113,17 @@ def measure(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None
         other, work = found[engine]
         by_shafts = work.get("shaft_queries", 0)
         traced = work.get("shaft_doubted", 0) + work.get("shaft_long_lists", 0)
-        outcome.figures.append(
-            ratio_figure(
-                f"{case.name}: {engine} vs packets",
-                samples[engine],
-                samples["packets"],
-                nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
-                packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
-                open=traced / max(1, by_shafts),
-                left=1 - by_shafts / queries,
-            )
+        trial.ratio(
+            f"{case.name}: {engine} vs packets",
+            samples[engine],
+            samples["packets"],
+            nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
+            packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
+            open=traced / max(1, by_shafts),
+            left=1 - by_shafts / queries,
         )
         differ = int(np.unpackbits((bits ^ other).view(np.uint8)).sum())
-        outcome.check(f"{case.name}: {engine}, bits that differ", differ, 0)
+        trial.check(f"{case.name}: {engine}, bits that differ", differ, 0)
 
 
 @dataclass(frozen=True)

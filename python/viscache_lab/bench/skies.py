@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["skies"]
 
@@ -67,25 +67,24 @@ QUICK = (
 )
 
 
-def skies(quick: bool = False) -> Outcome:
+@BENCHES.add("skies", "error over time under real skies: own samples, or directions in sets")
+def skies(trial: Trial) -> None:
     """MSE · CPU time of own samples over that of the other ways."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
+    for case in QUICK if trial.quick else CASES:
         scene = opened(case.scene)
         sky = made_by_others(case.sky) if isinstance(case.sky, str) else case.sky
         if scene is None or sky is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+            trial.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
-            measure(outcome, case, scene.with_environment(sky))
-    outcome.notes.append(
+            measure(trial, case, scene.with_environment(sky))
+    trial.notes.append(
         f"Ratios: mean squared error times CPU seconds, {OWN} over the other, with the 95 %"
         " interval of a bootstrap over seeds. Values: the same of the other, relative to the"
         " squared mean. gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     converged = [
         _render(case, scene, seed, REFERENCE, case.reference_spp)[0]
@@ -103,11 +102,9 @@ def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
     for way in WAYS:
         if way == OWN:
             continue
-        outcome.figures.append(
-            gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN)
-        )
+        trial.figures.append(gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN))
         z = energy_z(np.stack(images[way]), np.stack(images[OWN]))
-        outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
+        trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def _render(

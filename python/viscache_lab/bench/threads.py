@@ -16,7 +16,8 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
-from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
 __all__ = ["threads"]
 
@@ -157,16 +158,17 @@ QUICK = (
 )
 
 
-def threads(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "threads", "wall-clock time with one thread, two, … and all cores; the bytes are the same"
+)
+def threads(trial: Trial) -> None:
     """Each case with every number of threads, in turns."""
-    outcome = Outcome()
     counts = thread_counts(len(os.sched_getaffinity(0)))
     if counts == [1]:
-        outcome.skip("speed-ups", "this process may use one core only")
-    for case in QUICK if quick else CASES:
-        measure(outcome, case, counts, QUICK_REPEATS if quick else REPEATS)
-    outcome.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
-    return outcome
+        trial.skip("speed-ups", "this process may use one core only")
+    for case in QUICK if trial.quick else CASES:
+        measure(trial, case, counts, QUICK_REPEATS if trial.quick else REPEATS)
+    trial.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
 
 
 def thread_counts(cores: int) -> list[int]:
@@ -174,7 +176,7 @@ def thread_counts(cores: int) -> list[int]:
     return sorted({1 << k for k in range(cores.bit_length())} | {cores})
 
 
-def measure(outcome: Outcome, case: Case, counts: list[int], repeats: int) -> None:
+def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
     """Let all numbers of threads take turns."""
     scene = build_scene(case.scene)
     digests: dict[int, str] = {}
@@ -190,19 +192,17 @@ def measure(outcome: Outcome, case: Case, counts: list[int], repeats: int) -> No
     for n in counts[1:]:
         mine = samples[str(n)]
         pairs = list(zip(one, mine, strict=True))
-        outcome.figures.append(
-            figure(
-                f"{case.name}: {n} threads vs one",
-                statistics.median(s.wall_s for s in mine),
-                "s",
-                baseline=statistics.median(s.wall_s for s in one),
-                ratios=[a.wall_s / b.wall_s for a, b in pairs],
-                goal=GOAL_OF_TWO if n == 2 else None,
-                clock="wall",
-                cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
-            )
+        trial.figure(
+            f"{case.name}: {n} threads vs one",
+            statistics.median(s.wall_s for s in mine),
+            "s",
+            baseline=statistics.median(s.wall_s for s in one),
+            ratios=[a.wall_s / b.wall_s for a, b in pairs],
+            goal=GOAL_OF_TWO if n == 2 else None,
+            clock="wall",
+            cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
         )
-    outcome.check(
+    trial.check(
         f"{case.name}: numbers of threads whose answers differ from those of one",
         float(sum(digest != digests[1] for digest in digests.values())),
         0.0,

@@ -15,8 +15,14 @@ from viscache.correlation.rows import VisibilityRows
 from viscache.scenes.sources import made_by_others
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.frames import g_buffer
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
+    Sample,
+    build_scene,
+    interleave,
+    timed,
+)
 
 __all__ = ["CASES", "Case", "vlf_ao"]
 
@@ -73,28 +79,27 @@ ROWS = (
 QUICK_ROWS = (Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=48, goal=0.9),)
 
 
-def vlf_ao(quick: bool = False) -> Outcome:
+@BENCHES.add("vlf-ao", "ambient occlusion along shared axes against the best of Embree's orders")
+def vlf_ao(trial: Trial) -> None:
     """Every case: the engine of the lowest predicted cost against the fastest of Embree's plans."""
-    outcome = Outcome()
     scenes: dict[str, vc.Scene] = {}
-    for case in QUICK_CASES if quick else CASES:
+    for case in QUICK_CASES if trial.quick else CASES:
         scene = scenes.setdefault(case.spec, build_scene(case.spec))
-        _compare(outcome, case, scene, 2 if quick else 3)
-    for case in QUICK_ROWS if quick else ROWS:
-        _compare_rows(outcome, case, scenes.setdefault(case.spec, build_scene(case.spec)))
-    if not quick:
-        living_room(outcome)
-    outcome.notes.append(
+        _compare(trial, case, scene, 2 if trial.quick else 3)
+    for case in QUICK_ROWS if trial.quick else ROWS:
+        _compare_rows(trial, case, scenes.setdefault(case.spec, build_scene(case.spec)))
+    if not trial.quick:
+        living_room(trial)
+    trial.notes.append(
         "embree: loops over rtcOccluded8/16 with either traversal flag, axis by axis over packets"
         " of neighbouring points or point by point over packets of axes, whichever is fastest;"
         " robust scene flag, the same points in the same order, two threads on both sides. ours:"
         " engine=auto, which is reported with its reason; the batch is built beforehand, as"
         " Embree's structure is; everything per call is in the time."
     )
-    return outcome
 
 
-def _compare(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> None:
+def _compare(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     points, normals = g_buffer(scene, case.side)
     frames = direction_frames(case.n_directions)
     caster, answers = scene.caster(), {}
@@ -116,27 +121,25 @@ def _compare(outcome: Outcome, case: Case, scene: vc.Scene, repeats: int) -> Non
 
     samples = interleave({"ours": ours, "embree": theirs}, repeats, warm_up=False)
     order = "by axis" if plan[0] else "by point"
-    outcome.figures.append(
-        ratio_figure(
-            f"{case.label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            work=len(points) * case.n_directions,
-            goal=case.goal,
-            plan=f"{order}, {plan[1]}{' coherent' if plan[2] else ''}",
-            points=len(points),
-            triangles=scene.triangles,
-            **chosen,
-        )
+    trial.ratio(
+        f"{case.label} vs embree",
+        samples["ours"],
+        samples["embree"],
+        work=len(points) * case.n_directions,
+        goal=case.goal,
+        plan=f"{order}, {plan[1]}{' coherent' if plan[2] else ''}",
+        points=len(points),
+        triangles=scene.triangles,
+        **chosen,
     )
     rays = len(points) * case.n_directions
     differing = _ones(answers["ours"] ^ answers["embree"]) / rays
-    outcome.check(f"{case.label}: share unlike embree", differing, DIFFERING)
+    trial.check(f"{case.label}: share unlike embree", differing, DIFFERING)
     free = _ones(answers["ours"]) / rays
-    outcome.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
+    trial.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
 
 
-def _compare_rows(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
+def _compare_rows(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Rows of visibility: the chosen engine against Embree in its faster packet order."""
     label = f"rows {case.name} {case.side**2} points"
     at, directions = surface_points(scene, case.side**2), DirectionSet()
@@ -151,30 +154,28 @@ def _compare_rows(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
 
     samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
     n_rays = rows["auto"].n_rays
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            work=n_rays,
-            goal=case.goal,
-            points=len(at.positions),
-            triangles=scene.triangles,
-            engine=rows["auto"].engine,
-            reason=rows["auto"].reason,
-        )
+    trial.ratio(
+        f"{label} vs embree",
+        samples["ours"],
+        samples["embree"],
+        work=n_rays,
+        goal=case.goal,
+        points=len(at.positions),
+        triangles=scene.triangles,
+        engine=rows["auto"].engine,
+        reason=rows["auto"].reason,
     )
     differing = _ones(rows["auto"].bits ^ rows["embree"].bits) / n_rays
-    outcome.check(f"{label}: share unlike embree", differing, DIFFERING)
-    outcome.check(f"{label}: nothing traced", float(n_rays == 0), 0)
+    trial.check(f"{label}: share unlike embree", differing, DIFFERING)
+    trial.check(f"{label}: nothing traced", float(n_rays == 0), 0)
 
 
-def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
+def living_room(trial: Trial, side: int = 1024, repeats: int = 3) -> None:
     """A whole frame of a closed room: camera rays, shadow rays, sums."""
     label = f"AO living-room {side}x{side} frame"
     path = made_by_others("living-room/scene.xml")
     if path is None:
-        outcome.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
+        trial.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
         return
     scene, frames = vc.load_scene(path), {}
 
@@ -187,18 +188,16 @@ def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
         return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
 
     samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            goal=2.0,
-            plan="by axis, 16, flag by width",
-            engine=frames["auto"].parameters["engine"],
-        )
+    trial.ratio(
+        f"{label} vs embree",
+        samples["ours"],
+        samples["embree"],
+        goal=2.0,
+        plan="by axis, 16, flag by width",
+        engine=frames["auto"].parameters["engine"],
     )
     difference = np.abs(frames["auto"].image - frames["embree"].image).mean()
-    outcome.check(f"{label}: mean difference to embree's", float(difference), DIFFERING)
+    trial.check(f"{label}: mean difference to embree's", float(difference), DIFFERING)
 
 
 def _ones(bits: npt.NDArray[np.uint64]) -> int:

@@ -9,16 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.common import (
-    Outcome,
+from viscache_lab.bench.ray_sets import RaySet, make_ray_set
+from viscache_lab.bench.vlf_update import compare_updates
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
     Sample,
     build_scene,
     interleave,
-    ratio_figure,
     timed,
 )
-from viscache_lab.bench.ray_sets import RaySet, make_ray_set
-from viscache_lab.bench.vlf_update import compare_updates
 
 __all__ = ["vlf_build"]
 
@@ -39,26 +38,29 @@ EDGE_TOLERANCE = 1e-3
 RAYS, QUICK_RAYS = 100_000, 4_000
 
 
-def vlf_build(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "vlf-build", "building visibility fields; the paper's tracers against Embree ray by ray"
+)
+def vlf_build(trial: Trial) -> None:
     """Build time and memory of fields; rays per second of the paper's tracers on one thread."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else SCENES:
+    for spec in QUICK_SCENES if trial.quick else SCENES:
         scene = build_scene(spec)
-        _compare_builds(outcome, scene, QUICK_FIELD if quick else FIELD, 1 if quick else 3)
-        field = (QUICK_FIELD if quick else FIELD).build(scene)
+        _compare_builds(
+            trial, scene, QUICK_FIELD if trial.quick else FIELD, 1 if trial.quick else 3
+        )
+        field = (QUICK_FIELD if trial.quick else FIELD).build(scene)
         for name in ("camera", "hemi"):
-            rays = make_ray_set(scene, name, QUICK_RAYS if quick else RAYS)
-            _compare_rays(outcome, scene, rays, field, quick)
-    compare_updates(outcome, quick)
-    outcome.notes.append(
+            rays = make_ray_set(scene, name, QUICK_RAYS if trial.quick else RAYS)
+            _compare_rays(trial, scene, rays, field, trial.quick)
+    compare_updates(trial, trial.quick)
+    trial.notes.append(
         "Embree ray by ray: rtcIntersect1 and rtcOccluded1, robust; Bsp: the fastest of a grid, "
         "Wald's triangle test as in the paper. A ray of the BSP "
         "visits the nodes counted in nodes_per_ray, one load after the other."
     )
-    return outcome
 
 
-def _compare_builds(outcome: Outcome, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
+def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
     built: dict[str, Any] = {}
 
     def run(name: str, settings: Any, threads: int) -> Callable[[], Sample]:
@@ -76,23 +78,19 @@ def _compare_builds(outcome: Outcome, scene: vc.Scene, settings: vc.Vlf, repeats
     samples = interleave(runs, repeats, warm_up=False)
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
-    outcome.figures.append(
-        ratio_figure(
-            f"{label}: build on two threads vs one",
-            samples["two threads"],
-            samples["one thread"],
-            clock="wall_s",
-            bytes=stats["bytes"],
-        )
+    trial.ratio(
+        f"{label}: build on two threads vs one",
+        samples["two threads"],
+        samples["one thread"],
+        clock="wall_s",
+        bytes=stats["bytes"],
     )
-    outcome.figures.append(
-        ratio_figure(f"{label}: build vs embree", samples["one thread"], samples["embree"])
-    )
+    trial.ratio(f"{label}: build vs embree", samples["one thread"], samples["embree"])
     changed = stats != built["two threads"].stats
-    outcome.check(f"{label}: threads change the field", float(changed), 0)
+    trial.check(f"{label}: threads change the field", float(changed), 0)
 
 
-def _compare_rays(outcome: Outcome, scene: vc.Scene, r: RaySet, field: Any, quick: bool) -> None:
+def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: bool) -> None:
     caster = scene.caster()
     trees = QUICK_TREES if quick else TREES
     bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
@@ -125,20 +123,18 @@ def _compare_rays(outcome: Outcome, scene: vc.Scene, r: RaySet, field: Any, quic
         samples = interleave({n: run(n, t) for n, t in tracers.items()}, 2 if quick else 5)
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
-            outcome.figures.append(
-                ratio_figure(
-                    f"{label} vs embree1",
-                    samples[name],
-                    samples["embree"],
-                    work=len(r),
-                    goal=GUARD if name == "bsp" else None,
-                    **(of_bsp if name == "bsp" else {}),
-                )
+            trial.ratio(
+                f"{label} vs embree1",
+                samples[name],
+                samples["embree"],
+                work=len(r),
+                goal=GUARD if name == "bsp" else None,
+                **(of_bsp if name == "bsp" else {}),
             )
             hit = [
                 np.isfinite(a) if a.dtype != bool else a for a in (answers[name], answers["embree"])
             ]
-            outcome.check(
+            trial.check(
                 f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])), EDGE_TOLERANCE
             )
 

@@ -10,9 +10,15 @@ import numpy as np
 
 import viscache as vc
 from viscache.vlf.dynamic import DynamicField
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
+from viscache_lab.experiment import Trial
+from viscache_lab.experiment.amounts import (
+    Sample,
+    build_scene,
+    interleave,
+    timed,
+)
 
 __all__ = ["compare_updates"]
 
@@ -27,7 +33,7 @@ REPEATS = 2
 DIFFERING = 1e-4
 
 
-def compare_updates(outcome: Outcome, quick: bool) -> None:
+def compare_updates(trial: Trial, quick: bool) -> None:
     """CPU seconds of an update, in both modes, and of a field built with the object in place."""
     scene = build_scene(QUICK_SCENE if quick else SCENE)
     settings = QUICK_FIELD if quick else FIELD
@@ -47,13 +53,11 @@ def compare_updates(outcome: Outcome, quick: bool) -> None:
             }
             samples = interleave(runs, REPEATS, warm_up=False)
             label = f"field of {scene.triangles} triangles, {mode}, {len(triangles)} moved"
-            outcome.figures.append(
-                ratio_figure(f"{label} vs rebuild", samples["update"], samples["rebuild"])
-            )
+            trial.ratio(f"{label} vs rebuild", samples["update"], samples["rebuild"])
             found = field.intersect(beams.origins, beams.directions).t
             expected = built["field"].intersect(beams.origins, beams.directions)[0]
             differ = float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0)))
-            outcome.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
+            trial.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
             field.delete(number)
 
 

@@ -8,8 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import (
+    Sample,
+    build_scene,
+    interleave,
+    timed,
+)
 
 __all__ = ["watertight"]
 
@@ -29,24 +35,29 @@ CASTERS: dict[str, vc.Embree | vc.Bsp] = {
 }
 
 
-def watertight(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "watertight", "any-hit rays that pass no vertex against Embree's robust packets and the BSP"
+)
+def watertight(trial: Trial) -> None:
     """Any hits of every scene and ray set: watertight against robust packets and the BSP."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else SCENES:
+    for spec in QUICK_SCENES if trial.quick else SCENES:
         scene = build_scene(spec)
         for which in SETS:
-            r = make_ray_set(scene, which, 50_000 if quick else 250_000)
+            r = make_ray_set(scene, which, 50_000 if trial.quick else 250_000)
             _compare(
-                outcome, scene, f"{spec.partition('?')[0]} {scene.triangles}", r, 2 if quick else 5
+                trial,
+                scene,
+                f"{spec.partition('?')[0]} {scene.triangles}",
+                r,
+                2 if trial.quick else 5,
             )
-    outcome.notes.append(
+    trial.notes.append(
         "Ratios below 1 are the price of gaps closed at vertices. The BSP has none either; its"
         " answers are the same, bit for bit."
     )
-    return outcome
 
 
-def _compare(outcome: Outcome, scene: vc.Scene, name: str, r: RaySet, repeats: int) -> None:
+def _compare(trial: Trial, scene: vc.Scene, name: str, r: RaySet, repeats: int) -> None:
     answers: dict[str, npt.NDArray[np.bool_]] = {}
 
     def run(caster: str) -> Sample:
@@ -59,14 +70,9 @@ def _compare(outcome: Outcome, scene: vc.Scene, name: str, r: RaySet, repeats: i
     samples = interleave({c: lambda c=c: run(c) for c in CASTERS}, repeats)  # type: ignore[misc]
     label = f"{name} {r.name} any-hit"
     for other in ("robust", "BSP"):
-        outcome.figures.append(
-            ratio_figure(
-                f"{label}: watertight vs {other}",
-                samples["watertight"],
-                samples[other],
-                work=len(r),
-            )
+        trial.ratio(
+            f"{label}: watertight vs {other}", samples["watertight"], samples[other], work=len(r)
         )
         differing = float(np.mean(answers["watertight"] != answers[other]))
         limit = EDGE_TOLERANCE if other == "robust" else 0.0
-        outcome.check(f"{label}: share unlike {other}", differing, limit)
+        trial.check(f"{label}: share unlike {other}", differing, limit)

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, figure
 from viscache_lab.bench.pass_runs import Run, take_turns
 from viscache_lab.bench.progressive import FIRST_OF_REFERENCES
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import figure
 
 __all__ = ["which_cache"]
 
@@ -64,22 +64,17 @@ QUICK = (
 )
 
 
-def which_cache(quick: bool = False) -> Outcome:
+@BENCHES.add("which-cache", "which way wins where: error times time of passes over 14 pictures")
+def which_cache(trial: Trial) -> None:
     """MSE·time of exact passes over that of every other way, scene by scene."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+    trial.notes.append(
         "A ratio is MSE·CPU time of vc.Exact() over that of the way, with the 95 % interval of a"
         " bootstrap over blocks of pixels; gain_rel has squared errors relative to each pixel."
         " Light that the camera sees directly is left out. Two references of exact passes: their"
         " noise cancels. Ways take turns pass by pass."
     )
-    return outcome
 
 
 @dataclass(frozen=True)
@@ -126,7 +121,7 @@ def ways(case: Case, edge: float = 1.0) -> dict[str, tuple[Any, Any, Any]]:
     }
 
 
-def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let the ways take turns pass by pass."""
     runs: dict[str, Run] = {}
     baseline = ways(case)["exact"][0]
@@ -155,12 +150,12 @@ def measure(outcome: Outcome, case: Case, scene: vc.Scene) -> None:
             continue
         what = f"{label}: {name} vs exact"
         seconds = (base.cpu_s, run.cpu_s)
-        outcome.figures.append(
+        trial.figures.append(
             gain_figure(what, squares["exact"], squares[name], seconds, case.passes)
         )
         found = np.array(run.energies) / np.array(base.energies) - 1
         t = abs(found.mean()) / max(found.std(ddof=1) / np.sqrt(len(found)), 1e-12)
-        outcome.check(f"{label}: {name}, |t| of the energy", float(t), LIMIT_T)
+        trial.check(f"{label}: {name}, |t| of the energy", float(t), LIMIT_T)
 
 
 def gain_figure(

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import viscache as vc
 from viscache.settings.by_name import replaced
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_flicker import flicker_rows
 from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 Size = tuple[int, int] | None
 
@@ -42,24 +39,21 @@ ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 
-@figure(
+@FIGURES.add(
     "aqvc-claims",
     "numbers in the paper's text: rays, shading, table size, collisions, parameters, flicker",
+    sized=True,
 )
-def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
+def claims(trial: Trial) -> None:
     """All claims, in the order of the paper's sections."""
-    outcome = Outcome()
     for part in (rays_left, shading_share, table_size, collisions, simple_scene):
-        outcome.rows += part(quick, size)
-    rows, table = parameters(quick, size)
-    outcome.rows += rows
-    outcome.rows += frames_per_second(quick, size)
-    outcome.rows += flicker_rows(quick, size)
-    outcome.files += [
-        _draw_parameters(table, folder / "aqvc-claims.png"),
-        write_csv(folder / "aqvc-claims.csv", table),
-    ]
-    return outcome
+        trial.rows += part(trial.quick, trial.size)
+    rows, table = parameters(trial.quick, trial.size)
+    trial.rows += rows
+    trial.rows += frames_per_second(trial.quick, trial.size)
+    trial.rows += flicker_rows(trial.quick, trial.size)
+    trial.draw("aqvc-claims.png", [_panels(table)], (9.0, 3.2))
+    trial.csv("aqvc-claims.csv", table)
 
 
 def rays_left(quick: bool, size: Size) -> list[Row]:
@@ -289,16 +283,19 @@ def frames_per_second(quick: bool, size: Size) -> list[Row]:
     return rows
 
 
-def _draw_parameters(table: list[dict[str, Any]], path: Path) -> Path:
-    figure = new_figure(9.0, 3.2)
-    for column, name in enumerate(PARAMETERS):
+def _panels(table: list[dict[str, Any]]) -> list[Panel]:
+    """RR over each parameter, and rel_l1 on axes of its own at the right."""
+
+    def panel(name: str) -> Panel:
         found = [r for r in table if r["parameter"] == name]
-        axes = figure.add_subplot(1, len(PARAMETERS), column + 1)
-        axes.plot(
-            [r["value"] for r in found], [r["ray_reduction"] for r in found], "o-", label="RR"
-        )
-        axes.set(xlabel=name, ylabel="RR", ylim=(0, None))
-        other = axes.twinx()
-        other.plot([r["value"] for r in found], [r["rel_l1"] for r in found], "s--", color="C1")
-        other.set(ylabel="rel_l1", ylim=(0, None))
-    return save_figure(figure, path)
+        x, rr, errors = ([r[k] for r in found] for k in ("value", "ray_reduction", "rel_l1"))
+
+        def more(axes: Any) -> None:
+            other = axes.twinx()
+            other.plot(x, errors, "s--", color="C1", label="rel_l1")
+            for one, label in ((axes, "RR"), (other, "rel_l1")):
+                one.set(ylabel=label, ylim=(0, None))
+
+        return Panel(series=[Series("RR", x, rr)], x=name, y="RR", legend=False, more=more)
+
+    return [panel(name) for name in PARAMETERS]

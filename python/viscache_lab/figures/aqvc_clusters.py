@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +10,10 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.aqvc import eye_keys, hash_keys, resolution_eye
 from viscache.shot.connections import trace_eye_points
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panels, images
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
-from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 C_E, FINER_C_E = 16.0, 4.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
@@ -74,32 +72,28 @@ def eye_samples(shot: Shot) -> EyeSamples:
     )
 
 
-@figure("aqvc-fig2", "cells that follow normals and footprints")
-def figure2(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-fig2", "cells that follow normals and footprints", sized=True)
+def figure2(trial: Trial) -> None:
     """Cells in false colours; whether they follow normals and the footprint of samples."""
-    pixels = size or (QUICK_SIZE if quick else SIZE)
+    pixels = trial.size or (QUICK_SIZE if trial.quick else SIZE)
     above, aslant = (
         eye_samples(Shot(scene=_plane(), integrator=vc.Direct(), size=pixels, camera=view))
         for view in (0, 1)
     )
     room = Shot(
-        scene=vc.scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
+        scene=vc.scenes.room(triangles=QUICK_TRIANGLES if trial.quick else TRIANGLES),
         integrator=vc.Direct(),
         size=pixels,
     )
     inside = eye_samples(room)
-    outcome = Outcome()
     for preset, settings in presets(C_E).items():
-        outcome.rows += _plane_rows(preset, above, aslant, settings)
-        outcome.rows += _normal_rows(preset, inside, settings)
-    outcome.files.append(_draw(room, inside, folder / "aqvc-fig2.png"))
-    outcome.notes.append(
+        trial.rows += _plane_rows(preset, above, aslant, settings)
+        trial.rows += _normal_rows(preset, inside, settings)
+    trial.draw("aqvc-fig2.png", _panels(room, inside), (10.0, 6.5))
+    trial.notes.append(
         f"C_E {C_E:g}, {pixels[0]}x{pixels[1]}, one sample per pixel. The plane is seen from "
         "above and aslant; near samples are several times as dense as far ones in the second."
     )
-    return outcome
 
 
 def _plane() -> vc.Scene:
@@ -207,15 +201,11 @@ def false_colors(
     return image.reshape(*shape, 3)
 
 
-def _draw(room: Shot, inside: EyeSamples, path: Path) -> Path:
-    figure = new_figure(10.0, 6.5)
-    frame = room.frame()
+def _panels(room: Shot, inside: EyeSamples) -> Panels:
     shape = (room.size[1], room.size[0])
-    draw_image(figure.add_subplot(2, 2, 1), frame.image, "the room")
-    views = [("default", C_E), ("default", FINER_C_E), ("paper", C_E)]
-    for k, (preset, c_e) in enumerate(views):
-        settings = presets(c_e)[preset]
-        colors = false_colors(inside, inside.keys(settings), shape)
-        title = f"cells, {preset}, C_E {c_e:g}"
-        draw_image(figure.add_subplot(2, 2, k + 2), colors, title, exposure=1.0)
-    return save_figure(figure, path)
+    cells = {}
+    for preset, c_e in (("default", C_E), ("default", FINER_C_E), ("paper", C_E)):
+        keys = inside.keys(presets(c_e)[preset])
+        cells[f"cells, {preset}, C_E {c_e:g}"] = false_colors(inside, keys, shape)
+    panels = images({"the room": room.frame()}) + images(cells, 1.0)
+    return [panels[:2], panels[2:]]

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 import viscache as vc
 from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import FIGURES, Trial
+from viscache_lab.experiment.drawing import lines as panels_of
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.drawing import draw_lines
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 SIZE, QUICK_SIZE = (192, 120), (64, 40)
 #: q, the share of the queries that are also traced; None: no correction.
@@ -42,14 +39,14 @@ class Corrected:
     """The energy error in standard errors."""
 
 
-@figure("aqvc-correct", 'use="correct": noise over rays, with the cache and without shadows')
-def correction(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add(
+    "aqvc-correct", 'use="correct": noise over rays, with the cache and without shadows', sized=True
+)
+def correction(trial: Trial) -> None:
     """Both are unbiased; a cache pays off if its corrections have less noise."""
-    outcome, table, lines = Outcome(), [], {}
-    for scene, shot in shots(quick, size).items():
-        found = corrected(shot, seeds=6 if quick else 16)
+    table, lines = [], {}
+    for scene, shot in shots(trial.quick, trial.size).items():
+        found = corrected(shot, seeds=6 if trial.quick else 16)
         for method in METHODS:
             mine = {share: found[method, share] for share in SHARES}
             drawn = [c for share, c in mine.items() if share]
@@ -68,25 +65,20 @@ def correction(
             ]
             plain, shown = mine[None], mine[SHOWN]
             note = f"{shown.energy:+.2%} of the light, {plain.energy:+.2%} without corrections"
-            outcome.rows.append(
-                Row(f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note)
+            trial.row(
+                f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note
             )
         cache, none = (found[method, SHOWN] for method in METHODS)
         ratio = (cache.noise / none.noise) ** 2
         note = f"rays over queries {cache.rays_left:.3f} and {none.rays_left:.3f}"
-        outcome.rows.append(
-            Row(
-                f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
-                ratio,
-                band=bands.CACHE_IS_THE_BETTER_VARIATE,
-                note=note,
-            )
+        trial.row(
+            f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
+            ratio,
+            band=bands.CACHE_IS_THE_BETTER_VARIATE,
+            note=note,
         )
-    outcome.files += [
-        draw_lines(lines, folder / "aqvc-correct.png", x="rays over queries", y="noise"),
-        write_csv(folder / "aqvc-correct.csv", table),
-    ]
-    return outcome
+    trial.draw("aqvc-correct.png", panels_of(lines, x="rays over queries", y="noise"))
+    trial.csv("aqvc-correct.csv", table)
 
 
 def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:

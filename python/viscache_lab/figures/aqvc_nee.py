@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -13,14 +12,11 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import FIGURES, Row, Trial, references
+from viscache_lab.experiment.drawing import lines as drawn
 from viscache_lab.figures import aqvc_bands as bands
-from viscache_lab.figures import references
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.drawing import draw_lines
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
 #: C_E of the cache: points of its curve of error over rays.
@@ -31,33 +27,28 @@ EXPONENTS = (0.25, 0.5, 1.0)
 SEEDS, REFERENCE_SPP = 5, 64
 
 
-@figure("aqvc-nee", "rays and error beside Next Event Estimation++")
-def comparison(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-nee", "rays and error beside Next Event Estimation++", sized=True)
+def comparison(trial: Trial) -> None:
     """Rays and error at equal samples; variance against a converged picture."""
-    outcome, table, lines = Outcome(), [], {}
-    for name, shot in shots(quick, size).items():
-        found = same_samples(shot, quick)
+    table, lines = [], {}
+    for name, shot in shots(trial.quick, trial.size).items():
+        found = same_samples(shot, trial.quick)
         table += [
             {"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
             for m, t in found.items()
         ]
-        outcome.rows += _same_rows(name, found, quick)
+        trial.rows += _same_rows(name, found, trial.quick)
         for kind in ("NEE++", "AQVC"):
             mine = [t for m, t in found.items() if m.startswith(kind)]
             lines[f"{kind}, {name}"] = ([rays_left(t) for t in mine], [t.rel_l1 for t in mine])
         if not shot.integrator.n_vpls:  # type: ignore[union-attr]
-            outcome.rows += _noise_rows(name, noise(shot, quick))
-    outcome.files += [
-        draw_lines(lines, folder / "aqvc-nee.png", x="rays per query", y="rel_l1"),
-        write_csv(folder / "aqvc-nee.csv", table),
-    ]
-    outcome.notes.append(
+            trial.rows += _noise_rows(name, noise(shot, trial.quick))
+    trial.draw("aqvc-nee.png", drawn(lines, x="rays per query", y="rel_l1"))
+    trial.csv("aqvc-nee.csv", table)
+    trial.notes.append(
         "NEE++ is ours, after the paper's idea: Russian roulette alone, its map learnt before the "
         "frame. Its error is noise and leaves with more samples; the cache's is partly bias."
     )
-    return outcome
 
 
 def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:

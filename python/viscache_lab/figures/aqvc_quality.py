@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,12 @@ import numpy as np
 import viscache as vc
 from viscache.aqvc import eye_keys
 from viscache.settings.by_name import replaced
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_bias import bias_rows
 from viscache_lab.figures.aqvc_errors import bias, stray_light
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 Size = tuple[int, int] | None
 
@@ -34,25 +31,26 @@ KINDS = {
 }
 
 
-@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement, bias")
-def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
+@FIGURES.add(
+    "aqvc-quality",
+    "quality choices of the quantized cache: normals, grids, refinement, bias",
+    sized=True,
+)
+def quality(trial: Trial) -> None:
     """All choices, and a table."""
-    outcome = Outcome(rows=leaking_cells())
-    rows, table = normals(quick, size)
-    outcome.rows += rows
-    outcome.rows += grids_and_neighbours(quick, size)
-    outcome.rows += light_kinds(quick, size)
-    rows, biases = bias_rows(quick, size)
-    outcome.rows += rows
-    outcome.files += [
-        write_csv(folder / "aqvc-quality.csv", table),
-        write_csv(folder / "aqvc-quality-bias.csv", biases),
-    ]
-    outcome.notes.append(
+    trial.rows += leaking_cells()
+    rows, table = normals(trial.quick, trial.size)
+    trial.rows += rows
+    trial.rows += grids_and_neighbours(trial.quick, trial.size)
+    trial.rows += light_kinds(trial.quick, trial.size)
+    rows, biases = bias_rows(trial.quick, trial.size)
+    trial.rows += rows
+    trial.csv("aqvc-quality.csv", table)
+    trial.csv("aqvc-quality-bias.csv", biases)
+    trial.notes.append(
         "Choices are changed one at a time in the preset default; the apartment has 24 lamps and a "
         f"sun, C_E {C_E:g}. Errors are means over grids, a shift of the grids each."
     )
-    return outcome
 
 
 def leaking_cells() -> list[Row]:

@@ -13,7 +13,7 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
-from viscache_lab.figures.outcome import Row
+from viscache_lab.experiment import Row
 
 __all__ = ["AMPLIFIED", "TURNS", "Shot", "Trade", "difference", "group_rows", "presets"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,13 +12,11 @@ import numpy as np
 import viscache as vc
 from viscache.metrics.temporal import flicker
 from viscache.scenes.shapes import bumpy_sphere
+from viscache_lab.experiment import FIGURES, Band, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, Series
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_flicker import cameras
 from viscache_lab.figures.aqvc_setups import delta
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4
@@ -105,18 +102,18 @@ def run(
     return made
 
 
-@figure(
-    "aqvc-temporal", "tables kept, dropped or repaired while things move: rays, flicker, stale bits"
+@FIGURES.add(
+    "aqvc-temporal",
+    "tables kept, dropped or repaired while things move: rays, flicker, stale bits",
+    sized=True,
 )
-def temporal(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+def temporal(trial: Trial) -> None:
     """Both paths, with refinement on and off, and tables dropped, kept, forgotten and repaired."""
-    pixels = size or (QUICK_SIZE if quick else SIZE)
-    outcome, table = Outcome(), []
+    pixels = trial.size or (QUICK_SIZE if trial.quick else SIZE)
+    table = []
     curves: dict[str, Mapping[str, Sequence]] = {}
     for path in ("camera", "ball"):
-        shots = views(path, quick)
+        shots = views(path, trial.quick)
         exact = [
             vc.render(scene, vc.Direct(), visibility=vc.Exact(), size=pixels, camera=view)
             for scene, view in shots
@@ -125,19 +122,16 @@ def temporal(
             ways = WAYS if path == "ball" else WAYS[:2]
             found = {way: run(shots, way, refinement, pixels) for way in ways}
             label = f"{path}, refinement {refinement}"
-            outcome.rows += _rows(path, label, found, exact)
+            trial.rows += _rows(path, label, found, exact)
             table += _table(path, refinement, found, exact)
             curves[label] = found
-    outcome.files += [
-        _draw(curves, folder / "aqvc-temporal.png"),
-        write_csv(folder / "aqvc-temporal.csv", table),
-    ]
-    outcome.notes.append(
+    trial.draw("aqvc-temporal.png", _panels(curves), (11.0, 5.5))
+    trial.csv("aqvc-temporal.csv", table)
+    trial.notes.append(
         f"{pixels[0]}x{pixels[1]}, {len(exact)} frames, the apartment's living room under 24 lamps "
         f"and a sun, C_E {C_E:g}, scale-free cells, one query at a time. Rays that only check are "
         "not counted, those that repair are."
     )
-    return outcome
 
 
 def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.Frame]) -> list[Row]:
@@ -230,20 +224,27 @@ def _table(
     ]
 
 
-def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
-    figure = new_figure(11.0, 5.5)
-    for column, (label, found) in enumerate(curves.items()):
-        rays = figure.add_subplot(2, len(curves), 1 + column)
-        wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)
+def _panels(curves: Mapping[str, Mapping[str, Sequence]]) -> Panels:
+    """Rays above, wrong bits below; a column per path and refinement."""
+
+    def panel(label: str, found: Mapping[str, Sequence], above: bool) -> Panel:
+        series = []
         for way, s in found.items():
             counters = [f.counters for f in s.frames]
-            color = f"C{WAYS.index(way)}"
-            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color, label=way)
-            if way != "dropped":
-                share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
-                wrong.plot(share, lw=1.2, color=color, label=way)
-        rays.set_title(label, fontsize=9)
-        rays.set(ylabel="rays per query", ylim=(0, None))
-        wrong.set(xlabel="frame", ylabel="share of kept bits that are wrong", ylim=(0, None))
-        rays.legend(fontsize=7)
-    return save_figure(figure, path)
+            rays = [c["rays"] / c["queries"] for c in counters]
+            wrong = [
+                c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters if "wrong_kept" in c
+            ]
+            if above or way != "dropped":
+                y = rays if above else wrong
+                series.append(Series(way, range(len(y)), y, "-", f"C{WAYS.index(way)}"))
+        return Panel(
+            series=series,
+            title=label if above else "",
+            x="" if above else "frame",
+            y="rays per query" if above else "share of kept bits that are wrong",
+            legend=above,
+            more=lambda axes: axes.set_ylim(bottom=0),
+        )
+
+    return [[panel(*curve, above) for curve in curves.items()] for above in (True, False)]

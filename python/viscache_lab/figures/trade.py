@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import viscache as vc
@@ -12,11 +11,8 @@ from viscache.passes.over_time import gain
 from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
 from viscache.scenes import sources
+from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.figures import trade_bands as bands
-from viscache_lab.figures.drawing import save_figure
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 if TYPE_CHECKING:
     import xarray
@@ -56,44 +52,43 @@ QUICK = (
 )
 
 
-@figure("trade", "error over time: exact, biased, corrected and picked visibility, pass by pass")
-def trade(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add(
+    "trade",
+    "error over time: exact, biased, corrected and picked visibility, pass by pass",
+    sized=True,
+)
+def trade(trial: Trial) -> None:
     """Passes of one sample with lights that stay the same, on one thread each."""
-    outcome, found, table = Outcome(), {}, []
-    light = vc.Whitted(n_vpls=64 if quick else 1024)
-    for case in QUICK if quick else CASES:
+    found, table = {}, []
+    light = vc.Whitted(n_vpls=64 if trial.quick else 1024)
+    for case in QUICK if trial.quick else CASES:
         scene = case.opened()
         if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+            trial.skip(case.name, "VISCACHE_SCENES has no such file")
             continue
         ds = vc.passes_over_time(
             scene,
             light,
             settings(light),
-            passes=8 if quick else 16,
-            size=size or ((48, 32) if quick else (192, 192)),
+            passes=8 if trial.quick else 16,
+            size=trial.size or ((48, 32) if trial.quick else (192, 192)),
             threads=1,
-            progress=progress,
+            progress=trial.progress,
         )
         found[case.name] = ds
-        outcome.rows += _rows(case.name, ds, quick)
+        trial.rows += _rows(case.name, ds, trial.quick)
         table += [
             {"scene": case.name, **row}
             for row in ds.drop_dims("row").to_dataframe().reset_index().to_dict("records")
         ]
-    outcome.rows.append(_verdict(found))
-    outcome.files += [
-        _drawn(found, folder / "trade.png"),
-        write_csv(folder / "trade.csv", table),
-    ]
-    outcome.notes.append(
+    trial.rows.append(_verdict(found))
+    trial.save(_picture(found), "trade.png")
+    trial.csv("trade.csv", table)
+    trial.notes.append(
         "Errors are of light on surfaces, against two pictures of as many exact passes with other"
         " eye samples and the same lights. Settings took turns. A gain is squared error · CPU"
         " seconds of one way over that of the other; that of biased passes falls with more passes."
     )
-    return outcome
 
 
 def settings(light: vc.Whitted) -> dict[str, Any]:
@@ -164,7 +159,7 @@ def _verdict(found: dict[str, xarray.Dataset]) -> Row:
     )
 
 
-def _drawn(found: dict[str, xarray.Dataset], path: Path) -> Path:
+def _picture(found: dict[str, xarray.Dataset]) -> Any:
     """A panel per scene."""
     columns = min(4, max(1, len(found)))
     rows = -(-max(1, len(found)) // columns)
@@ -175,4 +170,4 @@ def _drawn(found: dict[str, xarray.Dataset], path: Path) -> Path:
     for panel, (name, ds) in zip(panels, found.items(), strict=False):
         draw_over_time(panel, ds, legend=panel is panels[0])
         panel.set_title(name, fontsize=10)
-    return save_figure(drawing, path)
+    return drawing

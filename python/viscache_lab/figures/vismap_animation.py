@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
 from viscache.base.progress import progress_bar
@@ -28,10 +26,9 @@ from viscache.scenes.light_product import (
 )
 from viscache.scenes.shapes import place, soft_box
 from viscache.vismap.simulation import Way, simulate
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 #: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
 FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256
@@ -55,31 +52,25 @@ class Frame:
     ratio: float
 
 
-@figure("vismap-temporal", "records and misses over the frames of a moving scene")
-def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-temporal", "records and misses over the frames of a moving scene")
+def temporal(trial: Trial) -> None:
     """Records, misses and variance ratio per frame."""
-    outcome = Outcome()
-    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
-    pixels = (QUICK_PIXELS, QUICK_COMPARED) if quick else (PIXELS, COMPARED)
-    outcome.rows.append(
-        Row(
-            "records inserted in a second frame in which nothing moves",
-            _inserted_again(size),
-            band=bands.NOTHING_NEW,
-        )
+    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if trial.quick else (SIZE, FRAMES)
+    pixels = (QUICK_PIXELS, QUICK_COMPARED) if trial.quick else (PIXELS, COMPARED)
+    trial.row(
+        "records inserted in a second frame in which nothing moves",
+        _inserted_again(size),
+        band=bands.NOTHING_NEW,
     )
     frames: list[Frame] = []
     cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
-    with progress_bar(progress, unit="frame") as report:
+    with progress_bar(trial.progress, unit="frame") as report:
         for k in range(n_frames):
             frames.append(_frame(cache, k / n_frames, size, *pixels))
             if report is not None:
                 report(k + 1, n_frames)
-    outcome.rows += _rows(frames)
-    path = folder / "vismap-temporal.png"
-    save_figure(_picture(frames), path, dpi=150)
-    outcome.files.append(path)
-    return outcome
+    trial.rows += _rows(frames)
+    trial.draw("vismap-temporal.png", [_panels(frames)], (12.0, 3.4), dpi=150)
 
 
 def crate_and_garage(t: float) -> vc.Scene:
@@ -182,20 +173,30 @@ def _rows(frames: list[Frame]) -> list[Row]:
     ]
 
 
-def _picture(frames: list[Frame]) -> Any:
-    figure = new_figure(12.0, 3.4)
-    axes: Any = figure.subplots(1, 3)
-    number: npt.NDArray[np.int64] = np.arange(len(frames))
-    axes[0].plot(number, [f.records for f in frames], color=COLORS[0], label="there")
-    axes[0].plot(number, [f.inserted for f in frames], color=COLORS[1], label="new")
-    axes[0].plot(number, [f.wrong + f.unused for f in frames], color=COLORS[2], label="removed")
-    axes[0].set(yscale="symlog", ylabel="records")
-    axes[0].legend(frameon=False, fontsize=8)
-    axes[1].plot(number, [100 * f.miss_share for f in frames], color=COLORS[0])
-    axes[1].set(ylabel="wrong answers [%]")
-    axes[2].plot(number, [f.ratio for f in frames], color=COLORS[0])
-    axes[2].set(ylabel="variance left, 10 samples")
-    for each in axes:
-        each.set_xlabel("frame")
-        each.set_ylim(bottom=0)
-    return figure
+def _panels(frames: list[Frame]) -> list[Panel]:
+    drawn: dict[str, dict[str, list[float]]] = {
+        "records": {
+            "there": [f.records for f in frames],
+            "new": [f.inserted for f in frames],
+            "removed": [f.wrong + f.unused for f in frames],
+        },
+        "wrong answers [%]": {"": [100 * f.miss_share for f in frames]},
+        "variance left, 10 samples": {"": [f.ratio for f in frames]},
+    }
+
+    def more(axes: Any) -> None:
+        axes.set_yscale("symlog" if axes.get_ylabel() == "records" else "linear")
+        axes.set_ylim(bottom=0)
+
+    return [
+        Panel(
+            series=[
+                Series(name, range(len(y)), y, "-", COLORS[k])
+                for k, (name, y) in enumerate(named.items())
+            ],
+            x="frame",
+            y=label,
+            more=more,
+        )
+        for label, named in drawn.items()
+    ]

@@ -14,11 +14,10 @@ import numpy as np
 
 from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
+from viscache.plots.drawing import new_figure
 from viscache.scenes.sources import SCENES_VARIABLE, is_builtin, made_by_others
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 if TYPE_CHECKING:
     import xarray
@@ -55,60 +54,53 @@ FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
-@figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
-def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig3", "correlation over distance and angle in one scene, with slices")
+def figure3(trial: Trial) -> None:
     """Table and both slices of scene (a)."""
-    outcome = Outcome()
     view = PAPER[0]
-    dataset = _measured(view, folder, quick, progress, outcome)
+    dataset = _measured(view, trial.folder, trial.quick, trial.progress, trial)
     if dataset is None:
-        return outcome
-    outcome.rows += _common_rows(view.name, dataset, held=True)
-    outcome.rows += _slice_rows(view.name, dataset)
-    outcome.rows += _size_rows(view.name, dataset, quick)
+        return
+    trial.rows += _common_rows(view.name, dataset, held=True)
+    trial.rows += _slice_rows(view.name, dataset)
+    trial.rows += _size_rows(view.name, dataset, trial.quick)
     for name, draw in (("table", plots.table), ("slices", plots.slices)):
-        path = folder / f"vismap-fig3-{name}.png"
-        save_figure(draw(dataset), path, dpi=150)
-        outcome.files.append(path)
-    return outcome
+        trial.save(draw(dataset), f"vismap-fig3-{name}.png", dpi=150)
 
 
-@figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
-def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig4", "correlation in four scenes, with maps of the scenes")
+def figure4(trial: Trial) -> None:
     """Tables and spatial maps of the four scenes, and of two by other authors."""
-    outcome = Outcome()
     found: dict[str, xarray.Dataset] = {}
     for view in (*PAPER, *OTHERS):
-        dataset = _measured(view, folder, quick, progress, outcome)
+        dataset = _measured(view, trial.folder, trial.quick, trial.progress, trial)
         if dataset is not None:
             found[view.name] = dataset
     for name, dataset in found.items():
         printed = name in [view.name for view in PAPER]
-        outcome.rows += _common_rows(name, dataset, held=printed)
+        trial.rows += _common_rows(name, dataset, held=printed)
         if printed:
-            outcome.rows += _size_rows(name, dataset, quick)
-    outcome.rows += [*_line_rows(found["dynamics"]), *_order_rows(found)]
-    path = folder / "vismap-fig4.png"
-    save_figure(_picture(found), path, dpi=130)
-    outcome.files.append(path)
-    return outcome
+            trial.rows += _size_rows(name, dataset, trial.quick)
+    trial.rows += _line_rows(found["dynamics"])
+    trial.rows += _order_rows(found)
+    trial.save(_picture(found), "vismap-fig4.png", dpi=130)
 
 
 def _measured(
-    view: View, folder: Path, quick: bool, progress: bool, outcome: Outcome
+    view: View, folder: Path, quick: bool, progress: bool, trial: Trial
 ) -> xarray.Dataset | None:
     """Statistics of a view; full runs can resume and store them beside the picture."""
     scene = view.find()
     if scene is None:
-        outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
+        trial.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
         return None
     store = None if quick else folder / "blocks"
     dataset = measure(
         scene, camera=view.camera, directory=store, progress=progress, **(QUICK if quick else FULL)
     )
     if not quick:
-        outcome.files.append(folder / f"{view.name}.nc")
-        save_dataset(dataset, outcome.files[-1])
+        trial.files.append(folder / f"{view.name}.nc")
+        save_dataset(dataset, trial.files[-1])
     return dataset
 
 

@@ -8,7 +8,7 @@ import viscache as vc
 from viscache.metrics.variance import variance_ratio
 from viscache.scenes.sources import SCENES_VARIABLE, made_by_others
 from viscache_lab.cases.map_renders import Picture, paper_maps
-from viscache_lab.figures.outcome import Outcome, Row
+from viscache_lab.experiment import Row, Trial
 
 __all__ = ["SKIES", "living_rooms", "variance_rows"]
 
@@ -20,7 +20,7 @@ RENDERS, SIZE = 8, (160, 120)
 QUICK_RENDERS, QUICK_SIZE = 3, (32, 24)
 
 
-def living_rooms(outcome: Outcome) -> Iterator[tuple[str, vc.Scene]]:
+def living_rooms(trial: Trial) -> Iterator[tuple[str, vc.Scene]]:
     """The room under every available sky; absent files are recorded in `outcome.skipped`."""
     room: vc.Scene | None = None
     for name, sky in SKIES.items():
@@ -28,7 +28,7 @@ def living_rooms(outcome: Outcome) -> Iterator[tuple[str, vc.Scene]]:
         mesh, light = made_by_others(SCENE), made_by_others(sky)
         if mesh is None or light is None:
             absent = SCENE if mesh is None else sky
-            outcome.skip(label, f"{absent} is absent: set {SCENES_VARIABLE} to its folder")
+            trial.skip(label, f"{absent} is absent: set {SCENES_VARIABLE} to its folder")
             continue
         room = room or vc.load_scene(mesh)
         yield label, room.with_environment(light)

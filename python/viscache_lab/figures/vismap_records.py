@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,10 @@ from viscache.correlation import measure
 from viscache.scene.cameras import find_camera
 from viscache.scenes import build
 from viscache.vismap import UpdateReport
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, draw_records
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.drawing import draw_records, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_density import (
     equal_cells,
     per_cell_angle,
@@ -82,23 +80,21 @@ def build_cache(
     return Built(cache=cache, report=cache.update(camera, size=size))
 
 
-@figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
-def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
+def table2(trial: Trial) -> None:
     """Records, resolutions and rays per pixel of three scenes, and of two not in the paper."""
-    outcome = Outcome()
-    size = QUICK if quick else FULL
+    size = QUICK if trial.quick else FULL
     for name, view in VIEWS.items():
-        scene = view.open(quick)
+        scene = view.open(trial.quick)
         built = build_cache(scene, view.camera, size, vc.MapSettings(m=view.m))
-        outcome.rows += _table_rows(name, built, size)
+        trial.rows += _table_rows(name, built, size)
         automatic = vc.MapSettings(preset="auto", m=view.m)
-        outcome.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
-    for label, scene in living_rooms(outcome):
+        trial.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
+    for label, scene in living_rooms(trial):
         rows = _table_rows(label, build_cache(scene, 0, size, vc.MapSettings()), size)
-        outcome.rows += [replace(row, band=None) for row in rows]
-    if quick:
-        outcome.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
-    return outcome
+        trial.rows += [replace(row, band=None) for row in rows]
+    if trial.quick:
+        trial.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
 
 
 def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
@@ -146,22 +142,15 @@ def _automatic_row(name: str, built: Built) -> Row:
     )
 
 
-@figure("vismap-fig8", "positions of the records")
-def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig8", "positions of the records")
+def figure8(trial: Trial) -> None:
     """Records by weight only, and by the difference of maps only."""
-    outcome = Outcome()
-    scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
+    scene, size = MUSHROOMS.open(trial.quick), QUICK_PICTURE if trial.quick else FULL_PICTURE
     by_weight = build_cache(scene, 0, size, vc.MapSettings(w_min=0.4, delta_max=1.0))
     by_difference = build_cache(scene, 0, size, vc.MapSettings(w_min=0.0, delta_max=0.06))
-    outcome.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
-    titles = (
-        f"weight: {len(by_weight.added)} records",
-        f"difference: {len(by_difference.added)} records",
-    )
-    path = folder / "vismap-fig8.png"
-    _dots(scene, 0, size, {titles[0]: by_weight.added, titles[1]: by_difference.added}, path)
-    outcome.files.append(path)
-    return outcome
+    trial.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
+    added = {"weight": by_weight.added, "difference": by_difference.added}
+    trial.draw("vismap-fig8.png", _dots(scene, 0, size, added), (10.0, 4.0), dpi=150)
 
 
 def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
@@ -190,39 +179,34 @@ def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) 
     return rows
 
 
-@figure("vismap-fig12", "records in the garden scene")
-def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig12", "records in the garden scene")
+def figure12(trial: Trial) -> None:
     """Records of the garden, and their ratio to those of a simple scene."""
-    outcome = Outcome()
-    size = QUICK_PICTURE if quick else FULL_PICTURE
+    size = QUICK_PICTURE if trial.quick else FULL_PICTURE
     built = {}
     for name in ("garden1", "dynamics"):
         view = VIEWS[name]
-        scene = view.open(quick)
+        scene = view.open(trial.quick)
         built[name] = build_cache(scene, view.camera, size, vc.MapSettings())
-        path = folder / f"vismap-fig12-{name}.png"
-        records = built[name].cache.records().positions
-        _dots(scene, view.camera, size, {f"{name}: {len(records)} records": records}, path)
-        outcome.files.append(path)
+        panels = _dots(scene, view.camera, size, {name: built[name].cache.records().positions})
+        trial.draw(f"vismap-fig12-{name}.png", panels, (5.0, 4.0), dpi=150)
     counts = {name: len(b.cache) for name, b in built.items()}
-    outcome.rows.append(
-        Row(
-            "records of garden1 over records of dynamics, same parameters",
-            counts["garden1"] / counts["dynamics"],
-            band=bands.HARD_SCENES_GET_MORE,
-            note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
-        )
+    trial.row(
+        "records of garden1 over records of dynamics, same parameters",
+        counts["garden1"] / counts["dynamics"],
+        band=bands.HARD_SCENES_GET_MORE,
+        note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
     )
-    return outcome
 
 
 def _dots(
-    scene: vc.Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
-) -> None:
+    scene: vc.Scene, camera: int, size: tuple[int, int], records: dict[str, Floats]
+) -> Panels:
     view: vc.Camera = find_camera(scene, camera)
     image = vc.render(scene, vc.Direct(n_environment=16), camera=camera, size=size).image
-    figure = new_figure(5.0 * len(records), 4.0)
-    both = figure.subplots(1, len(records), squeeze=False)[0]
-    for axes, (title, positions) in zip(both, records.items(), strict=True):
-        draw_records(axes, image, view, positions, title)
-    save_figure(figure, path, dpi=150)
+
+    def panel(name: str, positions: Floats) -> Panel:
+        title = f"{name}: {len(positions)} records"
+        return Panel(more=lambda axes: draw_records(axes, image, view, positions, title))
+
+    return [[panel(*some) for some in records.items()]]

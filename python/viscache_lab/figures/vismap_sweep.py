@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import viscache as vc
@@ -14,10 +13,9 @@ from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.plots import COLORS, pareto
 from viscache.scenes import build
 from viscache.vismap.simulation import Way, simulate
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 SCENE, QUICK_SCENE = "garage", "garage?triangles=60000"
 SIZE, QUICK_SIZE = (640, 480), (160, 120)
@@ -53,28 +51,25 @@ class Setting:
     guided: VarianceRatio
 
 
-@figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
-def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-sweep", "variance, rays and bytes over the cache's parameters")
+def sweep(trial: Trial) -> None:
     """The grid in the garage, and the settings that are Pareto-optimal in rays and variance."""
-    scene = build(QUICK_SCENE if quick else SCENE)
+    scene = build(QUICK_SCENE if trial.quick else SCENE)
     found: dict[str, dict[str, Setting]] = {}
     total = sum(len(values) for values in GRID.values())
-    with progress_bar(progress, unit="setting") as report:
+    with progress_bar(trial.progress, unit="setting") as report:
         for name, values in GRID.items():
             found[name] = {}
             for value in values:
-                found[name][_label(value)] = measure(scene, value, quick)
+                found[name][_label(value)] = measure(scene, value, trial.quick)
                 if report is not None:
                     report(sum(len(f) for f in found.values()), total)
-    outcome = Outcome(rows=_rows(found))
-    path = folder / "vismap-sweep.png"
-    save_figure(_picture(found), path, dpi=150)
-    outcome.files.append(path)
-    outcome.notes.append(
+    trial.rows += _rows(found)
+    trial.draw("vismap-sweep.png", [_panels(found)], (11.0, 4.4), dpi=150)
+    trial.notes.append(
         f"variance left at {SAMPLES} samples, rqmc, alpha of earlier passes, in the world of the "
         "environment's texels"
     )
-    return outcome
 
 
 def measure(scene: vc.Scene, value: Mapping[str, Any], quick: bool) -> Setting:
@@ -135,28 +130,29 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
     return rows
 
 
-def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
-    figure = new_figure(11.0, 4.4)
-    both: Any = figure.subplots(1, 2)
-    for axes, kind in zip(both, ("variate", "guided"), strict=True):
-        everything: list[tuple[float, float]] = []
-        for k, (name, settings) in enumerate(found.items()):
-            points = [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
-            axes.plot(
-                *zip(*points, strict=True),
-                "o-",
-                ms=4,
-                lw=0.8,
-                label=name,
-                color=COLORS[k % len(COLORS)],
+def _panels(found: Mapping[str, Mapping[str, Setting]]) -> list[Panel]:
+    panels = []
+    titles = {"variate": "control variate", "guided": "control variate, guided sampling"}
+    for kind, title in titles.items():
+        points = {
+            name: [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
+            for name, settings in found.items()
+        }
+        series = [
+            Series.through(name, some, "o-", COLORS[k % len(COLORS)])
+            for k, (name, some) in enumerate(points.items())
+        ]
+        best = pareto([point for some in points.values() for point in some])
+        series.append(Series.through("not beaten", best, "k--"))
+        panels.append(
+            Panel(
+                series=series,
+                title=title,
+                x="rays for records, per pixel",
+                y="variance left",
+                logarithmic="x",
+                legend=kind == "guided",
+                more=lambda axes: axes.set_ylim(bottom=0),
             )
-            everything += points
-        best = pareto(everything)
-        axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")
-        axes.set(xscale="log", xlabel="rays for records, per pixel", ylabel="variance left")
-        axes.set_title(
-            {"variate": "control variate", "guided": "control variate, guided sampling"}[kind]
         )
-        axes.set_ylim(bottom=0)
-    both[1].legend(frameon=False, fontsize=8)
-    return figure
+    return panels

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -12,10 +11,9 @@ import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
 from viscache_lab.figures.vismap_records import VIEWS
 
@@ -64,36 +62,36 @@ class Times:
         return float(fixed), float(slope)
 
 
-@figure("vismap-tab3", "variance ratios and overhead over the number of samples")
-def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-tab3", "variance ratios and overhead over the number of samples")
+def table3(trial: Trial) -> None:
     """Rendered pictures as in the paper, and simulated pixels for what it does not print."""
-    outcome = Outcome()
-    samples = QUICK_SAMPLES if quick else printed.SAMPLES
+    samples = QUICK_SAMPLES if trial.quick else printed.SAMPLES
     for name, view in VIEWS.items():
         picture = Picture(
-            scene=view.open(quick), camera=view.camera, size=QUICK_SIZE if quick else SIZE
+            scene=view.open(trial.quick),
+            camera=view.camera,
+            size=QUICK_SIZE if trial.quick else SIZE,
         )
         settings = vc.MapSettings(m=view.m)
-        outcome.rows += _rendered_rows(name, picture, settings, samples, quick)
+        trial.rows += _rendered_rows(name, picture, settings, samples, trial.quick)
         found = simulate(
             picture.build_cache(settings),
             _ways(),
             samples,
             camera=view.camera,
             size=picture.size,
-            n_pixels=QUICK_PIXELS if quick else PIXELS,
-            replicates=QUICK_REPLICATES if quick else REPLICATES,
+            n_pixels=QUICK_PIXELS if trial.quick else PIXELS,
+            replicates=QUICK_REPLICATES if trial.quick else REPLICATES,
         )
         rows = _simulated_rows(name, found, samples)
-        outcome.rows += [replace(row, band=None) for row in rows] if quick else rows
-    for label, scene in living_rooms(outcome):
-        outcome.rows += variance_rows(label, scene, quick)
-    outcome.notes.append(
+        trial.rows += [replace(row, band=None) for row in rows] if trial.quick else rows
+    for label, scene in living_rooms(trial):
+        trial.rows += variance_rows(label, scene, trial.quick)
+    trial.notes.append(
         "rendered: variance over independent pictures, the cache built once before. Simulated: "
         "random pixels in the world of the environment's texels, steady state unless it says "
         "'one shot': then these samples are all there are, in passes of 10, 20, 40, …"
     )
-    return outcome
 
 
 def _ways() -> list[Way]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,10 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panels, images, lines
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
-from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     MAX_BYTES,
@@ -29,7 +27,6 @@ from viscache_lab.figures.vlf_tracers import (
     camera_rays,
     embree,
     in_turns,
-    write_csv,
 )
 
 #: Numbers of random triangles, and the largest for which a full field is built.
@@ -50,51 +47,47 @@ def _random(count: int) -> vc.Scene:
     return made
 
 
-@figure("vlf-fig4", "the scenes of random triangles")
-def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig4", "the scenes of random triangles")
+def figure4(trial: Trial) -> None:
     """Pictures of the scenes of random triangles."""
-    outcome, figure = Outcome(), new_figure(8.0, 4.2)
+    shown = {}
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
         view = vc.look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
-        size = QUICK_SIZE if quick else printed.RANDOM_SIZE
+        size = QUICK_SIZE if trial.quick else printed.RANDOM_SIZE
         frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
-        axes = figure.add_subplot(1, 2, column + 1)
-        draw_image(axes, frame.image, f"{count} triangles")
-        outcome.rows.append(
-            Row(
-                f"triangles, {'left' if column == 0 else 'right'}",
-                scene.triangles,
-                printed=count,
-                band=bands.RANDOM_TRIANGLES[count],
-                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
-            )
+        shown[f"{count} triangles"] = frame
+        trial.row(
+            f"triangles, {'left' if column == 0 else 'right'}",
+            scene.triangles,
+            printed=count,
+            band=bands.RANDOM_TRIANGLES[count],
+            note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
         )
-    outcome.files.append(save_figure(figure, folder / "vlf-fig4.png"))
-    return outcome
+    trial.draw("vlf-fig4.png", [images(shown)], (8.0, 4.2))
 
 
-@figure("vlf-fig5", "frame time over the number of triangles")
-def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig5", "frame time over the number of triangles")
+def figure5(trial: Trial) -> None:
     """Time of primary rays by number of random triangles."""
-    size = QUICK_SIZE if quick else printed.RANDOM_SIZE
-    counts = QUICK_COUNTS if quick else COUNTS
-    outcome, table = Outcome(), []
+    size = QUICK_SIZE if trial.quick else printed.RANDOM_SIZE
+    counts = QUICK_COUNTS if trial.quick else COUNTS
+    table = []
     times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": [], FAST_EMBREE: []}
     steps = []
     for count in counts:
         scene = _random(count)
         beams = _stations(size)
         tuned = {
-            "CRT": best_bsp(scene, beams, quick),
-            "VLF-RT": best_field(scene, beams, quick, lazy=True),
+            "CRT": best_bsp(scene, beams, trial.quick),
+            "VLF-RT": best_field(scene, beams, trial.quick, lazy=True),
             "Embree": embree(scene),
             FAST_EMBREE: embree(scene, robust=False),
         }
         runs: dict[str, Callable[[], Any]] = {
             name: partial(beams.trace, t.caster) for name, t in tuned.items()
         }
-        found = in_turns(runs, 1 if quick else 3)
+        found = in_turns(runs, 1 if trial.quick else 3)
         for name, seconds in found.items():
             times[name].append(1e3 * seconds / len(STATIONS))
             table.append(
@@ -106,20 +99,17 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
                     "build_s": tuned[name].build_s,
                 }
             )
-        outcome.rows += _count_rows(count, found, tuned, quick)
-        steps.append(steps_of_a_ray(scene, beams, quick))
-    outcome.rows += _growth_rows(counts, times, steps, quick)
-    lines = {name: (counts, ms) for name, ms in times.items()}
-    outcome.files += [
-        draw_lines(lines, folder / "vlf-fig5.png", x="triangles", y="CPU ms per frame"),
-        write_csv(folder / "vlf-fig5.csv", table),
-    ]
-    outcome.notes.append(
+        trial.rows += _count_rows(count, found, tuned, trial.quick)
+        steps.append(steps_of_a_ray(scene, beams, trial.quick))
+    trial.rows += _growth_rows(counts, times, steps, trial.quick)
+    drawn = {name: (counts, ms) for name, ms in times.items()}
+    trial.draw("vlf-fig5.png", lines(drawn, x="triangles", y="CPU ms per frame"))
+    trial.csv("vlf-fig5.csv", table)
+    trial.notes.append(
         f"{size[0]}x{size[1]} primary rays, one thread, {len(STATIONS)} places of the camera, "
         f"edges of {EDGE_FACTOR:g} n^(-1/3) of the cube: the paper tells neither its triangles' "
         "size nor its path. The field builds only the directions its rays need."
     )
-    return outcome
 
 
 def _stations(size: tuple[int, int]) -> Beams:
@@ -195,18 +185,18 @@ def _growth_rows(
     return rows
 
 
-@figure("vlf-fig6", "frame times of a walk through a classroom")
-def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig6", "frame times of a walk through a classroom")
+def figure6(trial: Trial) -> None:
     """A walk through the classroom: CPU time of each frame."""
-    frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
-    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    frames = QUICK_FRAMES if trial.quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
+    size = QUICK_SIZE if trial.quick else printed.CLASSROOM_SIZE
     # One scene per tracer: a scene keeps only one caster besides Embree's
-    rooms = {name: _classroom(quick) for name in METHODS}
+    rooms = {name: _classroom(trial.quick) for name in METHODS}
     views = [vc.scenes.classroom_camera(k) for k in frames]
-    trial = camera_rays(views[len(views) // 2], size)
+    some = camera_rays(views[len(views) // 2], size)
     tuned = {
-        "CRT": best_bsp(rooms["CRT"], trial, quick),
-        "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
+        "CRT": best_bsp(rooms["CRT"], some, trial.quick),
+        "VLF-RT": best_field(rooms["VLF-RT"], some, trial.quick),
         "Embree": embree(rooms["Embree"]),
         FAST_EMBREE: embree(rooms[FAST_EMBREE], robust=False),
     }
@@ -223,21 +213,19 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
             for shading, seconds in (("OpenGL-like", primary), ("Whitted", whitted))
             for n in rooms
         ]
-    outcome = Outcome(rows=_walk_rows(table, tuned, quick))
-    outcome.rows.append(
-        Row(
-            "rays of a Whitted frame over its primary rays, median",
-            _median(np.array(more_rays)),
-            band=bands.WHITTED_RAYS,
-        )
+    trial.rows += _walk_rows(table, tuned, trial.quick)
+    trial.row(
+        "rays of a Whitted frame over its primary rays, median",
+        _median(np.array(more_rays)),
+        band=bands.WHITTED_RAYS,
     )
-    outcome.files += [_draw_walk(table, folder), write_csv(folder / "vlf-fig6.csv", table)]
-    outcome.notes.append(
+    trial.draw("vlf-fig6.png", _walk(table))
+    trial.csv("vlf-fig6.csv", table)
+    trial.notes.append(
         "OpenGL-like: the primary rays alone. Whitted: whole frames through viscache.render with "
         "shadow rays to the four lights, shading included; single-ray tracers get them one by one, "
         "Embree in packets of 16. One thread."
     )
-    return outcome
 
 
 def _classroom(quick: bool) -> vc.Scene:
@@ -299,45 +287,31 @@ def _median(values: npt.NDArray[np.float64]) -> float:
     return float(np.median(values))
 
 
-def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
-    lines = {}
+def _walk(table: list[dict[str, Any]]) -> Panels:
+    drawn = {}
     for shading in bands.WALK_SPEEDUP:
         for method in METHODS:
             at = [r["frame"] for r in table if (r["method"], r["shading"]) == (method, shading)]
-            lines[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
-    return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
+            drawn[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
+    return lines(drawn, x="frame", y="CPU ms", logarithmic="y")
 
 
-@figure("vlf-fig7", "the classroom")
-def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig7", "the classroom")
+def figure7(trial: Trial) -> None:
     """The classroom with Whitted and with OpenGL-like shading."""
     scene: vc.Scene = vc.scenes.classroom_like()
     lights = [light for light in scene.lights if light["kind"] == "point"]
-    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    size = QUICK_SIZE if trial.quick else printed.CLASSROOM_SIZE
     view = scene.cameras[1]
     frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
-    figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
         "Whitted": frame.image,
         "OpenGL-like": local_shading(frame, view, lights),
     }
-    for column, (title, image) in enumerate(pictures.items()):
-        draw_image(figure.add_subplot(1, 2, column + 1), image, title)
-    rows = [
-        Row(
-            "triangles",
-            scene.triangles,
-            printed=printed.CLASSROOM_TRIANGLES,
-            band=bands.CLASSROOM_TRIANGLES,
-        ),
-        Row(
-            "point lights",
-            len(lights),
-            printed=printed.CLASSROOM_LIGHTS,
-            band=bands.CLASSROOM_LIGHTS,
-        ),
-    ]
-    return Outcome(rows=rows, files=[save_figure(figure, folder / "vlf-fig7.png")])
+    count, lamps = printed.CLASSROOM_TRIANGLES, printed.CLASSROOM_LIGHTS
+    trial.row("triangles", scene.triangles, printed=count, band=bands.CLASSROOM_TRIANGLES)
+    trial.row("point lights", len(lights), printed=lamps, band=bands.CLASSROOM_LIGHTS)
+    trial.draw("vlf-fig7.png", [images(pictures)], (8.0, 4.2))
 
 
 def local_shading(

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,7 +27,6 @@ __all__ = [
     "embree",
     "first_hits",
     "in_turns",
-    "write_csv",
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -207,17 +204,3 @@ def first_hits(
         normals.astype(np.float32),
         seen.reshape(size[1], size[0]),
     )
-
-
-def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
-    """Write the rows of a table; columns are in the order of their first occurrence."""
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(columns)
-        table.writerows([_cell(row.get(name, "")) for name in columns] for row in rows)
-    return path
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from viscache_lab.bench import (
-    common,
     frame_errors,
     meter,
     persistent_bias,
@@ -18,14 +17,15 @@ from viscache_lab.bench import (
     which_cache,
 )
 from viscache_lab.bench.text import text
+from viscache_lab.experiment import Trial, amounts
 
 
 def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
     for value, holds in ((0.5, True), (1.0, True), (1.5, False)):
-        assert common.at_most_figure("x", value, "s", 1.0)["holds"] is holds
-        assert common.figure("x", 1.0, "s", ratios=[value], goal=1.0)["holds"] is (value >= 1)
-    assert common.at_most_figure("x", 9.0, "s", None)["holds"] is None
-    assert common.figure("x", 1.0, "s", ratios=[9.0])["holds"] is None
+        assert amounts.at_most_figure("x", value, "s", 1.0)["holds"] is holds
+        assert amounts.figure("x", 1.0, "s", ratios=[value], goal=1.0)["holds"] is (value >= 1)
+    assert amounts.at_most_figure("x", 9.0, "s", None)["holds"] is None
+    assert amounts.figure("x", 1.0, "s", ratios=[9.0])["holds"] is None
 
 
 def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> None:
@@ -118,20 +118,20 @@ def test_a_coverage_is_the_share_of_intervals_that_hold_the_truth() -> None:
 
 @pytest.mark.parametrize(("value", "holds"), [(0.92, False), (0.95, True), (0.99, False)])
 def test_a_coverage_can_be_too_small_and_too_large(value: float, holds: bool) -> None:
-    outcome = common.Outcome()
-    meter._check(outcome, "coverage", value, meter.COVERAGE)
-    assert outcome.answers_hold is holds and len(outcome.answers) == 2
+    trial = Trial()
+    meter._check(trial, "coverage", value, meter.COVERAGE)
+    assert trial.answers_hold is holds and len(trial.answers) == 2
 
 
 def test_means_that_are_off_by_more_than_chance_are_found() -> None:
     r = np.random.default_rng(3)
     truth = r.random(20)
     for shift, holds in ((0.0, True), (0.05, False)):
-        outcome = common.Outcome()
+        trial = Trial()
         estimates = {"way": truth + 0.1 * r.normal(size=(64, 20)) + shift}
         found: Any = SimpleNamespace(truth=truth, estimates=estimates)
-        vismap_variance.check_means(outcome, "x", found)
-        assert outcome.answers_hold is holds
+        vismap_variance.check_means(trial, "x", found)
+        assert trial.answers_hold is holds
 
 
 def test_a_persistent_error_is_told_from_noise() -> None:

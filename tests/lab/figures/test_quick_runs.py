@@ -13,7 +13,7 @@ import pytest
 
 from viscache import cli
 from viscache_lab import figures
-from viscache_lab.figures.everything import finished
+from viscache_lab.experiment.run import finished
 
 #: Rows with a band, and files beside table and record by what follows the figure's name.
 QUICK: dict[str, tuple[int, tuple[str, ...]]] = {

@@ -10,6 +10,8 @@ import pytest
 
 import viscache as vc
 from viscache.frame import Frame
+from viscache_lab.experiment import Row, Trial
+from viscache_lab.experiment.drawing import Panel
 from viscache_lab.figures import (
     aqvc_claims,
     vismap_ambient,
@@ -21,7 +23,6 @@ from viscache_lab.figures import (
 )
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures.aqvc_runs import Trade
-from viscache_lab.figures.outcome import Row
 from viscache_lab.figures.vlf_tracers import FAST_EMBREE, Tuned
 
 
@@ -231,11 +232,12 @@ def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(
         "blocked_share": lambda *_, **__: share,
         "paper_maps": lambda cache: None,
         "_guided_rows": lambda *_: [],
-        "_picture": lambda *_: None,
-        "save_figure": lambda *_, **__: None,
+        "_panels": lambda *_: [[Panel()]],
     }.items():
         monkeypatch.setattr(vismap_equal_time, name, value)
-    rows = measured(vismap_equal_time.figure13(tmp_path, False, False).rows)
+    trial = Trial(folder=tmp_path)
+    vismap_equal_time.figure13(trial)
+    rows = measured(trial.rows)
     assert rows["samples of product sampling in the same time"] == 4 * ours
     assert rows["variance left in equal time"] == pytest.approx(4 * 0.6, rel=0.05)
     assert rows[f"variance left at {ours} samples"] == pytest.approx(0.6, rel=0.05)

@@ -7,7 +7,7 @@ import platform
 import statistics
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -17,7 +17,6 @@ from viscache.scenes import build
 
 __all__ = [
     "Clock",
-    "Outcome",
     "Sample",
     "at_most_figure",
     "build_scene",
@@ -37,37 +36,6 @@ class Sample:
 
     wall_s: float
     cpu_s: float
-
-
-@dataclass(kw_only=True, slots=True)
-class Outcome:
-    """The results of a bench; `answers` lists each check of an answer and whether it holds."""
-
-    figures: list[dict[str, Any]] = field(default_factory=list)
-    answers: list[dict[str, Any]] = field(default_factory=list)
-    skipped: list[dict[str, str]] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def check(self, what: str, value: float, limit: float) -> None:
-        """Record a check that holds if value <= limit."""
-        holds = bool(value <= limit)  # not-a-number does not hold
-        self.answers.append({"what": what, "value": float(value), "limit": limit, "holds": holds})
-
-    def skip(self, what: str, reason: str) -> None:
-        """Record what was left out, and why."""
-        self.skipped.append({"what": what, "reason": reason})
-
-    def extend(self, other: Outcome) -> None:
-        """Append all that another outcome has."""
-        self.figures += other.figures
-        self.answers += other.answers
-        self.skipped += other.skipped
-        self.notes += other.notes
-
-    @property
-    def answers_hold(self) -> bool:
-        """True if every answer that was checked is right."""
-        return all(a["holds"] for a in self.answers)
 
 
 def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
