@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,7 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.vlf import trace_aligned
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import turns
 from viscache_lab.experiment.trial import opened
 
 __all__ = ["FITTED", "HELD_OUT", "Case", "aligned", "eye_points", "opened", "rays_of"]
@@ -130,23 +126,12 @@ def _compare(
     points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
     repeats: int,
 ) -> None:
-    rows: dict[str, Any] = {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        time, rows[engine] = timed(
-            lambda: trace_aligned(
-                scene,
-                *points,
-                case.n_directions,
-                t_max=rays_of(scene, case.distance),
-                engine=engine,
-                threads=1,
-            )
-        )
-        return time
-
+    t_max = rays_of(scene, case.distance)
+    trace = partial(trace_aligned, scene, *points, case.n_directions, t_max=t_max, threads=1)
     scene.aligned_batch(), scene.caster()
-    samples = interleave({"auto": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
+    runs = {e: partial(trace, engine=e) for e in ("auto", "embree")}
+    found = turns(runs, repeats)
+    samples, rows = found.samples, found.answers
     label = f"{spec.partition('?')[0]} {case.label}"
     n_rays = len(points[0]) * case.n_directions
     trial.ratio(

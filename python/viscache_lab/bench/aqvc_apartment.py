@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
 import viscache as vc
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
+from viscache_lab.bench.aqvc_frame import without_build
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, interleave, ratio_figure
+from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
 __all__ = ["aqvc_apartment"]
 
@@ -64,35 +65,14 @@ def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
     )
 
 
-def frame_of(
-    frames: dict[str, vc.Frame],
-    key: str,
-    scene: vc.Scene,
-    light: vc.Whitted,
-    by: Visibility,
-    quick: bool,
-) -> Callable[[], Sample]:
-    """Render once, keep the frame, return the time."""
-
-    def run() -> Sample:
-        size = (160, 100) if quick else (1280, 800)
-        frame = frames[key] = vc.render(scene, light, visibility=by, size=size)
-        t = frame.timings
-        return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
-
-    return run
-
-
 def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
     """Compare whole frames with exact ones."""
-    frames: dict[str, vc.Frame] = {}
-    light = integrator(sky, quick)
-    runs = {
-        key: frame_of(frames, key, scene, light, by, quick) for key, by in settings(10.0).items()
-    }
+    shot = vc.Shot(scene, integrator(sky, quick), size=(160, 100) if quick else (1280, 800))
+    runs = {key: shot.with_(visibility=by).render for key, by in settings(10.0).items()}
     if sky == "shared":
         del runs["light's cells"], runs["default"]
-    samples = interleave(runs, 1, warm_up=False)
+    found = turns(runs, 1, warm_up=False, clock=without_build)
+    samples, frames = found.samples, found.answers
     name = "own sky samples" if sky == "mis" else "shared sky"
     for key in runs:
         if key == "exact":
@@ -122,15 +102,13 @@ def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
 
 def measure_table(trial: Trial, scene: vc.Scene) -> None:
     """Visibility of the sky samples alone: bit rows, the hash table and rays."""
-    frames: dict[str, vc.Frame] = {}
-    light = integrator("mis", False, n_vpls=0)
+    shot = vc.Shot(scene, integrator("mis", False, n_vpls=0), size=(1280, 800))
     ways: dict[str, Visibility] = {
         "rows": vc.Aqvc(c_e=10, exact_groups=()),
         "table": vc.Aqvc(c_e=10, paper=vc.PaperForm(form="pairs")),
         "exact": vc.Exact(),
     }
-    for key, by in ways.items():
-        frame_of(frames, key, scene, light, by, False)()
+    frames = {key: shot.with_(visibility=by).render() for key, by in ways.items()}
     queries = frames["exact"].counters["queries"]
     for key in ("rows", "table"):
         took = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from viscache.metrics import compare
 from viscache.scenes.sources import scene_file
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, interleave, ratio_figure
+from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
 __all__ = ["aqvc_frame"]
 
@@ -117,27 +117,16 @@ def measure(
     if case.with_slow:
         once["exact-by-pixel"] = vc.Exact(order="by_pixel", engine="packets")
         once["hash"] = vc.Aqvc(c_e=case.c_e, refinement="on", paper=vc.PaperForm(form="pairs"))
-    frames: dict[str, vc.Frame] = {}
-
-    def runner(key: str) -> Callable[[], Sample]:
-        def run() -> Sample:
-            frame = vc.render(
-                scene,
-                vc.Whitted(n_vpls=case.n_vpls) if case.n_vpls else vc.Direct(),
-                visibility=(settings | once)[key],
-                size=case.size,
-                spp=case.spp,
-                camera=camera,
-            )
-            frames[key] = frame
-            t = frame.timings
-            return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
-
-        return run
-
+    light = vc.Whitted(n_vpls=case.n_vpls) if case.n_vpls else vc.Direct()
+    shot = vc.Shot(scene, light, size=case.size, spp=case.spp, camera=camera)
     scene.caster()  # not part of any frame
-    samples = interleave({key: runner(key) for key in settings}, case.repeats, warm_up=False)
-    samples |= interleave({key: runner(key) for key in once}, 1, warm_up=False)
+    samples: dict[str, list[Sample]] = {}
+    frames: dict[str, vc.Frame] = {}
+    for some, repeats in ((settings, case.repeats), (once, 1)):
+        runs = {key: shot.with_(visibility=by).render for key, by in some.items()}
+        found = turns(runs, repeats, warm_up=False, clock=without_build)
+        samples |= found.samples
+        frames |= found.answers
     figures = (
         ("tuned, ", "tuned", "packets", case.goal),
         ("tuned, ", "tuned", "exact", None),
@@ -172,6 +161,12 @@ def measure(
             unlike = float(frames[key].sha256 != frames["exact"].sha256)
             trial.check(f"{name} {case.label}: bytes of exact and {key} differ", unlike, 0)
     return frames
+
+
+def without_build(frame: vc.Frame) -> Sample:
+    """The duration of a frame without the build of its structures."""
+    t = frame.timings
+    return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
 
 
 def _after_first_hits(frame: vc.Frame) -> float:

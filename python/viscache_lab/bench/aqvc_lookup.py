@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -14,7 +14,7 @@ from viscache.aqvc.equations import level_hashes
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, figure, interleave
+from viscache_lab.experiment.amounts import Sample, build_scene, figure, turns
 
 __all__ = ["aqvc_lookup"]
 
@@ -34,18 +34,15 @@ def aqvc_lookup(trial: Trial) -> None:
         # The cells are so large that a look-up answers nearly every query
         settings[f"{name}, look-ups alone"] = vc.Aqvc(c_e=200, refinement="off", paper=form)
     settings |= storages()
-    frames: dict[str, vc.Frame] = {}
-
-    def runner(key: str) -> Callable[[], Sample]:
-        def run() -> Sample:
-            frames[key] = vc.render(scene, integrator, visibility=settings[key], size=size)
-            t = frames[key].timings
-            return Sample(wall_s=t["visibility_s"], cpu_s=t["visibility_cpu_s"])
-
-        return run
-
+    shot = vc.Shot(scene, integrator, size=size)
     scene.caster()
-    samples = interleave({k: runner(k) for k in settings}, 2 if trial.quick else 3, warm_up=False)
+    asked = turns(
+        {key: shot.with_(visibility=by).render for key, by in settings.items()},
+        2 if trial.quick else 3,
+        warm_up=False,
+        clock=of_visibility,
+    )
+    samples, frames = asked.samples, asked.answers
     exact = frames["ray"]
     per_query = {
         key: [s.cpu_s / max(1, frames[key].counters["queries"]) * 1e9 for s in samples[key]]
@@ -73,6 +70,12 @@ def aqvc_lookup(trial: Trial) -> None:
     trial.figures.append(keys(20_000 if trial.quick else 500_000, trial))
 
 
+def of_visibility(frame: vc.Frame) -> Sample:
+    """The time of a frame's oracle."""
+    t = frame.timings
+    return Sample(wall_s=t["visibility_s"], cpu_s=t["visibility_cpu_s"])
+
+
 def storages() -> dict[str, Visibility]:
     """The paper's alternatives to batches: single queries, its queue, its tiles, and both."""
     tiles = vc.PaperForm(form="pairs", storage="paper_tiles")
@@ -93,18 +96,13 @@ def keys(points: int, trial: Trial) -> dict[str, Any]:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     resolutions = 400.0 * rng.uniform(0.5, 2, (points, 1)) * 2.0 ** np.arange(4)
     parameters = vc.Aqvc(c_z=8.0)
-    found: dict[str, Any] = {}
-
-    def runner(name: str, at_once: bool) -> Callable[[], Sample]:
-        def run() -> Sample:
-            *found[name], seconds = level_hashes(
-                parameters, (0.0, 0.0, 0.0), 2.0, x, normals, resolutions, lights, at_once=at_once
-            )
-            return Sample(wall_s=seconds, cpu_s=seconds)
-
-        return run
-
-    samples = interleave({"one": runner("one", False), "four": runner("four", True)}, 5)
+    given = (parameters, (0.0, 0.0, 0.0), 2.0, x, normals, resolutions, lights)
+    asked = turns(
+        {n: partial(level_hashes, *given, at_once=n == "four") for n in ("one", "four")},
+        5,
+        clock=lambda answer: Sample(wall_s=answer[-1], cpu_s=answer[-1]),
+    )
+    samples, found = asked.samples, {n: answer[:-1] for n, answer in asked.answers.items()}
     per_key = {n: [s.cpu_s / (4 * points) * 1e9 for s in made] for n, made in samples.items()}
     ratios = [a / b for a, b in zip(per_key["one"], per_key["four"], strict=True)]
     same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, turns
 
 __all__ = ["oracle"]
 
@@ -55,25 +50,13 @@ def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
         np.asarray(conn.eyes.density)[shuffled],
     )
     for name, visibility in {"exact": vc.Exact(), "aqvc": vc.Aqvc(c_e=10)}.items():
-        ask, found = conn.oracle(visibility), dict[str, Any]()
-
-        def asker(
-            key: str, points: vc.EyePoints, asked: npt.NDArray[np.uint64], ask: Any, found: Any
-        ) -> Callable[[], Sample]:
-            def run() -> Sample:
-                sample, found[key] = timed(lambda: ask.block(points, ends, asked))
-                return sample
-
-            return run
-
-        samples = interleave(
-            {
-                "renderer": asker("renderer", conn.eyes, wanted, ask, found),
-                "arrays": asker("arrays", eyes, wanted[shuffled], ask, found),
-            },
-            1 if quick else 3,
-            warm_up=False,
-        )
+        ask = conn.oracle(visibility)
+        runs = {
+            "renderer": partial(ask.block, conn.eyes, ends, wanted),
+            "arrays": partial(ask.block, eyes, ends, wanted[shuffled]),
+        }
+        asked = turns(runs, 1 if quick else 3, warm_up=False)
+        samples, found = asked.samples, asked.answers
         trial.ratio(
             f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
             samples["arrays"],
@@ -93,19 +76,11 @@ def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
 def in_python(scene: vc.Scene, quick: bool, trial: Trial) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
     size, integrator = ((96, 64), vc.Whitted(n_vpls=64)) if quick else ((640, 400), vc.Whitted())
-    frames: dict[str, vc.Frame] = {}
     ways: dict[str, Any] = {"core": vc.Exact(engine="packets"), "python": Traced()}
-
-    def runner(name: str) -> Callable[[], Sample]:
-        def run() -> Sample:
-            sample, frames[name] = timed(
-                lambda: vc.render(scene, integrator, visibility=ways[name], size=size)
-            )
-            return sample
-
-        return run
-
-    samples = interleave({name: runner(name) for name in ways}, 1 if quick else 3)
+    whole = partial(vc.render, scene, integrator, size=size)
+    runs = {name: partial(whole, visibility=way) for name, way in ways.items()}
+    rendered = turns(runs, 1 if quick else 3)
+    samples, frames = rendered.samples, rendered.answers
     trial.ratio(
         f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
         samples["python"],

@@ -8,15 +8,16 @@ they hold for one frame alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure, seed_by_seed
 from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["picks"]
@@ -112,16 +113,13 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
         **{f"{n} picks": {"pick": n} for n in case.picks},
         f"{case.picks[-1]} picks, corrected": {"pick": case.picks[-1], **corrected},
     }
-    images: dict[str, list[Array]] = {way: [] for way in ways}
-    seconds: dict[str, list[float]] = {way: [] for way in ways}
-    for options in ways.values():
-        _render(case, scene, 0, **options)
-    for seed in range(case.seeds):
-        for way in ways if seed % 2 else reversed(ways):
-            image, spent = _render(case, scene, seed, **ways[way])
-            images[way].append(image)
-            seconds[way].append(spent)
-    found = {way: errors.of(np.stack(stack)) for way, stack in images.items()}
+    runs: dict[str, Callable[[int], Any]] = {
+        way: partial(_render, case, scene, **options) for way, options in ways.items()
+    }
+    for run in runs.values():
+        run(0)
+    images, seconds = seed_by_seed(runs, case.seeds)
+    found = {way: errors.of(stack) for way, stack in images.items()}
     for way, options in ways.items():
         if way == "exact":
             continue
@@ -135,7 +133,7 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
             )
         )
         if "pick" in options or "use" in options:
-            z = energy_z(np.stack(images[way]), np.stack(images["exact"]))
+            z = energy_z(images[way], images["exact"])
             trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 

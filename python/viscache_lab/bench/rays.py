@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,7 @@ import viscache as vc
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, fastest, turns
 
 __all__ = ["EDGE_TOLERANCE", "rays"]
 
@@ -75,21 +71,15 @@ def _compare(
 ) -> None:
     caster = scene.caster()
     width, coherent = _best_plan(caster, r)
-    answers: dict[str, npt.NDArray[np.bool_]] = {}
-
-    def ours() -> Sample:
-        time, answers["ours"] = timed(lambda: scene.occluded(r.origins, r.directions, r.t_max))
-        return time
-
-    def bare() -> Sample:
-        time, answers["embree-loop"] = timed(lambda: _loop(caster, r, width, coherent))
-        return time
-
-    runs: dict[str, Callable[[], Sample]] = {"ours": ours, "embree-loop": bare}
+    runs: dict[str, Callable[[], Any]] = {
+        "ours": lambda: scene.occluded(r.origins, r.directions, r.t_max),
+        "embree-loop": lambda: _loop(caster, r, width, coherent),
+    }
     for name, peer in peers.items():
         peer.give(origins=r.origins, directions=r.directions, t_max=r.t_max)
         runs[name] = lambda peer=peer: peer.run({"job": "any_hit"})[0]  # type: ignore[misc]
-    samples = interleave(runs, repeats)
+    found_by = turns(runs, repeats)
+    samples, answers = found_by.samples, found_by.answers
     for name, peer in peers.items():
         found = peer.result()["occluded"]
         # embreex answers 0 where a ray is blocked, −1 where it is free
@@ -128,10 +118,4 @@ def _loop(caster: Any, r: RaySet, width: int, coherent: bool) -> npt.NDArray[np.
 
 def _best_plan(caster: Any, r: RaySet) -> tuple[int, bool]:
     """The packet width and flag of the fastest bare loop on this set."""
-    runs: dict[str, Callable[[], Sample]] = {
-        f"{w} {c}": lambda w=w, c=c: timed(lambda: _loop(caster, r, w, c))[0]  # type: ignore[misc]
-        for w, c in PLANS
-    }
-    samples = interleave(runs, 2, warm_up=False)
-    best = min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))
-    return PLANS[list(samples).index(best)]
+    return fastest({plan: partial(_loop, caster, r, *plan) for plan in PLANS})

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import viscache as vc
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, interleave
+from viscache_lab.experiment.amounts import Sample, turns
 
 __all__ = ["shafts"]
 
@@ -61,10 +61,10 @@ def shafts(trial: Trial) -> None:
 
 def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare the bytes of their frames."""
-    frames: dict[Engine, vc.Frame] = {}
     scene.caster()
-    runs: dict[str, Callable[[], Sample]] = {e: _run(frames, e, case, scene) for e in ENGINES}
-    samples = interleave(runs, repeats)
+    runs = {e: partial(_frame, case, scene, e, coherent=True) for e in ENGINES}
+    found = turns(runs, repeats, clock=_clock)
+    samples, frames = found.samples, found.answers
     packets, incoherent = frames["packets"], _frame(case, scene, "packets", coherent=False)
     queries = packets.counters["queries"]
     for engine in ENGINES[1:]:
@@ -96,14 +96,7 @@ def _frame(case: Case, scene: vc.Scene, engine: Engine, *, coherent: bool) -> vc
     return render_part(shot, part)
 
 
-def _run(
-    frames: dict[Engine, vc.Frame], engine: Engine, case: Case, scene: vc.Scene
-) -> Callable[[], Sample]:
-    """Render some tiles; return the time of visibility and keep the frame."""
-
-    def run() -> Sample:
-        frame = frames[engine] = _frame(case, scene, engine, coherent=True)
-        cpu = frame.timings["visibility_cpu_s"]
-        return Sample(wall_s=cpu, cpu_s=cpu)
-
-    return run
+def _clock(frame: vc.Frame) -> Sample:
+    """The time of visibility, all of it on one thread."""
+    cpu = frame.timings["visibility_cpu_s"]
+    return Sample(wall_s=cpu, cpu_s=cpu)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Literal
@@ -14,7 +13,7 @@ import viscache as vc
 from viscache.correlation.rows import SurfacePoints, surface_points
 from viscache.scene.queries import shaft_matrix, visible_matrix
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, interleave, timed
+from viscache_lab.experiment.amounts import turns
 from viscache_lab.experiment.trial import opened
 
 __all__ = ["shafts_elsewhere"]
@@ -103,11 +102,10 @@ def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     asked = Asked(scene, case)
     points, targets = asked.ends
     queries = len(points) * len(targets)
-    found: dict[Engine, Answer] = {}
     scene.caster()
     scene.shafts().memory_bytes()  # builds the tree
-    runs: dict[str, Callable[[], Sample]] = {e: partial(_run, found, e, asked) for e in ENGINES}
-    samples = interleave(runs, repeats, warm_up=repeats > 1)
+    taken = turns({e: partial(asked.answer, e) for e in ENGINES}, repeats, warm_up=repeats > 1)
+    samples, found = taken.samples, taken.answers
     bits = found["packets"][0]
     for engine in ENGINES[1:]:
         other, work = found[engine]
@@ -182,8 +180,3 @@ class Asked:
     def _in_space(self, count: int, seed: int) -> npt.NDArray[np.float32]:
         low, high = self.scene.bounds
         return np.random.default_rng(seed).uniform(low, high, (count, 3)).astype(np.float32)
-
-
-def _run(found: dict[Engine, Answer], engine: Engine, asked: Asked) -> Sample:
-    sample, found[engine] = timed(partial(asked.answer, engine))
-    return sample

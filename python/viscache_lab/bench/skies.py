@@ -6,7 +6,9 @@ samples with other seeds; its noise is taken out of the errors.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure, seed_by_seed
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.trial import opened
 
@@ -91,19 +93,17 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
         for seed in range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
     ]
     errors = Errors(np.stack(converged))
-    images: dict[str, list[Array]] = {way: [] for way in WAYS}
-    seconds: dict[str, list[float]] = {way: [] for way in WAYS}
-    for seed in range(case.seeds):
-        for way in WAYS if seed % 2 else reversed(WAYS):
-            image, spent = _render(case, scene, seed, *WAYS[way])
-            images[way].append(image)
-            seconds[way].append(spent)
-    found = {way: errors.of(np.stack(stack)) for way, stack in images.items()}
+    runs: dict[str, Callable[[int], Any]] = {
+        way: partial(_render, case, scene, integrator=light, spp=spp)
+        for way, (light, spp) in WAYS.items()
+    }
+    images, seconds = seed_by_seed(runs, case.seeds)
+    found = {way: errors.of(stack) for way, stack in images.items()}
     for way in WAYS:
         if way == OWN:
             continue
         trial.figures.append(gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN))
-        z = energy_z(np.stack(images[way]), np.stack(images[OWN]))
+        z = energy_z(images[way], images[OWN])
         trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -11,18 +12,12 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.correlation import DirectionSet, surface_points, visibility_rows
-from viscache.correlation.rows import VisibilityRows
 from viscache.scenes.sources import made_by_others
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
 from viscache_lab.bench.frames import g_buffer
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, fastest, frame_clock, turns
 
 __all__ = ["CASES", "Case", "vlf_ao"]
 
@@ -31,6 +26,7 @@ PLANS = tuple((by_axis, w, c) for by_axis in (True, False) for w in (8, 16) for 
 #: Rays that pass an edge within rounding may be answered differently.
 DIFFERING = 1e-5
 THREADS = 2
+ENGINES: tuple[Literal["auto", "embree"], ...] = ("auto", "embree")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,24 +98,16 @@ def vlf_ao(trial: Trial) -> None:
 def _compare(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     points, normals = g_buffer(scene, case.side)
     frames = direction_frames(case.n_directions)
-    caster, answers = scene.caster(), {}
+    caster = scene.caster()
     scene.aligned_batch()
     plan = _best_plan(caster, points, normals, frames)
-    chosen: dict[str, Any] = {}
-
-    def ours() -> Sample:
-        time, rows = timed(
-            lambda: trace_aligned(scene, points, normals, case.n_directions, threads=THREADS)
-        )
-        answers["ours"] = rows.bits
-        chosen.update(engine=rows.engine, reason=rows.reason)
-        return time
-
-    def theirs() -> Sample:
-        time, answers["embree"] = timed(lambda: _embree(caster, points, normals, frames, plan))
-        return time
-
-    samples = interleave({"ours": ours, "embree": theirs}, repeats, warm_up=False)
+    given = (scene, points, normals, case.n_directions)
+    runs: dict[str, Callable[[], Any]] = {
+        "ours": partial(trace_aligned, *given, threads=THREADS),
+        "embree": partial(_embree, caster, points, normals, frames, plan),
+    }
+    found = turns(runs, repeats, warm_up=False)
+    samples, rows = found.samples, found.answers["ours"]
     order = "by axis" if plan[0] else "by point"
     trial.ratio(
         f"{case.label} vs embree",
@@ -130,12 +118,13 @@ def _compare(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
         plan=f"{order}, {plan[1]}{' coherent' if plan[2] else ''}",
         points=len(points),
         triangles=scene.triangles,
-        **chosen,
+        engine=rows.engine,
+        reason=rows.reason,
     )
     rays = len(points) * case.n_directions
-    differing = _ones(answers["ours"] ^ answers["embree"]) / rays
+    differing = _ones(rows.bits ^ found.answers["embree"]) / rays
     trial.check(f"{case.label}: share unlike embree", differing, DIFFERING)
-    free = _ones(answers["ours"]) / rays
+    free = _ones(rows.bits) / rays
     trial.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
 
 
@@ -144,19 +133,13 @@ def _compare_rows(trial: Trial, case: Case, scene: vc.Scene) -> None:
     label = f"rows {case.name} {case.side**2} points"
     at, directions = surface_points(scene, case.side**2), DirectionSet()
     scene.aligned_batch(), scene.caster()
-    rows: dict[str, VisibilityRows] = {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        time, rows[engine] = timed(
-            lambda: visibility_rows(scene, at, directions, engine=engine, threads=THREADS)
-        )
-        return time
-
-    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
+    every = partial(visibility_rows, scene, at, directions, threads=THREADS)
+    found = turns({engine: partial(every, engine=engine) for engine in ENGINES}, 3)
+    samples, rows = found.samples, found.answers
     n_rays = rows["auto"].n_rays
     trial.ratio(
         f"{label} vs embree",
-        samples["ours"],
+        samples["auto"],
         samples["embree"],
         work=n_rays,
         goal=case.goal,
@@ -177,20 +160,15 @@ def living_room(trial: Trial, side: int = 1024, repeats: int = 3) -> None:
     if path is None:
         trial.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
         return
-    scene, frames = vc.load_scene(path), {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        settings = vc.AmbientOcclusion(
-            n_samples=513, max_distance=None, directions="shared", engine=engine
-        )
-        frames[engine] = vc.render(scene, settings, size=(side, side), threads=THREADS)
-        times = frames[engine].timings
-        return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
-
-    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
+    scene = vc.load_scene(path)
+    light = vc.AmbientOcclusion(n_samples=513, max_distance=None, directions="shared")
+    whole = partial(vc.render, scene, size=(side, side), threads=THREADS)
+    runs = {engine: partial(whole, replace(light, engine=engine)) for engine in ENGINES}
+    found = turns(runs, repeats, clock=frame_clock)
+    samples, frames = found.samples, found.answers
     trial.ratio(
         f"{label} vs embree",
-        samples["ours"],
+        samples["auto"],
         samples["embree"],
         goal=2.0,
         plan="by axis, 16, flag by width",
@@ -232,12 +210,4 @@ def _best_plan(
 ) -> tuple[bool, int, bool]:
     """The fastest of the plans on 16 of the axes."""
     some = np.ascontiguousarray(frames[:: max(1, len(frames) // 16)][:16])
-    runs: dict[str, Callable[[], Sample]] = {
-        str(plan): lambda plan=plan: timed(  # type: ignore[misc]
-            lambda: _embree(caster, points, normals, some, plan)
-        )[0]
-        for plan in PLANS
-    }
-    samples = interleave(runs, 2, warm_up=False)
-    best = min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))
-    return PLANS[list(samples).index(best)]
+    return fastest({p: partial(_embree, caster, points, normals, some, p) for p in PLANS})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,7 @@ import viscache as vc
 from viscache_lab.bench.ray_sets import RaySet, make_ray_set
 from viscache_lab.bench.vlf_update import compare_updates
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, timed, turns
 
 __all__ = ["vlf_build"]
 
@@ -61,21 +57,13 @@ def vlf_build(trial: Trial) -> None:
 
 
 def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
-    built: dict[str, Any] = {}
-
-    def run(name: str, settings: Any, threads: int) -> Callable[[], Sample]:
-        def build() -> Sample:
-            time, built[name] = timed(lambda: settings.build(scene, threads))
-            return time
-
-        return build
-
-    runs = {
-        "one thread": run("one thread", settings, 1),
-        "two threads": run("two threads", settings, 2),
-        "embree": run("embree", vc.Embree(), 0),
+    runs: dict[str, Callable[[], Any]] = {
+        "one thread": partial(settings.build, scene, 1),
+        "two threads": partial(settings.build, scene, 2),
+        "embree": partial(vc.Embree().build, scene, 0),
     }
-    samples = interleave(runs, repeats, warm_up=False)
+    found = turns(runs, repeats, warm_up=False)
+    samples, built = found.samples, found.answers
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
     trial.ratio(
@@ -94,15 +82,6 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: b
     caster = scene.caster()
     trees = QUICK_TREES if quick else TREES
     bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
-    answers: dict[str, npt.NDArray[Any]] = {}
-
-    def run(name: str, trace: Callable[[], npt.NDArray[Any]]) -> Callable[[], Sample]:
-        def go() -> Sample:
-            time, answers[name] = timed(trace)
-            return time
-
-        return go
-
     rays = (r.origins, r.directions)
     jobs: dict[str, dict[str, Callable[[], npt.NDArray[Any]]]] = {
         "any-hit": {
@@ -120,7 +99,8 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: b
     of_bsp = {f"{what}_per_ray": n / len(r.origins[:2000]) for what, n in steps.items()}
     of_bsp |= {name: bsp.stats[name] for name in ("max_depth", "bytes")}
     for job, tracers in jobs.items():
-        samples = interleave({n: run(n, t) for n, t in tracers.items()}, 2 if quick else 5)
+        found = turns(tracers, 2 if quick else 5)
+        samples, answers = found.samples, found.answers
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
             trial.ratio(

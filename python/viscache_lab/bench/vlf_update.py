@@ -13,12 +13,7 @@ from viscache.vlf.dynamic import DynamicField
 from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
 from viscache_lab.experiment import Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, turns
 
 __all__ = ["compare_updates"]
 
@@ -46,27 +41,22 @@ def compare_updates(trial: Trial, quick: bool) -> None:
             number = field.insert(vertices, triangles)
             moved = with_object(scene, vertices + np.array(STOPS[REPEATS - 1]), triangles)
             stops = iter(STOPS)
-            built: dict[str, Any] = {}
             runs: dict[str, Callable[[], Any]] = {
                 "update": partial(_move, field, number, stops),
-                "rebuild": partial(_rebuild, settings, moved, built),
+                "rebuild": partial(settings.build, moved),
             }
-            samples = interleave(runs, REPEATS, warm_up=False)
+            taken = turns(runs, REPEATS, warm_up=False)
+            samples = taken.samples
             label = f"field of {scene.triangles} triangles, {mode}, {len(triangles)} moved"
             trial.ratio(f"{label} vs rebuild", samples["update"], samples["rebuild"])
             found = field.intersect(beams.origins, beams.directions).t
-            expected = built["field"].intersect(beams.origins, beams.directions)[0]
+            expected = taken.answers["rebuild"].intersect(beams.origins, beams.directions)[0]
             differ = float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0)))
             trial.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
             field.delete(number)
 
 
-def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> Sample:
+def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> None:
     matrix = np.eye(4)
     matrix[:3, 3] = next(stops)
-    return timed(lambda: field.transform(number, matrix))[0]
-
-
-def _rebuild(settings: vc.Vlf, scene: vc.Scene, built: dict[str, Any]) -> Sample:
-    time, built["field"] = timed(lambda: settings.build(scene))
-    return time
+    field.transform(number, matrix)

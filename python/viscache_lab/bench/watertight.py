@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import build_scene, turns
 
 __all__ = ["watertight"]
 
@@ -58,16 +52,10 @@ def watertight(trial: Trial) -> None:
 
 
 def _compare(trial: Trial, scene: vc.Scene, name: str, r: RaySet, repeats: int) -> None:
-    answers: dict[str, npt.NDArray[np.bool_]] = {}
-
-    def run(caster: str) -> Sample:
-        given: dict[str, Any] = {"rays": CASTERS[caster]}
-        time, answers[caster] = timed(
-            lambda: scene.occluded(r.origins, r.directions, r.t_max, **given)
-        )
-        return time
-
-    samples = interleave({c: lambda c=c: run(c) for c in CASTERS}, repeats)  # type: ignore[misc]
+    rays = (r.origins, r.directions, r.t_max)
+    runs = {name: partial(scene.occluded, *rays, rays=by) for name, by in CASTERS.items()}
+    found = turns(runs, repeats)
+    samples, answers = found.samples, found.answers
     label = f"{name} {r.name} any-hit"
     for other in ("robust", "BSP"):
         trial.ratio(

@@ -8,8 +8,9 @@ import statistics
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import viscache as vc
 from viscache.base.provenance import embree_version, isa
@@ -18,15 +19,20 @@ from viscache.scenes import build
 __all__ = [
     "Clock",
     "Sample",
+    "Turns",
     "at_most_figure",
     "build_scene",
+    "fastest",
     "figure",
+    "frame_clock",
     "interleave",
     "machine",
     "ratio_figure",
     "timed",
+    "turns",
 ]
 
+Key = TypeVar("Key")
 Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 
 
@@ -58,6 +64,57 @@ def interleave(
         for name in names if i % 2 == 0 else reversed(names):
             samples[name].append(runs[name]())
     return samples
+
+
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """Durations and last answers of runs that took turns."""
+
+    samples: dict[str, list[Sample]]
+    answers: dict[str, Any]
+
+
+def turns(
+    runs: Mapping[Any, Callable[[], Any]],
+    repeats: int,
+    *,
+    warm_up: bool = True,
+    clock: Callable[[Any], Sample] | None = None,
+) -> Turns:
+    """Time runs that take turns, and keep their answers.
+
+    Parameters
+    ----------
+    runs : mapping
+        One that gives a `Sample` is timed by it.
+    repeats : int
+    warm_up : bool
+        Whether each runs once before.
+    clock : callable, optional
+        The duration of an answer, e.g. `frame_clock`; that of the call by default.
+    """
+    answers: dict[str, Any] = {}
+
+    def run(name: str) -> Sample:
+        time, answer = timed(runs[name])
+        if isinstance(answer, Sample):
+            return answer
+        answers[name] = answer
+        return time if clock is None else clock(answer)
+
+    return Turns(interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers)
+
+
+def frame_clock(frame: vc.Frame) -> Sample:
+    """The duration of a frame by its own timings."""
+    return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+
+def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
+    """Which run takes the least CPU time, of two turns."""
+    names = {str(key): key for key in runs}
+    samples = turns({name: runs[key] for name, key in names.items()}, 2, warm_up=False).samples
+    return names[min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))]
 
 
 def figure(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import viscache as vc
@@ -30,7 +30,8 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
     """Rows and a table, by scene, form and variant."""
-    rows, table = [], []
+    rows: list[Row] = []
+    table = []
     for name in SCENES:
         shot = Shot(
             scene=getattr(vc.scenes, name)(),
@@ -84,26 +85,20 @@ def _mean(values: list[float]) -> float:
 
 def _rows(
     name: str, form: str, found: Mapping[str, tuple[Interval, float, float]], quick: bool
-) -> list[Row]:
-    rows = []
+) -> Iterator[Row]:
     for variant, (interval, rel_l1, reduction) in found.items():
         what = f"{name}, {form}, {variant}: bias of the energy"
         banded = not quick and variant == "refinement" and form != "waves"
-        rows.append(
-            Row(
-                what,
-                interval.mean,
-                band=bands.REFINED_BIAS[name] if banded else None,
-                note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
-            )
+        yield Row(
+            what,
+            interval.mean,
+            band=bands.REFINED_BIAS[name] if banded else None,
+            note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
         )
         # The paper's order is the same for all grids, so it favours the same representatives
         if variant == "no refinement" and form != "pairs":
-            rows.append(
-                Row(
-                    f"{what} over half of its interval",
-                    interval.mean / interval.half,
-                    band=None if quick else bands.PLAIN_BIAS,
-                )
+            yield Row(
+                f"{what} over half of its interval",
+                interval.mean / interval.half,
+                band=None if quick else bands.PLAIN_BIAS,
             )
-    return rows

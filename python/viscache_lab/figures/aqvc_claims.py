@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -56,37 +56,32 @@ def claims(trial: Trial) -> None:
     trial.csv("aqvc-claims.csv", table)
 
 
-def rays_left(quick: bool, size: Size) -> list[Row]:
+def rays_left(quick: bool, size: Size) -> Iterator[Row]:
     """H1: less than 2 % of the queries become rays."""
     setup = SETUPS["delta"]
     shot = setup.shot(quick, size, spp=4 if quick else setup.antialiased)
     settings = {(c_e, p): setup.cache(p, c_e) for c_e in H1_C_E for p in PRESETS}
-    trades, rows = shot.trades(settings, quick), []
+    trades = shot.trades(settings, quick)
     for (c_e, preset), trade in trades.items():
         label = f"H1 {preset}, C_E {c_e:g}, AA"
-        rows += [
-            Row(
-                f"{label}: share of the queries that become rays",
-                1 / trade.ray_reduction,
-                printed=1 / (printed.RAY_REDUCTION + 1),
-                band=None if quick else bands.H1_RAYS_LEFT,
-                note=trade.note,
-            ),
-            Row(
-                f"{label}: rel_l1",
-                trade.rel_l1,
-                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-            ),
-        ]
-    rows.append(
-        Row(
-            f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
-            largest_reduction(trades.values()),
-            printed=printed.RAY_REDUCTION,
-            band=None if quick else bands.H1_REDUCTION,
+        yield Row(
+            f"{label}: share of the queries that become rays",
+            1 / trade.ray_reduction,
+            printed=1 / (printed.RAY_REDUCTION + 1),
+            band=None if quick else bands.H1_RAYS_LEFT,
+            note=trade.note,
         )
+        yield Row(
+            f"{label}: rel_l1",
+            trade.rel_l1,
+            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+        )
+    yield Row(
+        f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
+        largest_reduction(trades.values()),
+        printed=printed.RAY_REDUCTION,
+        band=None if quick else bands.H1_REDUCTION,
     )
-    return rows
 
 
 def largest_reduction(trades: Iterable[Trade]) -> float:
@@ -94,32 +89,30 @@ def largest_reduction(trades: Iterable[Trade]) -> float:
     return max((t.ray_reduction for t in trades if t.rel_l1 <= H1_REL_L1), default=0.0)
 
 
-def shading_share(quick: bool, size: Size) -> list[Row]:
+def shading_share(quick: bool, size: Size) -> Iterator[Row]:
     """H2: the time outside visibility bounds the speed-up."""
     setup = SETUPS["apartment"]
     shot = setup.shot(quick, size)
     trade = shot.trades({"default": setup.cache("default", C_E)}, quick)["default"]
     exact = trade.exact
     share = 1 - exact.timings["visibility_cpu_s"] / exact.timings["cpu_s"]
-    return [
-        Row(
-            "H2: share of the apartment's exact frame that is not visibility",
-            share,
-            printed=printed.CPU_SHADING_SHARE,
-            band=None if quick else bands.H2_SHADING_SHARE,
-            note="camera paths, lights, contributions and sums",
-        ),
-        Row("H2: bound on the speed-up", 1 / share, printed=printed.CPU_BOUND),
-        Row(
-            "H2 default: speed-up times that share",
-            trade.speedup * share,
-            band=None if quick else bands.H2_WITHIN_BOUND,
-            note=trade.note,
-        ),
-    ]
+    yield Row(
+        "H2: share of the apartment's exact frame that is not visibility",
+        share,
+        printed=printed.CPU_SHADING_SHARE,
+        band=None if quick else bands.H2_SHADING_SHARE,
+        note="camera paths, lights, contributions and sums",
+    )
+    yield Row("H2: bound on the speed-up", 1 / share, printed=printed.CPU_BOUND)
+    yield Row(
+        "H2 default: speed-up times that share",
+        trade.speedup * share,
+        band=None if quick else bands.H2_WITHIN_BOUND,
+        note=trade.note,
+    )
 
 
-def table_size(quick: bool, size: Size) -> list[Row]:
+def table_size(quick: bool, size: Size) -> Iterator[Row]:
     """H3: a larger table gains little once it holds all keys."""
     shot = replace(SETUPS["delta"].shot(quick, size), size=QUICK_TILE if quick else TILE)
     lossless = shot.frame(vc.Aqvc(preset="paper", c_e=8, paper=vc.PaperForm(storage="exact")))
@@ -133,21 +126,19 @@ def table_size(quick: bool, size: Size) -> list[Row]:
     largest = SLOTS_PER_KEY[-1]
     small, enough = SLOTS_PER_KEY[0], SLOTS_PER_KEY[-2]
     time = frames[enough].timings["cpu_s"] / frames[largest].timings["cpu_s"]
-    return [
-        Row(
-            f"H3: rays with {enough:g} slots per key over those with {largest:g}",
-            rays[enough] / rays[largest],
-            printed=printed.LARGER_TABLE,
-            band=bands.H3_LARGE_TABLES,
-            note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys",
-        ),
-        Row(
-            f"H3: rays with {small:g} slots per key over those with {largest:g}",
-            rays[small] / rays[largest],
-            band=bands.H3_SMALL_TABLE,
-        ),
-        *kept_tables(shot, quick),
-    ]
+    yield Row(
+        f"H3: rays with {enough:g} slots per key over those with {largest:g}",
+        rays[enough] / rays[largest],
+        printed=printed.LARGER_TABLE,
+        band=bands.H3_LARGE_TABLES,
+        note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys",
+    )
+    yield Row(
+        f"H3: rays with {small:g} slots per key over those with {largest:g}",
+        rays[small] / rays[largest],
+        band=bands.H3_SMALL_TABLE,
+    )
+    yield from kept_tables(shot, quick)
 
 
 def kept_tables(shot: Shot, quick: bool) -> list[Row]:
@@ -170,9 +161,8 @@ def kept_tables(shot: Shot, quick: bool) -> list[Row]:
     ]
 
 
-def collisions(quick: bool, size: Size) -> list[Row]:
+def collisions(quick: bool, size: Size) -> Iterator[Row]:
     """H4: rays that a lossless table would not have traced."""
-    rows = []
     for name in ("delta", "apartment"):
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
@@ -182,18 +172,15 @@ def collisions(quick: bool, size: Size) -> list[Row]:
         edge = lossless.parameters["tile_edge_px"]
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))
-        rows.append(
-            Row(
-                f"H4 {name}: share of the rays that collisions caused",
-                share_of_collisions(lossy, lossless),
-                printed="well below a few percent",
-                band=bands.H4_COLLISIONS,
-                note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
-                "paper's 4 MB for 32²; "
-                f"{lossy.counters['evictions']} evictions",
-            )
+        yield Row(
+            f"H4 {name}: share of the rays that collisions caused",
+            share_of_collisions(lossy, lossless),
+            printed="well below a few percent",
+            band=bands.H4_COLLISIONS,
+            note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
+            "paper's 4 MB for 32²; "
+            f"{lossy.counters['evictions']} evictions",
         )
-    return rows
 
 
 def share_of_collisions(lossy: vc.Frame, lossless: vc.Frame) -> float:
@@ -202,24 +189,22 @@ def share_of_collisions(lossy: vc.Frame, lossless: vc.Frame) -> float:
     return (rays - needed) / rays
 
 
-def simple_scene(quick: bool, size: Size) -> list[Row]:
+def simple_scene(quick: bool, size: Size) -> Iterator[Row]:
     """H5: no speed-up in the Cornell box."""
     pixels = size or ((160, 160) if quick else (512, 512))
     integrator = vc.Whitted(n_vpls=32, n_area=8) if quick else vc.Whitted(n_vpls=256, n_area=64)
     shot = Shot(scene=vc.scenes.cornell_box(), size=pixels, integrator=integrator)
     trades = shot.trades(presets(C_E), quick)
     paper, default = trades["paper"], trades["default"]
-    return [
-        Row(
-            "H5 paper: speed-up in the Cornell box",
-            paper.speedup,
-            printed="none",
-            band=bands.H5_NO_SPEEDUP,
-            note=paper.note,
-        ),
-        Row("H5 paper: RR there", paper.ray_reduction, band=bands.H5_REDUCTION),
-        Row("H5 default: speed-up there", default.speedup, printed="none", note=default.note),
-    ]
+    yield Row(
+        "H5 paper: speed-up in the Cornell box",
+        paper.speedup,
+        printed="none",
+        band=bands.H5_NO_SPEEDUP,
+        note=paper.note,
+    )
+    yield Row("H5 paper: RR there", paper.ray_reduction, band=bands.H5_REDUCTION)
+    yield Row("H5 default: speed-up there", default.speedup, printed="none", note=default.note)
 
 
 def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
@@ -262,25 +247,21 @@ def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]
     return rows, table
 
 
-def frames_per_second(quick: bool, size: Size) -> list[Row]:
+def frames_per_second(quick: bool, size: Size) -> Iterator[Row]:
     """H7: interactive frame rates with fewer samples; reported without a band."""
-    rows = []
     for name in ("apartment", "courtyard", "delta", "conference"):
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
         shot = replace(shot, integrator=setup.integrator(True))
         frame = shot.in_turns({"default": setup.cache("default", C_E)}, quick)["default"]
         key = "san miguel" if name == "courtyard" else name
-        rows.append(
-            Row(
-                f"H7 {name}: frames per second with an eighth of the samples",
-                1 / frame.timings["total_s"],
-                printed=printed.FRAMES_PER_SECOND[key],
-                note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
-                "threads; the paper's on a GPU, samples not told",
-            )
+        yield Row(
+            f"H7 {name}: frames per second with an eighth of the samples",
+            1 / frame.timings["total_s"],
+            printed=printed.FRAMES_PER_SECOND[key],
+            note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
+            "threads; the paper's on a GPU, samples not told",
         )
-    return rows
 
 
 def _panels(table: list[dict[str, Any]]) -> list[Panel]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,31 +119,31 @@ class Cells:
         self.first, self.number, self.count = first, number.reshape(-1), count
 
 
-def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: vc.Aqvc) -> list[Row]:
+def _plane_rows(
+    preset: str, above: EyeSamples, aslant: EyeSamples, settings: vc.Aqvc
+) -> Iterator[Row]:
     whole, cells = Cells(above.keys(settings)), Cells(aslant.keys(settings))
     # The near and far halves of the cells, by the density of their samples
     density = np.bincount(cells.number, aslant.density) / cells.count
     far = density < np.median(density)
     both = float(cells.count[far].mean() / cells.count[~far].mean())
-    return [
-        Row(
-            f"{preset}: eye samples per cell of a plane over C_E²",
-            float(whole.count.mean()) / settings.c_e**2,
-            band=bands.SAMPLES_PER_CELL,
-            note=f"{len(whole.count)} cells, those at the picture's edge cut",
-        ),
-        Row(
-            f"{preset}: samples per cell, the far half over the near half",
-            both,
-            band=bands.CELLS_FOLLOW_FOOTPRINT,
-            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
-        ),
-        Row(
-            f"{preset}: samples {APART:g} cells apart that share a cell",
-            _share_of_neighbours(above, settings),
-            band=bands.NEIGHBOURS_SHARE,
-        ),
-    ]
+    yield Row(
+        f"{preset}: eye samples per cell of a plane over C_E²",
+        float(whole.count.mean()) / settings.c_e**2,
+        band=bands.SAMPLES_PER_CELL,
+        note=f"{len(whole.count)} cells, those at the picture's edge cut",
+    )
+    yield Row(
+        f"{preset}: samples per cell, the far half over the near half",
+        both,
+        band=bands.CELLS_FOLLOW_FOOTPRINT,
+        note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
+    )
+    yield Row(
+        f"{preset}: samples {APART:g} cells apart that share a cell",
+        _share_of_neighbours(above, settings),
+        band=bands.NEIGHBOURS_SHARE,
+    )
 
 
 def _share_of_neighbours(samples: EyeSamples, settings: vc.Aqvc) -> float:
@@ -155,22 +156,19 @@ def _share_of_neighbours(samples: EyeSamples, settings: vc.Aqvc) -> float:
     return float(same.mean())
 
 
-def _normal_rows(preset: str, inside: EyeSamples, settings: vc.Aqvc) -> list[Row]:
+def _normal_rows(preset: str, inside: EyeSamples, settings: vc.Aqvc) -> Iterator[Row]:
     cells = Cells(inside.keys(settings))
     limit = 2 * greatest_angle_deg(settings)
     cosine = (inside.normal * inside.normal[cells.first][cells.number]).sum(axis=1)
     angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
     mixed = np.zeros(len(cells.count), bool)
     mixed[cells.number[angle > limit + 0.1]] = True
-    return [
-        Row(
-            f"{preset}: cells of a room that mix orientations",
-            int(mixed.sum()),
-            band=bands.MIXED_NORMALS,
-            note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow "
-            f"{limit:.1f}°",
-        )
-    ]
+    yield Row(
+        f"{preset}: cells of a room that mix orientations",
+        int(mixed.sum()),
+        band=bands.MIXED_NORMALS,
+        note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow {limit:.1f}°",
+    )
 
 
 def greatest_angle_deg(settings: vc.Aqvc) -> float:

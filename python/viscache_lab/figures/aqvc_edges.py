@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -130,49 +130,38 @@ def shift(image: Plane, reference: Plane) -> tuple[float, float]:
     return x, y
 
 
-def _order_rows(table: list[dict[str, Any]]) -> list[Row]:
+def _order_rows(table: list[dict[str, Any]]) -> Iterator[Row]:
     def mean(order: str, refinement: str, what: str) -> float:
         chosen = [r[what] for r in table if (r["order"], r["refinement"]) == (order, refinement)]
         return float(np.mean(chosen))
 
-    rows, length = [], {}
+    length = {}
     for order in ORDERS:
         x, y = mean(order, "off", "shift_x"), mean(order, "off", "shift_y")
         length[order] = float(np.hypot(x, y))
         for axis, value in (("right", x), ("down", y)):
-            rows.append(
-                Row(
-                    f"{order}: shift to the {axis}"
-                    if axis == "right"
-                    else f"{order}: shift {axis}",
-                    value,
-                    band=bands.SCANLINE_SHIFT if order == "scanline" else None,
-                    note="pixels",
-                )
+            yield Row(
+                f"{order}: shift to the {axis}" if axis == "right" else f"{order}: shift {axis}",
+                value,
+                band=bands.SCANLINE_SHIFT if order == "scanline" else None,
+                note="pixels",
             )
     for order in ORDERS[1:]:
-        rows.append(
-            Row(
-                f"{order}: length of the shift over that of scanline",
-                length[order] / length["scanline"],
-                band=bands.ORDER_CURES,
-            )
+        yield Row(
+            f"{order}: length of the shift over that of scanline",
+            length[order] / length["scanline"],
+            band=bands.ORDER_CURES,
         )
     hurt = mean("scanline", "on", "rel_l1") / mean("hm", "on", "rel_l1")
-    rows.append(
-        Row(
-            "with refinement, rel_l1 of scanline over that of hm",
-            hurt,
-            band=bands.SCANLINE_HURTS_REFINEMENT,
-            note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over {mean('hm', 'on', 'rel_l1'):.4f}",
-        )
+    yield Row(
+        "with refinement, rel_l1 of scanline over that of hm",
+        hurt,
+        band=bands.SCANLINE_HURTS_REFINEMENT,
+        note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over {mean('hm', 'on', 'rel_l1'):.4f}",
     )
     for order in ("scanline", "random"):
-        rows.append(
-            Row(
-                f"without refinement, rays of {order} over those of hm",
-                mean(order, "off", "rays") / mean("hm", "off", "rays"),
-                band=bands.ORDER_KEEPS_RAYS,
-            )
+        yield Row(
+            f"without refinement, rays of {order} over those of hm",
+            mean(order, "off", "rays") / mean("hm", "off", "rays"),
+            band=bands.ORDER_KEEPS_RAYS,
         )
-    return rows

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 import viscache as vc
@@ -21,7 +23,7 @@ PATH = ((-0.1, 1.65, 0.35), (-0.4, 1.6, 0.15))
 TARGET, FOV_DEG = (-4.6, 0.85, -3.2), 56.0
 
 
-def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
+def flicker_rows(quick: bool, size: tuple[int, int] | None) -> Iterator[Row]:
     """H8: refinement reduces flicker."""
     scene = SETUPS["delta"].scene(quick)
     pixels = size or (QUICK_SIZE if quick else SIZE)
@@ -32,7 +34,6 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
     frames = [shot.frame() for shot in shots]
     exposure = tonemap.auto_exposure(frames[0].image, 95.0)
     exact = [seen(frame, exposure) for frame in frames]
-    rows = []
     for preset in ("default", "paper"):
         found = {
             refinement: mean_temporal_variance(
@@ -43,17 +44,14 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
             )
             for refinement in ("off", "on")
         }
-        rows.append(
-            Row(
-                f"H8 {preset}: temporal variance of the error, refinement over none",
-                found["on"] / found["off"],
-                band=bands.H8_FLICKER,
-                note=f"deviation {np.sqrt(found['off']):.3f} to "
-                f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
-                f"C_E {C_E:g}",
-            )
+        yield Row(
+            f"H8 {preset}: temporal variance of the error, refinement over none",
+            found["on"] / found["off"],
+            band=bands.H8_FLICKER,
+            note=f"deviation {np.sqrt(found['off']):.3f} to "
+            f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
+            f"C_E {C_E:g}",
         )
-    return rows
 
 
 def cameras(frames: int) -> list[vc.Camera]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import viscache as vc
 from viscache.base import tonemap
@@ -45,47 +45,42 @@ def figure6(trial: Trial) -> None:
     )
 
 
-def _rows(label: str, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
+def _rows(label: str, trades: Mapping[str, Trade], quick: bool) -> Iterator[Row]:
     paper, default = trades["paper"], trades["default"]
-    rows = [
-        Row(f"{label}, paper: RR", paper.ray_reduction, band=bands.HAIRBALL_RR, note=paper.note),
-        Row(f"{label}, default: RR", default.ray_reduction, note=default.note),
-        Row(
-            f"{label}, default: speed-up",
-            default.speedup,
-            printed=printed.HAIRBALL_SPEEDUP,
-            band=None if quick else bands.HAIRBALL_SPEEDUP,
-        ),
-        Row(
-            f"{label}, fast: speed-up",
-            trades["fast"].speedup,
-            printed=printed.HAIRBALL_SPEEDUP,
-            note=trades["fast"].note,
-        ),
-        Row(
-            f"{label}, paper: speed-up",
-            paper.speedup,
-            printed=printed.HAIRBALL_SPEEDUP,
-            note="one look-up per query on a CPU, against packets of 16 rays",
-        ),
-    ]
+    yield Row(f"{label}, paper: RR", paper.ray_reduction, band=bands.HAIRBALL_RR, note=paper.note)
+    yield Row(f"{label}, default: RR", default.ray_reduction, note=default.note)
+    yield Row(
+        f"{label}, default: speed-up",
+        default.speedup,
+        printed=printed.HAIRBALL_SPEEDUP,
+        band=None if quick else bands.HAIRBALL_SPEEDUP,
+    )
+    yield Row(
+        f"{label}, fast: speed-up",
+        trades["fast"].speedup,
+        printed=printed.HAIRBALL_SPEEDUP,
+        note=trades["fast"].note,
+    )
+    yield Row(
+        f"{label}, paper: speed-up",
+        paper.speedup,
+        printed=printed.HAIRBALL_SPEEDUP,
+        note="one look-up per query on a CPU, against packets of 16 rays",
+    )
     for preset, trade in trades.items():
-        rows += [
-            Row(
-                f"{label}, {preset}: speed-up over RR",
-                trade.speedup / trade.ray_reduction,
-                printed="almost identical",
-                note="1 where only rays cost; ours come in packets, and misses cost more",
-            ),
-            Row(
-                f"{label}, {preset}: rel_l1",
-                trade.rel_l1,
-                note=f"SSIM {trade.ssim:.3f}; the sky behind the ball is part of the picture",
-            ),
-            Row(f"{label}, {preset}: rel_l1 of reflected light", trade.reflected_rel_l1),
-            *group_rows(f"{label}, {preset}", trade),
-        ]
-    return rows
+        yield Row(
+            f"{label}, {preset}: speed-up over RR",
+            trade.speedup / trade.ray_reduction,
+            printed="almost identical",
+            note="1 where only rays cost; ours come in packets, and misses cost more",
+        )
+        yield Row(
+            f"{label}, {preset}: rel_l1",
+            trade.rel_l1,
+            note=f"SSIM {trade.ssim:.3f}; the sky behind the ball is part of the picture",
+        )
+        yield Row(f"{label}, {preset}: rel_l1 of reflected light", trade.reflected_rel_l1)
+        yield from group_rows(f"{label}, {preset}", trade)
 
 
 def _panels(trades: Mapping[str, Trade]) -> Panels:

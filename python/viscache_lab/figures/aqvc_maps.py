@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -114,37 +114,32 @@ def _view_rows(
 
 def _preset_rows(
     view: str, preset: str, trades: dict[str, Trade], resolutions: Sequence[int], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     cache = trades[preset]
     alike = equal_time(trades, resolutions, preset)
     other = trades[_map(alike)]
     slower = "" if seconds(other) <= seconds(cache) else ", though it takes longer"
     close = view == "close-up" and preset == "default"
-    rows = [
-        Row(
-            f"{view}, {preset}: rel_l1 at equal time, map over cache",
-            other.rel_l1 / cache.rel_l1,
-            band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
-            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
-        ),
-        Row(
-            f"{view}, {preset}: rel_l1, largest map over cache",
-            trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
-            printed="> 1",
-            note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
-            "no band",
-        ),
-    ]
+    yield Row(
+        f"{view}, {preset}: rel_l1 at equal time, map over cache",
+        other.rel_l1 / cache.rel_l1,
+        band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
+        note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
+    )
+    yield Row(
+        f"{view}, {preset}: rel_l1, largest map over cache",
+        trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+        printed="> 1",
+        note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
+        "no band",
+    )
     if printed.MAPS_RESOLUTION in resolutions:
-        rows.append(
-            Row(
-                f"{view}, {preset}: time with maps of 1024² over the cache's",
-                seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
-                printed=printed.MAPS_SLOWER,
-                band=bands.MAPS_SLOWER if preset == "default" else None,
-            )
+        yield Row(
+            f"{view}, {preset}: time with maps of 1024² over the cache's",
+            seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
+            printed=printed.MAPS_SLOWER,
+            band=bands.MAPS_SLOWER if preset == "default" else None,
         )
-    return rows
 
 
 def _panels(trades: dict[str, Trade], resolutions: Sequence[int]) -> list[Panel]:

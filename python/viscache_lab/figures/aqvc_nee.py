@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
@@ -152,22 +152,18 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
     }
 
 
-def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
+def _noise_rows(name: str, found: Mapping[str, Noise]) -> Iterator[Row]:
     exact = found["exact"]
-    rows = []
     for method, mine in found.items():
         if method == "exact":
             continue
         full = method == "NEE++ p^1"
-        rows.append(
-            Row(
-                f"{name}, {method}: squared error at equal samples over the exact frame's",
-                mine.mse / exact.mse,
-                band=bands.NEE_ADDS_NOISE if full else None,
-                note=f"at equal time {mine.at_equal_time(exact):.2f}",
-            )
+        yield Row(
+            f"{name}, {method}: squared error at equal samples over the exact frame's",
+            mine.mse / exact.mse,
+            band=bands.NEE_ADDS_NOISE if full else None,
+            note=f"at equal time {mine.at_equal_time(exact):.2f}",
         )
-    return rows
 
 
 def _double(frame: vc.Frame) -> npt.NDArray[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,19 +84,17 @@ def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]
     return shot.trades(presets(printed.BIDIRECTIONAL_C_E), quick)
 
 
-def _panel_rows(panel: Case, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
+def _panel_rows(panel: Case, trades: Mapping[str, Trade], quick: bool) -> Iterator[Row]:
     stand_in = SETUPS[panel.setup]
     band = bands.QUICK_PICTURE_RR if quick else bands.PICTURE_RR[panel.setup]
     error = bands.QUICK_PICTURE_ERROR if quick else bands.PICTURE_ERROR
-    rows = [
-        Row(
-            f"{panel.setup}: triangles",
-            stand_in.scene(quick).triangles,
-            printed=printed.SCENES[stand_in.printed].triangles,
-        )
-    ]
+    yield Row(
+        f"{panel.setup}: triangles",
+        stand_in.scene(quick).triangles,
+        printed=printed.SCENES[stand_in.printed].triangles,
+    )
     for preset, trade in trades.items():
-        rows += _rows(
+        yield from _rows(
             panel.setup,
             preset,
             trade,
@@ -104,7 +102,6 @@ def _panel_rows(panel: Case, trades: Mapping[str, Trade], quick: bool) -> list[R
             printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
             error=error if preset != "fast" else None,
         )
-    return rows
 
 
 def _rows(
@@ -116,19 +113,17 @@ def _rows(
     printed_rr: float | None = None,
     printed_speedup: float | None = None,
     error: Band | None = None,
-) -> list[Row]:
+) -> Iterator[Row]:
     label = f"{name}, {preset}"
-    return [
-        Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note),
-        Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup),
-        Row(
-            f"{label}: rel_l1",
-            trade.rel_l1,
-            band=error,
-            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-        ),
-        *group_rows(label, trade),
-    ]
+    yield Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note)
+    yield Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup)
+    yield Row(
+        f"{label}: rel_l1",
+        trade.rel_l1,
+        band=error,
+        note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+    )
+    yield from group_rows(label, trade)
 
 
 def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -53,7 +54,7 @@ def quality(trial: Trial) -> None:
     )
 
 
-def leaking_cells() -> list[Row]:
+def leaking_cells() -> Iterator[Row]:
     """How many cells on the front of a wall, 1/1000 cell thick, also contain its back."""
     radius, cells = 7.5, 40.0
     rng = np.random.default_rng(1)
@@ -61,7 +62,6 @@ def leaking_cells() -> list[Row]:
     front[:, 1] = 0.0303
     up = np.tile(np.array([0, 1, 0], np.float32), (len(front), 1))
     behind = front - np.float32(1e-3 * 2 * radius / cells) * up
-    rows = []
     for mode in MODES:
         settings = replaced(vc.Aqvc(), {"normal_mode": mode}, "visibility")
         sides = [
@@ -70,14 +70,11 @@ def leaking_cells() -> list[Row]:
         ]
         seen, hidden = ([key.tobytes() for key in side] for side in sides)
         shared = np.isin(seen, hidden).mean()
-        rows.append(
-            Row(
-                f"normals {mode}: cells of a thin wall's front that hold its back",
-                float(shared),
-                band=bands.LEAKING_CELLS[mode],
-            )
+        yield Row(
+            f"normals {mode}: cells of a thin wall's front that hold its back",
+            float(shared),
+            band=bands.LEAKING_CELLS[mode],
         )
-    return rows
 
 
 def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
@@ -146,37 +143,34 @@ def _note(found: dict[str, float]) -> str:
     )
 
 
-def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
+def grids_and_neighbours(quick: bool, size: Size) -> Iterator[Row]:
     """Offsets of the grids, and neighbours along the tangent plane."""
     shot = _shot(quick, size)
     base = mean_trade(shot, quick)
     fixed = mean_trade(shot, quick, grid_offset=False)
     level = mean_trade(shot, quick, tangent_neighbours=False)
-    return [
-        Row(
-            "grids without offset: rays over those with it",
-            fixed["rays"] / base["rays"],
-            band=None if quick else bands.RAYS_WITHOUT_OFFSET,
-            note=_note(fixed),
-        ),
-        Row(
-            "tangent neighbours: rel_l1 over that with the same v_z",
-            base["rel_l1"] / level["rel_l1"],
-            band=None if quick else bands.TANGENT_ERROR,
-            note=f"without: {_note(level)}",
-        ),
-        Row(
-            "tangent neighbours: rays over those with the same v_z",
-            base["rays"] / level["rays"],
-            band=None if quick else bands.TANGENT_RAYS,
-            note=_note(base),
-        ),
-    ]
+    yield Row(
+        "grids without offset: rays over those with it",
+        fixed["rays"] / base["rays"],
+        band=None if quick else bands.RAYS_WITHOUT_OFFSET,
+        note=_note(fixed),
+    )
+    yield Row(
+        "tangent neighbours: rel_l1 over that with the same v_z",
+        base["rel_l1"] / level["rel_l1"],
+        band=None if quick else bands.TANGENT_ERROR,
+        note=f"without: {_note(level)}",
+    )
+    yield Row(
+        "tangent neighbours: rays over those with the same v_z",
+        base["rays"] / level["rays"],
+        band=None if quick else bands.TANGENT_RAYS,
+        note=_note(base),
+    )
 
 
-def light_kinds(quick: bool, size: Size) -> list[Row]:
+def light_kinds(quick: bool, size: Size) -> Iterator[Row]:
     """Refinement on and off, by kind of light."""
-    rows = []
     for name, kinds in KINDS.items():
         setup = SETUPS[name]
         shot = replace(setup.shot(quick, size), size=size or (QUICK_SIZE if quick else SIZE))
@@ -200,12 +194,9 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
             off, on = (trades[state].group_rel_l1(kind) for state in ("off", "on"))
             reductions = [trades[s].group_reduction(kind) for s in ("off", "on")]
             shared = kind in ("point", "directional", "vpl")
-            rows.append(
-                Row(
-                    f"refinement of {kind} light ({name}): rel_l1 on over off",
-                    on / off if off else None,
-                    band=bands.REFINED_ERROR if shared and not quick else None,
-                    note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
-                )
+            yield Row(
+                f"refinement of {kind} light ({name}): rel_l1 on over off",
+                on / off if off else None,
+                band=bands.REFINED_ERROR if shared and not quick else None,
+                note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
             )
-    return rows

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -111,52 +111,44 @@ def make_sweep(
     return Sweep(setup=setup, antialiased=antialiased, spp=spp), shot
 
 
-def _sweep_rows(sweep: Sweep, quick: bool) -> list[Row]:
-    rows = []
+def _sweep_rows(sweep: Sweep, quick: bool) -> Iterator[Row]:
     for preset, trades in sweep.trades.items():
         label = f"{sweep.label}, {preset}"
         for c_e, trade in trades.items():
-            rows += [
-                Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note),
-                Row(
-                    f"{label}, C_E {c_e:g}: rel_l1",
-                    trade.rel_l1,
-                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-                ),
-            ]
+            yield Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note)
+            yield Row(
+                f"{label}, C_E {c_e:g}: rel_l1",
+                trade.rel_l1,
+                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+            )
         first, last = trades[min(trades)], trades[max(trades)]
-        rows += [
-            Row(
-                f"{label}: RR, largest over smallest C_E",
-                last.ray_reduction / first.ray_reduction,
-                band=bands.REDUCTION_RISES,
-            ),
-            Row(
-                f"{label}: rel_l1, largest over smallest C_E",
-                last.rel_l1 / first.rel_l1,
-                band=bands.ERROR_RISES,
-            ),
-            Row(
-                f"{label}: SSIM at the smallest C_E",
-                first.ssim,
-                printed="QMOS > 77 %",
-                band=None if quick else bands.LEAST_SSIM,
-            ),
-            *group_rows(f"{label}, C_E {max(trades):g}", last),
-        ]
-    implied = printed.SCENES[sweep.setup.printed].implied_speedup
-    rows.append(
-        Row(
-            f"{sweep.label}, default: largest speed-up",
-            sweep.largest("speedup", "default"),
-            printed=implied,
-            note="printed: total/shading over what is left to gain, on a GPU",
+        yield Row(
+            f"{label}: RR, largest over smallest C_E",
+            last.ray_reduction / first.ray_reduction,
+            band=bands.REDUCTION_RISES,
         )
+        yield Row(
+            f"{label}: rel_l1, largest over smallest C_E",
+            last.rel_l1 / first.rel_l1,
+            band=bands.ERROR_RISES,
+        )
+        yield Row(
+            f"{label}: SSIM at the smallest C_E",
+            first.ssim,
+            printed="QMOS > 77 %",
+            band=None if quick else bands.LEAST_SSIM,
+        )
+        yield from group_rows(f"{label}, C_E {max(trades):g}", last)
+    implied = printed.SCENES[sweep.setup.printed].implied_speedup
+    yield Row(
+        f"{sweep.label}, default: largest speed-up",
+        sweep.largest("speedup", "default"),
+        printed=implied,
+        note="printed: total/shading over what is left to gain, on a GPU",
     )
-    return rows
 
 
-def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
+def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> Iterator[Row]:
     def of(name: str) -> list[Sweep]:
         return [s for s in sweeps if s.setup.name == name]
 
@@ -166,38 +158,35 @@ def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
     conference = max(s.largest("speedup", "default") for s in of("conference"))
     apartment = max(s.largest("speedup", "default") for s in of("apartment"))
     greatest = max(gains, key=lambda label: gains[label])
-    return [
-        Row(
-            "largest RR",
-            max(s.largest("ray_reduction") for s in sweeps),
-            printed=printed.RAY_REDUCTION + 1,
-            band=None if quick else bands.LARGEST_REDUCTION,
-        ),
-        Row(
-            "default: largest speed-up",
-            gains[greatest],
-            printed=printed.SPEEDUP,
-            band=None if quick else bands.LARGEST_SPEEDUP,
-            note=f"in {greatest}; the paper's in SAN MIGUEL",
-        ),
-        Row(
-            "default: largest speed-up in the conference room over the apartment's",
-            conference / apartment,
-            printed=printed.SCENES["conference"].implied_speedup
-            / printed.SCENES["apartment"].implied_speedup,
-            band=None if quick else bands.CONFERENCE_GAINS_LESS,
-        ),
-        Row(
-            "no AA, default: rel_l1 of reflected light, hairball over the others' mean",
-            plain["hairball"] / others,
-            band=None if quick else bands.HAIRBALL_ERRS_MOST,
-        ),
-    ]
+    yield Row(
+        "largest RR",
+        max(s.largest("ray_reduction") for s in sweeps),
+        printed=printed.RAY_REDUCTION + 1,
+        band=None if quick else bands.LARGEST_REDUCTION,
+    )
+    yield Row(
+        "default: largest speed-up",
+        gains[greatest],
+        printed=printed.SPEEDUP,
+        band=None if quick else bands.LARGEST_SPEEDUP,
+        note=f"in {greatest}; the paper's in SAN MIGUEL",
+    )
+    yield Row(
+        "default: largest speed-up in the conference room over the apartment's",
+        conference / apartment,
+        printed=printed.SCENES["conference"].implied_speedup
+        / printed.SCENES["apartment"].implied_speedup,
+        band=None if quick else bands.CONFERENCE_GAINS_LESS,
+    )
+    yield Row(
+        "no AA, default: rel_l1 of reflected light, hairball over the others' mean",
+        plain["hairball"] / others,
+        band=None if quick else bands.HAIRBALL_ERRS_MOST,
+    )
 
 
-def _file_rows(trial: Trial, size: tuple[int, int]) -> list[Row]:
+def _file_rows(trial: Trial, size: tuple[int, int]) -> Iterator[Row]:
     """Scenes by other authors, beside the stand-ins; without bands."""
-    rows = []
     for name in FILES:
         scene = load_file(name, trial)
         if scene is None:
@@ -208,12 +197,9 @@ def _file_rows(trial: Trial, size: tuple[int, int]) -> list[Row]:
         settings = {p: SETUPS["courtyard"].cache(p, FILES_C_E) for p in presets}
         for preset, trade in shot.trades(settings, quick=False).items():
             label = f"{name}, no AA, {preset}, C_E {FILES_C_E:g}"
-            rows += [
-                Row(f"{label}: RR", trade.ray_reduction, note=trade.note),
-                Row(f"{label}: rel_l1", trade.rel_l1, note=f"SSIM {trade.ssim:.3f}"),
-                *group_rows(label, trade),
-            ]
-    return rows
+            yield Row(f"{label}: RR", trade.ray_reduction, note=trade.note)
+            yield Row(f"{label}: rel_l1", trade.rel_l1, note=f"SSIM {trade.ssim:.3f}")
+            yield from group_rows(label, trade)
 
 
 def load_file(name: str, trial: Trial) -> vc.Scene | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -31,45 +32,43 @@ def figure10(trial: Trial) -> None:
     trial.draw("vismap-fig10.png", [_panels(exact, cached)], (13.0, 3.6), dpi=150)
 
 
-def _rows(exact: vc.Frame, cached: vc.Frame, n_rays: int, quick: bool) -> list[Row]:
+def _rows(exact: vc.Frame, cached: vc.Frame, n_rays: int, quick: bool) -> Iterator[Row]:
     """A quick picture has too few pixels to share its records: its gains have no bands."""
     error = np.abs(_visible(cached) - _visible(exact))
     per_point = cached.counters["rays_per_point"]
     times = [frame.timings["total_s"] for frame in (exact, cached)]
-    return [
-        Row("mean of the reference", float(_visible(exact).mean()), band=bands.AO_MEAN),
-        Row(
-            "rays per shading point with the cache",
-            per_point,
-            printed=printed.AO_CACHE_RAYS,
-            note=f"{cached.counters['records']} records",
-        ),
-        Row(
-            "rays per shading point, reference over cache",
-            n_rays / per_point,
-            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS,
-            band=None if quick else bands.AO_RAYS,
-        ),
-        Row("time of the reference [s]", times[0], printed=printed.AO_SECONDS),
-        Row("time with the cache [s]", times[1], printed=printed.AO_CACHE_SECONDS),
-        Row(
-            "time, reference over cache",
-            times[0] / times[1],
-            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS,
-            band=None if quick else bands.AO_TIME,
-        ),
-        Row(
-            "root mean squared error",
-            float(np.sqrt((error**2).mean())),
-            band=None if quick else bands.AO_RMSE,
-        ),
-        Row("95th percentile of the error", float(np.quantile(error, 0.95))),
-        Row(
-            "points without a record in reach",
-            float(cached.counters["without_record"]),
-            note="they are black",
-        ),
-    ]
+    yield Row("mean of the reference", float(_visible(exact).mean()), band=bands.AO_MEAN)
+    yield Row(
+        "rays per shading point with the cache",
+        per_point,
+        printed=printed.AO_CACHE_RAYS,
+        note=f"{cached.counters['records']} records",
+    )
+    yield Row(
+        "rays per shading point, reference over cache",
+        n_rays / per_point,
+        printed=printed.AO_RAYS / printed.AO_CACHE_RAYS,
+        band=None if quick else bands.AO_RAYS,
+    )
+    yield Row("time of the reference [s]", times[0], printed=printed.AO_SECONDS)
+    yield Row("time with the cache [s]", times[1], printed=printed.AO_CACHE_SECONDS)
+    yield Row(
+        "time, reference over cache",
+        times[0] / times[1],
+        printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS,
+        band=None if quick else bands.AO_TIME,
+    )
+    yield Row(
+        "root mean squared error",
+        float(np.sqrt((error**2).mean())),
+        band=None if quick else bands.AO_RMSE,
+    )
+    yield Row("95th percentile of the error", float(np.quantile(error, 0.95)))
+    yield Row(
+        "points without a record in reach",
+        float(cached.counters["without_record"]),
+        note="they are black",
+    )
 
 
 def _visible(frame: vc.Frame) -> Any:

@@ -7,6 +7,7 @@ floor, into the light and out again.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -149,28 +150,26 @@ def _compare(
     return cache.compare(lookup, towards, visible.reshape(len(chosen), RAYS))
 
 
-def _rows(frames: list[Frame]) -> list[Row]:
+def _rows(frames: list[Frame]) -> Iterator[Row]:
     ratios = np.array([f.ratio for f in frames])
     first = ratios[:10].mean()
     later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
     removed = sum(f.wrong + f.unused for f in frames)
-    return [
-        Row(
-            "largest mean variance ratio of ten frames over that of the first ten",
-            float(later.max() / first),
-            band=bands.RATIO_STAYS,
-            note=f"first ten frames {first:.3f}, product sampling 1",
-        ),
-        Row(
-            "records at the end",
-            frames[-1].records,
-            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
-        ),
-        Row(
-            "share of wrong answers, mean of the last ten frames",
-            float(np.mean([f.miss_share for f in frames[-10:]])),
-        ),
-    ]
+    yield Row(
+        "largest mean variance ratio of ten frames over that of the first ten",
+        float(later.max() / first),
+        band=bands.RATIO_STAYS,
+        note=f"first ten frames {first:.3f}, product sampling 1",
+    )
+    yield Row(
+        "records at the end",
+        frames[-1].records,
+        note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
+    )
+    yield Row(
+        "share of wrong answers, mean of the last ten frames",
+        float(np.mean([f.miss_share for f in frames[-10:]])),
+    )
 
 
 def _panels(frames: list[Frame]) -> list[Panel]:

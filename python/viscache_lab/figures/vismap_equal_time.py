@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -117,29 +118,27 @@ def _shadow_rows(
     share: npt.NDArray[np.float64],
     renders: int,
     quick: bool,
-) -> list[Row]:
+) -> Iterator[Row]:
     """Remaining variance at equal samples, where light is hidden and where it is not."""
     product = images(lambda seed: picture.product(samples, seed), range(200, 200 + renders))
     hidden = variance_ratio(rivals.maps, product, pixels=share >= HIDDEN).ratio
     lit = variance_ratio(rivals.maps, product, pixels=share < LIT).ratio
-    return [
-        Row(
-            f"variance left at {samples} samples",
-            variance_ratio(rivals.maps, product).ratio,
-            printed=printed.COSTS["garage"][1].variance_ratio,
-            band=bands.EQUAL_SAMPLES,
-        ),
-        Row(
-            "variance left where light is hidden over that where it is not",
-            hidden / lit,
-            printed="less than 1",
-            band=None if quick else bands.SHADOWS_GAIN_MORE,
-            note=f"{hidden:.3f} and {lit:.3f}",
-        ),
-    ]
+    yield Row(
+        f"variance left at {samples} samples",
+        variance_ratio(rivals.maps, product).ratio,
+        printed=printed.COSTS["garage"][1].variance_ratio,
+        band=bands.EQUAL_SAMPLES,
+    )
+    yield Row(
+        "variance left where light is hidden over that where it is not",
+        hidden / lit,
+        printed="less than 1",
+        band=None if quick else bands.SHADOWS_GAIN_MORE,
+        note=f"{hidden:.3f} and {lit:.3f}",
+    )
 
 
-def _guided_rows(picture: Picture, renders: int) -> list[Row]:
+def _guided_rows(picture: Picture, renders: int) -> Iterator[Row]:
     """Guided densities, an extension of the paper's method, in equal time."""
     samples = printed.EQUAL_TIME_SAMPLES[0]
     seconds = cpu_median([picture.maps(samples, vc.VisMaps(sampling="guided")) for _ in range(3)])
@@ -147,14 +146,12 @@ def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     maps = vc.VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
     rivals = _rivals(picture, maps, samples, equal, renders)
     left = variance_ratio(rivals.maps, rivals.product)
-    return [
-        Row(
-            "guided: variance left in equal time",
-            left.ratio,
-            note=f"{left.low:.3f} to {left.high:.3f}; {seconds:.3g} s, {samples} against "
-            f"{equal} samples",
-        )
-    ]
+    yield Row(
+        "guided: variance left in equal time",
+        left.ratio,
+        note=f"{left.low:.3f} to {left.high:.3f}; {seconds:.3g} s, {samples} against "
+        f"{equal} samples",
+    )
 
 
 def _glossy(picture: Picture) -> Pixels:

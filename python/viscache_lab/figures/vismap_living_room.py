@@ -34,24 +34,20 @@ def living_rooms(trial: Trial) -> Iterator[tuple[str, vc.Scene]]:
         yield label, room.with_environment(light)
 
 
-def variance_rows(label: str, scene: vc.Scene, quick: bool) -> list[Row]:
+def variance_rows(label: str, scene: vc.Scene, quick: bool) -> Iterator[Row]:
     """Remaining variance of rendered pictures, with a cache built before."""
     renders = QUICK_RENDERS if quick else RENDERS
     picture = Picture(scene=scene, size=QUICK_SIZE if quick else SIZE)
     cache = picture.build_cache()
     ways = {"alpha one": paper_maps(cache), "default": vc.VisMaps(cache=cache, update=False)}
-    rows = []
     for n in QUICK_SAMPLES if quick else SAMPLES:
         base = [picture.product(n, 100 + seed).image for seed in range(renders)]
         for name, maps in ways.items():
             left = variance_ratio([picture.maps(n, maps, s).image for s in range(renders)], base)
-            rows.append(
-                Row(
-                    f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
-                    left.ratio,
-                    note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
-                    f"z of the means {left.energy_z:.1f}; "
-                    f"{len(cache)} records",
-                )
+            yield Row(
+                f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
+                left.ratio,
+                note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
+                f"z of the means {left.energy_z:.1f}; "
+                f"{len(cache)} records",
             )
-    return rows

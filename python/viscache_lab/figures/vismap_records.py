@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -97,7 +98,7 @@ def table2(trial: Trial) -> None:
         trial.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
 
 
-def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
+def _table_rows(name: str, built: Built, size: tuple[int, int]) -> Iterator[Row]:
     r, cache, said = built.report, built.cache, printed.CACHES.get(name)
     m, n = cache.settings.m, len(built.cache)
     bytes_each = cache.nbytes // max(n, 1)
@@ -107,28 +108,26 @@ def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
         f"difference {r.difference}, too near {r.suppressed}; "
         f"w_min {w_min:g}, delta_max {delta_max:g}"
     )
-    return [
-        Row(f"{name}: records", n, printed=said.records if said else None, note=why),
-        Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None),
-        Row(
-            f"{name}: rays per pixel",
-            r.rays / (size[0] * size[1]),
-            printed=said.rays_per_pixel if said else None,
-        ),
-        Row(
-            f"{name}: rays over records · 4^M / 2",
-            r.rays / (n * 4**m / 2),
-            printed=1.0,
-            band=bands.RAYS_OF_RECORDS,
-        ),
-        Row(
-            f"{name}: bytes of a record",
-            bytes_each,
-            printed=printed.RECORD_BYTES if m == 5 else None,
-            band=bands.RECORD_BYTES if m == 5 else None,
-            note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
-        ),
-    ]
+    yield Row(f"{name}: records", n, printed=said.records if said else None, note=why)
+    yield Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None)
+    yield Row(
+        f"{name}: rays per pixel",
+        r.rays / (size[0] * size[1]),
+        printed=said.rays_per_pixel if said else None,
+    )
+    yield Row(
+        f"{name}: rays over records · 4^M / 2",
+        r.rays / (n * 4**m / 2),
+        printed=1.0,
+        band=bands.RAYS_OF_RECORDS,
+    )
+    yield Row(
+        f"{name}: bytes of a record",
+        bytes_each,
+        printed=printed.RECORD_BYTES if m == 5 else None,
+        band=bands.RECORD_BYTES if m == 5 else None,
+        note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
+    )
 
 
 def _automatic_row(name: str, built: Built) -> Row:
@@ -153,14 +152,13 @@ def figure8(trial: Trial) -> None:
     trial.draw("vismap-fig8.png", _dots(scene, 0, size, added), (10.0, 4.0), dpi=150)
 
 
-def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
+def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) -> Iterator[Row]:
     """Rank correlations of the densities with curvature, and with 1 − ρ of the surroundings."""
     ds = measure(scene, n_points=POINTS, map_size=MAP_SIZE)
     positions, normals = ds["position"].values, ds["normal"].values
     cell = equal_cells(positions, LEVELS)
     low_rho = per_cell_mean(1 - ds["local_mean"].values, cell)
     curved = per_cell_angle(normals, cell)
-    rows = []
     for name, records in (("weight", by_weight), ("difference", by_difference)):
         density = records_per_cell(records, positions, cell)
         for what, attraction in (("1 - rho", low_rho), ("mean angle of normals", curved)):
@@ -168,15 +166,12 @@ def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) 
                 ("weight", "mean angle of normals"): bands.WEIGHT_FINDS_CURVATURE,
                 ("difference", "1 - rho"): bands.DIFFERENCE_FINDS_LOW_RHO,
             }.get((name, what))
-            rows.append(
-                Row(
-                    f"rank correlation of the density by {name} with {what}",
-                    rank_correlation(density, attraction),
-                    band=band,
-                    note=f"{len(records)} records, {1 << LEVELS} cells",
-                )
+            yield Row(
+                f"rank correlation of the density by {name} with {what}",
+                rank_correlation(density, attraction),
+                band=band,
+                note=f"{len(records)} records, {1 << LEVELS} cells",
             )
-    return rows
 
 
 @FIGURES.add("vismap-fig12", "records in the garden scene")

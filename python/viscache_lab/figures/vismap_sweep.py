@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -103,8 +103,7 @@ def _label(value: Mapping[str, Any]) -> str:
     return ", ".join(f"{name} {number:g}" for name, number in value.items())
 
 
-def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
-    rows = []
+def _rows(found: Mapping[str, Mapping[str, Setting]]) -> Iterator[Row]:
     for settings in found.values():
         for label, s in settings.items():
             note = (
@@ -112,22 +111,19 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
                 f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided "
                 f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"
             )
-            rows.append(Row(f"{label}: variance left", s.variate.ratio, note=note))
+            yield Row(f"{label}: variance left", s.variate.ratio, note=note)
     maps = list(found["m"].values())
     ends = list(found["both thresholds"].values())
-    rows += [
-        Row(
-            "variance left with 64x64 cells over that with 32x32",
-            maps[2].variate.ratio / maps[1].variate.ratio,
-            band=bands.LARGER_MAPS,
-        ),
-        Row(
-            "variance left with the tightest thresholds over that with the loosest",
-            ends[-1].variate.ratio / ends[0].variate.ratio,
-            band=bands.MORE_RECORDS_HELP,
-        ),
-    ]
-    return rows
+    yield Row(
+        "variance left with 64x64 cells over that with 32x32",
+        maps[2].variate.ratio / maps[1].variate.ratio,
+        band=bands.LARGER_MAPS,
+    )
+    yield Row(
+        "variance left with the tightest thresholds over that with the loosest",
+        ends[-1].variate.ratio / ends[0].variate.ratio,
+        band=bands.MORE_RECORDS_HELP,
+    )
 
 
 def _panels(found: Mapping[str, Mapping[str, Setting]]) -> list[Panel]:

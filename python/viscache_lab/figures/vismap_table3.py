@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -104,11 +105,10 @@ def _ways() -> list[Way]:
 
 def _rendered_rows(
     name: str, picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     cache = picture.build_cache(settings)
     left = {n: _rendered(picture, cache, n, QUICK_RENDERS if quick else RENDERS) for n in samples}
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
-    rows = []
     for n, found in left.items():
         band = None
         if (name, n) == ("garage", 10):
@@ -116,17 +116,15 @@ def _rendered_rows(
             band = of_quick if quick else bands.GARAGE_CONTROL_VARIATE
         elif (name, n) == ("garden1", 300):
             band = bands.GARDEN_ONE
-        rows.append(
-            Row(
-                f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
-                found.ratio,
-                printed=said[n].variance_ratio if n in said else None,
-                band=band,
-                note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
-                f"z of the means {found.energy_z:.1f}",
-            )
+        yield Row(
+            f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
+            found.ratio,
+            printed=said[n].variance_ratio if n in said else None,
+            band=band,
+            note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
+            f"z of the means {found.energy_z:.1f}",
         )
-    return rows + _time_rows(name, _times(picture, settings, samples), quick)
+    yield from _time_rows(name, _times(picture, settings, samples), quick)
 
 
 def _rendered(
@@ -153,50 +151,44 @@ def _times(picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...])
     )
 
 
-def _time_rows(name: str, times: Times, quick: bool) -> list[Row]:
+def _time_rows(name: str, times: Times, quick: bool) -> Iterator[Row]:
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
-    rows = []
     for n, product, overhead in zip(times.samples, times.product, times.overhead, strict=True):
-        rows += [
-            Row(
-                f"{name}, {n} samples: CPU seconds of product sampling",
-                product,
-                printed=said[n].product_s if n in said else None,
-            ),
-            Row(
-                f"{name}, {n} samples: CPU seconds of overhead",
-                overhead,
-                printed=said[n].overhead_s if n in said else None,
-                note=f"{100 * overhead / product:.1f} %",
-            ),
-        ]
+        yield Row(
+            f"{name}, {n} samples: CPU seconds of product sampling",
+            product,
+            printed=said[n].product_s if n in said else None,
+        )
+        yield Row(
+            f"{name}, {n} samples: CPU seconds of overhead",
+            overhead,
+            printed=said[n].overhead_s if n in said else None,
+            note=f"{100 * overhead / product:.1f} %",
+        )
     fixed, slope = times.split()
     steady = max(times.overhead) / max(min(times.overhead), 1e-9)
-    return [
-        *rows,
-        Row(
-            f"{name}: CPU seconds of product sampling without samples",
-            fixed,
-            printed=79.7 if name == "garage" else None,
-        ),
-        Row(
-            f"{name}: CPU seconds per sample of all pixels",
-            slope,
-            printed=2.33 if name == "garage" else None,
-        ),
-        Row(
-            f"{name}: largest over smallest overhead",
-            steady,
-            band=None if quick else bands.OVERHEAD_IS_CONSTANT,
-        ),
-    ]
+    yield Row(
+        f"{name}: CPU seconds of product sampling without samples",
+        fixed,
+        printed=79.7 if name == "garage" else None,
+    )
+    yield Row(
+        f"{name}: CPU seconds per sample of all pixels",
+        slope,
+        printed=2.33 if name == "garage" else None,
+    )
+    yield Row(
+        f"{name}: largest over smallest overhead",
+        steady,
+        band=None if quick else bands.OVERHEAD_IS_CONSTANT,
+    )
 
 
 # Simulated
 
 
-def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) -> list[Row]:
-    rows, ratios = [], {}
+def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) -> Iterator[Row]:
+    ratios = {}
     for way in _ways():
         base = Way(points=way.points)
         if way == base:
@@ -205,21 +197,17 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
             left = _left(found, way, base, n)
             ratios[way, n] = left.ratio
             label = NAMES[way if way == LOO else replace(way, points="rqmc")]
-            rows.append(
-                Row(
-                    f"{name}, {way.points}, {label}, {n} samples: variance left",
-                    left.ratio,
-                    band=_band(name, way, n),
-                    note=f"{left.low:.3f} to {left.high:.3f}",
-                )
+            yield Row(
+                f"{name}, {way.points}, {label}, {n} samples: variance left",
+                left.ratio,
+                band=_band(name, way, n),
+                note=f"{left.low:.3f} to {left.high:.3f}",
             )
     flat = [ratios[replace(ONE, points="iid"), n] for n in samples]
-    rows.append(
-        Row(
-            f"{name}, iid, alpha one: largest over smallest ratio",
-            max(flat) / min(flat),
-            band=bands.IID_IS_FLAT,
-        )
+    yield Row(
+        f"{name}, iid, alpha one: largest over smallest ratio",
+        max(flat) / min(flat),
+        band=bands.IID_IS_FLAT,
     )
     rising = ratios[ONE, samples[-1]] / ratios[ONE, samples[0]]
     printed_rise = None
@@ -227,15 +215,12 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
         printed_rise = (
             printed.COSTS[name][-1].variance_ratio / printed.COSTS[name][0].variance_ratio
         )
-    rows.append(
-        Row(
-            f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
-            rising,
-            printed=printed_rise,
-            band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
-        )
+    yield Row(
+        f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
+        rising,
+        printed=printed_rise,
+        band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
     )
-    return rows
 
 
 def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -124,25 +124,23 @@ def _stations(size: tuple[int, int]) -> Beams:
 
 def _count_rows(
     count: int, found: dict[str, float], tuned: dict[str, Tuned], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     gain, ahead = found["CRT"] / found["VLF-RT"], found["VLF-RT"] / found["Embree"]
-    return [
-        Row(
-            f"{count} triangles: speed-up of VLF-RT over CRT",
-            gain,
-            band=None if quick else bands.RANDOM_SPEEDUP,
-            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
-        ),
-        Row(
-            f"{count} triangles: speed-up of Embree over VLF-RT",
-            ahead,
-            band=None if quick else bands.EMBREE_AHEAD,
-        ),
-        Row(
-            f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
-            found["VLF-RT"] / found[FAST_EMBREE],
-        ),
-    ]
+    yield Row(
+        f"{count} triangles: speed-up of VLF-RT over CRT",
+        gain,
+        band=None if quick else bands.RANDOM_SPEEDUP,
+        note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
+    )
+    yield Row(
+        f"{count} triangles: speed-up of Embree over VLF-RT",
+        ahead,
+        band=None if quick else bands.EMBREE_AHEAD,
+    )
+    yield Row(
+        f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
+        found["VLF-RT"] / found[FAST_EMBREE],
+    )
 
 
 def steps_of_a_ray(scene: vc.Scene, beams: Beams, quick: bool) -> float:
@@ -163,26 +161,21 @@ def steps_of_a_ray(scene: vc.Scene, beams: Beams, quick: bool) -> float:
 
 def _growth_rows(
     counts: Sequence[int], times: dict[str, list[float]], steps: Sequence[float], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     more = counts[-1] / counts[0]
-    rows = [
-        Row(
-            "VLF-RT: growth of a ray's steps over the growth of the triangles",
-            steps[-1] / steps[0] / more,
-            band=bands.RANDOM_STEPS,
-            note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
-        )
-    ]
+    yield Row(
+        "VLF-RT: growth of a ray's steps over the growth of the triangles",
+        steps[-1] / steps[0] / more,
+        band=bands.RANDOM_STEPS,
+        note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
+    )
     for name, ms in times.items():
-        rows.append(
-            Row(
-                f"{name}: growth of the time over the growth of the triangles",
-                ms[-1] / ms[0] / more,
-                band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
-                note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
-            )
+        yield Row(
+            f"{name}: growth of the time over the growth of the triangles",
+            ms[-1] / ms[0] / more,
+            band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
+            note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
         )
-    return rows
 
 
 @FIGURES.add("vlf-fig6", "frame times of a walk through a classroom")
@@ -245,42 +238,36 @@ def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[n
     return np.array([r["ms"] for r in table if (r["method"], r["shading"]) == (method, shading)])
 
 
-def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> list[Row]:
-    rows = []
+def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> Iterator[Row]:
     for shading, band in bands.WALK_SPEEDUP.items():
         crt, field, packets, fast = (_ms(table, n, shading) for n in METHODS)
         gain = crt / field
-        rows += [
-            Row(
-                f"{shading}: speed-up of VLF-RT over CRT, median",
-                _median(gain),
-                band=None if quick else band,
-                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
-            ),
-            Row(
-                f"{shading}: speed-up of Embree over VLF-RT, median",
-                _median(field / packets),
-                band=None if quick else bands.EMBREE_AHEAD,
-            ),
-            Row(
-                f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
-                _median(field / fast),
-            ),
-        ]
-    cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
-    rows.append(
-        Row(
-            "VLF-RT: a Whitted frame over an OpenGL-like one, median",
-            _median(cost),
-            band=None if quick else bands.WHITTED_COST,
+        yield Row(
+            f"{shading}: speed-up of VLF-RT over CRT, median",
+            _median(gain),
+            band=None if quick else band,
+            note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
         )
+        yield Row(
+            f"{shading}: speed-up of Embree over VLF-RT, median",
+            _median(field / packets),
+            band=None if quick else bands.EMBREE_AHEAD,
+        )
+        yield Row(
+            f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
+            _median(field / fast),
+        )
+    cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
+    yield Row(
+        "VLF-RT: a Whitted frame over an OpenGL-like one, median",
+        _median(cost),
+        band=None if quick else bands.WHITTED_COST,
     )
     depths = {"CRT": printed.CLASSROOM_CRT_DEPTH, "VLF-RT": printed.CLASSROOM_FIELD_DEPTH}
     for name, depth in depths.items():
         s: Any = tuned[name].settings
         best = s.max_depth if name == "CRT" else s.bsp_depth
-        rows.append(Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text))
-    return rows
+        yield Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text)
 
 
 def _median(values: npt.NDArray[np.float64]) -> float:

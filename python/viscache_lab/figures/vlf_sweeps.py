@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -106,7 +107,7 @@ def _measure(scene: vc.Scene, beams: Beams, settings: vc.Vlf) -> dict[str, Any]:
     }
 
 
-def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
+def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> Iterator[Row]:
     def at(name: str, value: int) -> dict[str, Any]:
         return next(r for r in table if r["swept"] == name and r[name] == value)
 
@@ -114,34 +115,31 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
     coarse, fine = at("n_directions", few), at("n_directions", many)
     flat, deep = at("bsp_depth", 0), at("bsp_depth", 5)
 
-    rows = [
-        Row(
-            "tests per ray, depth 0 over depth 5",
-            flat["tests"] / deep["tests"],
-            band=bands.QUICK_DEPTH_SAVES_TESTS if quick else bands.DEPTH_SAVES_TESTS,
-            note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
-            f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
-        ),
-        Row(
-            f"tiles per ray, {few} directions over {many}",
-            coarse["tiles"] / fine["tiles"],
-            band=bands.DIRECTIONS_SAVE_TILES,
-            note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
-        ),
-        Row(
-            f"rays per second, {many} directions over {few}",
-            fine["mrays_s"] / coarse["mrays_s"],
-            band=None if quick else bands.FINER_IS_FASTER,
-            note="fewer tiles, but more memory than caches hold",
-        ),
-    ]
+    yield Row(
+        "tests per ray, depth 0 over depth 5",
+        flat["tests"] / deep["tests"],
+        band=bands.QUICK_DEPTH_SAVES_TESTS if quick else bands.DEPTH_SAVES_TESTS,
+        note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
+        f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
+    )
+    yield Row(
+        f"tiles per ray, {few} directions over {many}",
+        coarse["tiles"] / fine["tiles"],
+        band=bands.DIRECTIONS_SAVE_TILES,
+        note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
+    )
+    yield Row(
+        f"rays per second, {many} directions over {few}",
+        fine["mrays_s"] / coarse["mrays_s"],
+        band=None if quick else bands.FINER_IS_FASTER,
+        note="fewer tiles, but more memory than caches hold",
+    )
     for r in table:
         what = ", ".join(f"{n} {r[n]}" for n in SWEPT)
         note = f"{r['tiles']:.2f} tiles, {r['tests']:.2f} tests a ray, {r['bytes'] / 1e6:.1f} MB"
-        rows.append(
-            Row(f"Mray/s, {what}", r["mrays_s"], note=f"{note}, {r['build_s']:.2f} CPU s to build")
+        yield Row(
+            f"Mray/s, {what}", r["mrays_s"], note=f"{note}, {r['build_s']:.2f} CPU s to build"
         )
-    return rows
 
 
 def _panels(table: list[dict[str, Any]]) -> Panels:

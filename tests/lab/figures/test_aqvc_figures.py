@@ -47,7 +47,7 @@ def trade() -> Trade:
 
 def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
     assert trade.groups == ["area", "vpl"]
-    rows = group_rows("box", trade)
+    rows = list(group_rows("box", trade))
     assert [row.what for row in rows] == ["box: rel_l1 of area light", "box: rel_l1 of vpl light"]
     for group, row in zip(trade.groups, rows, strict=True):
         cached, exact = (f.layers[group].astype(float) for f in (trade.frame, trade.exact))

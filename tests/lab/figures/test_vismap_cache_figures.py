@@ -43,9 +43,9 @@ def frames(ratios: list[float]) -> list[Frame]:
 
 
 def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band() -> None:
-    steady = _rows(frames([0.3, 0.5] * 30))
+    steady = list(_rows(frames([0.3, 0.5] * 30)))
     assert steady[0].measured == pytest.approx(1) and steady[0].holds
-    creeping = _rows(frames(list(np.linspace(0.3, 0.9, 60))))
+    creeping = list(_rows(frames(list(np.linspace(0.3, 0.9, 60)))))
     assert creeping[0].holds is False
     assert steady[1].note == "120 inserted, 60 removed"
 
@@ -101,6 +101,6 @@ def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
     assert found[0] == names[1]
     assert [s["what"] for s in trial.skipped] == names[:1]
     assert "hdr/kloppenheim_05_1k.hdr is absent" in trial.skipped[0]["reason"]
-    rows = variance_rows(*found, quick=True)
+    rows = list(variance_rows(*found, quick=True))
     assert [row.what.split(", rendered")[0] for row in rows] == [names[1]] * 2
     assert all(row.measured is not None and 0 < row.measured < 2 for row in rows)
