@@ -14,19 +14,14 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.metrics import compare
-from viscache_lab.bench.equal_error import log_interval
+from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.peer_cases import PictureCase, Way, picture_cases
 from viscache_lab.bench.peer_environments import default_folder, interpreter
 from viscache_lab.bench.peers import PEERS, Peer, PeerError, missing_scene
 from viscache_lab.bench.ray_sets import make_ray_set
 from viscache_lab.bench.rays import EDGE_TOLERANCE
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import (
-    Sample,
-    build_scene,
-    interleave,
-    timed,
-)
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
 __all__ = ["against_peers", "compare_pictures", "compare_rays"]
 
@@ -140,12 +135,7 @@ def _with_peers(
 
 
 def compare_rays(
-    trial: Trial,
-    title: str,
-    scene: vc.Scene,
-    peers: Mapping[str, Renderer],
-    n: int,
-    turns: int,
+    trial: Trial, title: str, scene: vc.Scene, peers: Mapping[str, Renderer], n: int, turns: int
 ) -> None:
     """Any and nearest hits of `n` camera rays, and between points, from arrays to arrays."""
     for which in ("camera", "p2p"):
@@ -271,11 +261,7 @@ def _biased(case: PictureCase, way: Way, errors: list[float]) -> Sample:
 
 
 def _theirs(
-    case: PictureCase,
-    peer: Renderer,
-    reference: Array,
-    errors: list[float],
-    builds: list[float],
+    case: PictureCase, peer: Renderer, reference: Array, errors: list[float], builds: list[float]
 ) -> Sample:
     time, report = peer.run({**case.job, "spp": case.spp, "seed": 5_000 + len(errors)})
     errors.append(_squared_error(reference, peer.result()["image"]))
@@ -323,10 +309,7 @@ def _equal_error(
 
 
 def _without_build(
-    samples: Mapping[str, list[Sample]],
-    builds: Mapping[str, list[float]],
-    ours: str,
-    theirs: str,
+    samples: Mapping[str, list[Sample]], builds: Mapping[str, list[float]], ours: str, theirs: str
 ) -> dict[str, Any]:
     """Their CPU seconds of building, and the ratio without them; nothing if they build nothing."""
     if not any(builds[theirs]):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import viscache as vc
-from viscache_lab.bench.pass_runs import Run, take_turns
+from viscache_lab.bench.errors import Run, take_turns
 from viscache_lab.experiment import Trial
 
 __all__ = ["CASES", "QUICK", "Case", "never_slower"]

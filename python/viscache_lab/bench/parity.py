@@ -21,11 +21,7 @@ def parity(trial: Trial) -> None:
     if reason := renderers.missing():
         trial.skip("parity", reason)
         return
-    suite = run_suite(
-        quick=trial.quick,
-        progress=trial.progress,
-        **trial.options,
-    )
+    suite = run_suite(quick=trial.quick, progress=trial.progress, **trial.options)
     misses = suite.silent_misses
     trial.check("scenes that differ without a warning", len(misses), 0)
     for miss in misses:

@@ -276,12 +276,7 @@ def _window_room() -> list[tuple[Array, Array]]:
     """A room of 6 x 3 x 6 with a window of 1.6 x 1.2 in the wall at z = -3, and three boxes."""
     inside = _box((-3, 0, -3), (3, 3, 3))
     # The last face of a box is that at the lowest z: four strips around the window take its place
-    strips = (
-        ((-3, 0), (3, 1)),
-        ((-3, 2.2), (3, 3)),
-        ((-3, 1), (-0.8, 2.2)),
-        ((0.8, 1), (3, 2.2)),
-    )
+    strips = (((-3, 0), (3, 1)), ((-3, 2.2), (3, 3)), ((-3, 1), (-0.8, 2.2)), ((0.8, 1), (3, 2.2)))
     meshes = [(inside[0], inside[1][:-2])]
     for (x0, y0), (x1, y1) in strips:
         corners = np.array([(x0, y0, -3), (x1, y0, -3), (x1, y1, -3), (x0, y1, -3)], np.float32)

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
 from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["picks"]
@@ -133,7 +133,7 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
             )
         )
         if "pick" in options or "use" in options:
-            z = energy_z(images[way], images["exact"])
+            z = energy_z(images[way] - images["exact"])
             trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache_lab.bench.errors import Run, differences, energy_z, persistent_z, take_turns
 from viscache_lab.bench.never_slower import CASES as CANNOT_WIN
 from viscache_lab.bench.never_slower import QUICK as CANNOT_WIN_QUICK
 from viscache_lab.bench.never_slower import never_slower
-from viscache_lab.bench.pass_runs import Run, take_turns
-from viscache_lab.bench.persistent_bias import differences, energy_z, persistent_z
 from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import student_t
 
 __all__ = ["progressive"]
 
@@ -128,8 +127,8 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     same = float(np.abs(base.picture.frame.image - runs["exact"].picture.frame.image).max())
     trial.check(f"{case.name}: exact passes differ from those of packets", same, 0)
     found = np.array(runs["corrected"].energies) / np.array(base.energies) - 1
-    z = abs(found.mean()) / (found.std(ddof=1) / math.sqrt(len(found)))
-    trial.check(f"{case.name}: |t| of the energy of corrected passes", float(z), LIMIT_Z)
+    what = f"{case.name}: |t| of the energy of corrected passes"
+    trial.check(what, abs(student_t(found)), LIMIT_Z)
 
 
 def _goals(case: Case) -> dict[str, tuple[float, float] | None]:

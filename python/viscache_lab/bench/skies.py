@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.trial import opened
 
@@ -103,7 +103,7 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
         if way == OWN:
             continue
         trial.figures.append(gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN))
-        z = energy_z(images[way], images[OWN])
+        z = energy_z(images[way] - images[OWN])
         trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 

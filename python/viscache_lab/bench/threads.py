@@ -150,11 +150,7 @@ CASES = (
 SMALL = Picture(integrator=vc.Whitted(n_vpls=16), visibility=AQVC, size=(80, 50))
 QUICK = (
     Case(name="quantized cache, 80x50", scene="room?triangles=3000", work=SMALL),
-    Case(
-        name="2 corrected passes, 80x50",
-        scene="room?triangles=3000",
-        work=Passes(size=(80, 50)),
-    ),
+    Case(name="2 corrected passes, 80x50", scene="room?triangles=3000", work=Passes(size=(80, 50))),
 )
 
 

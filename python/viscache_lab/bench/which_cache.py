@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.pass_runs import Run, take_turns
+from viscache_lab.bench.errors import Run, take_turns
 from viscache_lab.bench.progressive import FIRST_OF_REFERENCES
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import figure
+from viscache_lab.experiment.amounts import figure, student_t
 
 __all__ = ["which_cache"]
 
@@ -154,8 +154,7 @@ def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
             gain_figure(what, squares["exact"], squares[name], seconds, case.passes)
         )
         found = np.array(run.energies) / np.array(base.energies) - 1
-        t = abs(found.mean()) / max(found.std(ddof=1) / np.sqrt(len(found)), 1e-12)
-        trial.check(f"{label}: {name}, |t| of the energy", float(t), LIMIT_T)
+        trial.check(f"{label}: {name}, |t| of the energy", abs(student_t(found)), LIMIT_T)
 
 
 def gain_figure(

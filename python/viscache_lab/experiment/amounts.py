@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import statistics
@@ -11,6 +12,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
+
+import numpy as np
 
 import viscache as vc
 from viscache.base.provenance import embree_version, isa
@@ -28,6 +31,7 @@ __all__ = [
     "interleave",
     "machine",
     "ratio_figure",
+    "student_t",
     "timed",
     "turns",
 ]
@@ -115,6 +119,12 @@ def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
     names = {str(key): key for key in runs}
     samples = turns({name: runs[key] for name, key in names.items()}, 2, warm_up=False).samples
     return names[min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))]
+
+
+def student_t(values: Any) -> float:
+    """The mean of independent values over its standard error."""
+    error = float(np.std(values, ddof=1)) / math.sqrt(len(values))
+    return float(np.mean(values)) / max(error, 1e-300)
 
 
 def figure(

@@ -9,6 +9,7 @@ import numpy as np
 import viscache as vc
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import FIGURES, Trial
+from viscache_lab.experiment.amounts import student_t
 from viscache_lab.experiment.drawing import lines as panels_of
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
@@ -117,6 +118,6 @@ def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Correcte
                 rays_left=rays / queries,
                 noise=float(np.sqrt(np.mean(np.square(off))) / light.mean()),
                 energy=float(sums.sum() / light.sum()),
-                z=float(sums.mean() / (sums.std(ddof=1) / np.sqrt(seeds))),
+                z=student_t(sums),
             )
     return found

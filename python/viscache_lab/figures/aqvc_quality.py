@@ -180,11 +180,7 @@ def light_kinds(quick: bool, size: Size) -> Iterator[Row]:
         trades = {
             state: Trade(
                 frame=shot.frame(
-                    vc.Aqvc(
-                        c_e=C_E,
-                        refinement=dict.fromkeys(kinds, state),
-                        exact_groups=(),
-                    )
+                    vc.Aqvc(c_e=C_E, refinement=dict.fromkeys(kinds, state), exact_groups=())
                 ),
                 exact=exact,
             )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +9,8 @@ import viscache as vc
 from viscache.passes.over_time import gain
 from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
-from viscache.scenes import sources
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
+from viscache_lab.experiment.amounts import student_t
 from viscache_lab.figures import trade_bands as bands
 
 if TYPE_CHECKING:
@@ -26,14 +25,7 @@ class Case:
     """A scene: a built-in spec, or a file in the folder of scenes by others."""
 
     name: str
-    spec: str
-
-    def opened(self) -> vc.Scene | None:
-        """The scene; None without its file."""
-        if "/" not in self.spec:
-            return sources.opened(self.spec)
-        path = sources.made_by_others(self.spec)
-        return None if path is None else vc.load_scene(path)
+    scene: str
 
 
 CASES = (
@@ -46,10 +38,7 @@ CASES = (
     Case("classroom", "classroom/scene.xml"),
     Case("veach-ajar", "veach-ajar/scene.pbrt"),
 )
-QUICK = (
-    Case("room", "room?triangles=3000"),
-    Case("conference", "conference?triangles=20000"),
-)
+QUICK = (Case("room", "room?triangles=3000"), Case("conference", "conference?triangles=20000"))
 
 
 @FIGURES.add(
@@ -61,11 +50,7 @@ def trade(trial: Trial) -> None:
     """Passes of one sample with lights that stay the same, on one thread each."""
     found, table = {}, []
     light = vc.Whitted(n_vpls=64 if trial.quick else 1024)
-    for case in QUICK if trial.quick else CASES:
-        scene = case.opened()
-        if scene is None:
-            trial.skip(case.name, "VISCACHE_SCENES has no such file")
-            continue
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
         ds = vc.passes_over_time(
             scene,
             light,
@@ -142,7 +127,7 @@ def _rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
 def energy_t(ds: xarray.Dataset, setting: str) -> float:
     """Student's t of the energy of passes against exact passes of the same samples."""
     off = (ds["energy"].sel(setting=setting) - ds["energy"].sel(setting="exact")).values
-    return float(off.mean() / max(off.std(ddof=1) / math.sqrt(len(off)), 1e-30))
+    return student_t(off)
 
 
 def _verdict(found: dict[str, xarray.Dataset]) -> Row:

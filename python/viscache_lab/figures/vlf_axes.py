@@ -106,9 +106,7 @@ def _rms(errors: npt.NDArray[np.float64]) -> float:
 
 
 def _error_rows(
-    counts: tuple[int, ...],
-    rmse: dict[str, dict[int, float]],
-    bias: dict[str, dict[int, float]],
+    counts: tuple[int, ...], rmse: dict[str, dict[int, float]], bias: dict[str, dict[int, float]]
 ) -> list[Row]:
     rows = [
         Row(

@@ -244,11 +244,7 @@ def _scene_rows(
             note=f"by point {seconds['Embree, by point']:.2f}, by direction "
             f"{seconds['Embree, by direction']:.2f}, as rows {seconds[EMBREE_ROWS]:.2f}",
         ),
-        Row(
-            f"{name}: speed-up of Embree over VLF-RT",
-            field / packets,
-            band=bands.EMBREE_AHEAD,
-        ),
+        Row(f"{name}: speed-up of Embree over VLF-RT", field / packets, band=bands.EMBREE_AHEAD),
         Row(
             f"{name}: speed-up of Embree without the robust flag over VLF-RT",
             field / fast,

@@ -19,7 +19,7 @@ from viscache_lab.bench import (
     peer_page,
     peers,
 )
-from viscache_lab.bench.equal_error import log_interval
+from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.text import text as table
 from viscache_lab.experiment import Trial, amounts
 

@@ -57,9 +57,7 @@ TABLES = (
     Table("Bsp", vc.Bsp(), BSP_ROWS, SAME),
 )
 #: What another parameter must be at the end of one.
-BESIDE: dict[tuple[str, float], dict[str, Any]] = {
-    ("m_nearest", 1): {"n_best": 1},
-}
+BESIDE: dict[tuple[str, float], dict[str, Any]] = {("m_nearest", 1): {"n_best": 1}}
 #: Where 0 is excluded: smaller numbers vanish among others of single precision.
 LEAST = 1e-30
 #: Ends that would be days of work, not numbers at risk: so many instead.

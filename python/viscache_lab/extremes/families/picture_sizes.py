@@ -12,14 +12,7 @@ import viscache as vc
 from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.pictures import (
-    METHODS,
-    SHARED,
-    Method,
-    bad_pixels,
-    differing,
-    picture,
-)
+from viscache_lab.extremes.pictures import METHODS, SHARED, Method, bad_pixels, differing, picture
 
 #: Samples of a pixel.
 MANY = 100_000
