@@ -196,7 +196,7 @@ def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(
     def full(*given: Any, **more: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "x")
 
-    monkeypatch.setattr(everything.registry, "reproduce", full)
+    monkeypatch.setattr(everything, "reproduce", full)
     assert cli.main(["reproduce", "all", "--quick", "-o", str(tmp_path)]) == 2
     assert "make room and run the same command again" in capsys.readouterr().err
     assert not (tmp_path / "summary.json").exists()
