@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.base import tonemap
-from viscache_lab.figures.drawing import draw_image, new_figure
+from viscache.plots.drawing import new_figure
+from viscache_lab.experiment.drawing import draw_image
 
 Floats = npt.NDArray[np.floating[Any]]
 

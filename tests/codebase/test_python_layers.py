@@ -48,6 +48,7 @@ LAB = "python/viscache_lab/"
 #: Its rooms.
 LAB_FLOORS: tuple[tuple[str, ...], ...] = (
     ("viscache_lab",),
+    ("experiment",),
     ("cases", "extremes", "parity"),
     ("bench", "figures"),
     ("commands",),
@@ -60,8 +61,7 @@ ROOMS = {
 BY_NAME = (
     f"{PACKAGE}__init__.py",
     f"{PACKAGE}cli.py",
-    f"{LAB}figures/__init__.py",
-    f"{LAB}extremes/families/__init__.py",
+    f"{LAB}experiment/registry.py",
 )
 
 

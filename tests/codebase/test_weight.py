@@ -8,7 +8,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 LIMITS = {
     "library, lines": 78_900,
     "python, lines": 32_600,
-    "lab, lines": 21_200,
+    "lab, lines": 20_450,
     "tests, lines": 62_000,
     "rooms": 19,
     "imports between rooms": 90,
