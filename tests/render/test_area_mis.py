@@ -75,7 +75,7 @@ def test_lamps_are_out_of_sight() -> None:
 
 @pytest.mark.mitsuba
 @pytest.mark.stat
-@pytest.mark.slow
+@pytest.mark.release
 def test_veachs_plates_are_mitsubas(mi: Any, tmp_path: Path) -> None:
     reference = theirs(mi, VEACH.to_mitsuba(mi, SIZE, tmp_path), spp=128)
     assert_same(ours(VEACH.to_viscache(), JITTERED, spp=32), reference, edge=4)

@@ -34,6 +34,8 @@ LIGHTS: dict[str, dict[str, Any]] = {
     "sphere": {"spheres": (((0.5, 2.5, 0.8), 0.25, (20, 20, 15)),)},
     "sky": {"env": (0.8, 0.9, 1.0)},
 }
+#: Of them, one of each way to leave a light.
+EACH_TIME = ("spot", "area", "sky")
 
 
 def model(light: str) -> Model:
@@ -56,7 +58,10 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("light", LIGHTS)
+@pytest.mark.parametrize(
+    "light",
+    [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS],
+)
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_path: Path) -> None:
     """3 bounces of a light path, one to the eye: edges 3 to 5, less the direct light of edge 2."""
     mi = pytest.importorskip("mitsuba")

@@ -126,8 +126,11 @@ def cases() -> Iterator[Any]:
         yield pytest.param("roughconductor", rough, id=f"rough {metal}", marks=mark)
     yield pytest.param("roughconductor", named.format("Cr"), id="Beckmann's Cr")
     yield pytest.param("roughconductor", tint + given, id="given and tinted")
-    yield pytest.param("roughconductor", tint, id="tinted mirror")
-    yield pytest.param("conductor", given, id="given")
+    for kind, values, name in (
+        ("roughconductor", tint, "tinted mirror"),
+        ("conductor", given, "given"),
+    ):
+        yield pytest.param(kind, values, id=name, marks=pytest.mark.release)
 
 
 @pytest.mark.slow
@@ -148,7 +151,9 @@ def test_a_metal_looks_as_in_mitsuba(tmp_path: Path, kind: str, values: str) -> 
 
 @pytest.mark.slow
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("distribution", ["ggx", "beckmann"])
+@pytest.mark.parametrize(
+    "distribution", [pytest.param("ggx", marks=pytest.mark.release), "beckmann"]
+)
 def test_an_image_of_alpha_is_that_of_mitsuba(tmp_path: Path, distribution: str) -> None:
     imsave(tmp_path / "rough.png", waves(0, 25, 130), check_contrast=False)
 

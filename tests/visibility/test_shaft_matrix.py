@@ -229,7 +229,13 @@ def matrices(scene: vc.Scene) -> list[tuple[Array, Array]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(vc.scenes.SCENES))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.release if n in ("hairball", "garden") else ())
+        for n in sorted(vc.scenes.SCENES)
+    ],
+)
 def test_matrices_of_built_in_scenes_have_the_bytes_of_packets(name: str) -> None:
     scene = vc.scenes.build(name)
     for x, y in matrices(scene):
@@ -237,7 +243,7 @@ def test_matrices_of_built_in_scenes_have_the_bytes_of_packets(name: str) -> Non
         assert both[0] == both[1]
 
 
-@pytest.mark.slow
+@pytest.mark.release  # frames of them are compared each time, in test_shafts.py
 @pytest.mark.skipif(not SCENES, reason="VISCACHE_SCENES is not set")
 @pytest.mark.parametrize("path", shared_scenes(), ids=lambda p: p.parent.name)
 def test_matrices_of_shared_scenes_have_the_bytes_of_packets(path: Path) -> None:
