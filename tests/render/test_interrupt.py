@@ -67,7 +67,8 @@ def quickest_stop(call: str, delay: float = 0.6) -> float:
 
 
 def seconds_to_stop(call: str, delay: float = 0.6) -> float:
-    program = PROGRAM.format(tests=str(Path(__file__).parents[1]), call=call, delay=delay, limit=LIMIT)
+    tests = str(Path(__file__).parents[1])
+    program = PROGRAM.format(tests=tests, call=call, delay=delay, limit=LIMIT)
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False
     )

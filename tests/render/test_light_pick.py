@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from hypothesis import strategies as st
 
 import viscache as vc
 from core import testing
-from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, ball, box
 from viscache import cli
 from viscache.oracles.points import unpack
@@ -157,17 +155,6 @@ def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -
     parts = [render_part(BareShot(scene, whitted(4), **options), (i, 3)).image for i in range(3)]
     np.testing.assert_array_equal(np.sum(parts, axis=0), frames[0].image)
     assert vc.render(scene, whitted(4), **{**options, "seed": 4}).sha256 != frames[0].sha256
-
-
-@cache
-def digest() -> str:
-    made = vc.render(lamps(14).to_viscache(), whitted(4), size=(40, 30), spp=4)
-    return f"{made.sha256} {made.counters['groups']}"
-
-
-@pytest.mark.parametrize("isa", ISAS)
-def test_every_instruction_set_picks_the_same_lights(isa: str) -> None:
-    assert printed_by(isa, "render.test_light_pick", "digest()") == digest()
 
 
 def test_every_engine_of_exact_visibility_gives_the_same_bytes(scene: vc.Scene) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial.transform import Rotation
 
 import viscache as vc
 from render import quantized as q
@@ -116,13 +115,6 @@ def test_the_error_rises_with_c_e(form):
     assert not rises(fixed)
 
 
-@pytest.mark.stat
-def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
-    """C_E = 2^m with m levels."""
-    table = errors(q.scene("slats"), (1, 2, 4, 8), 8, c_finest="log2", level_step=2)
-    assert rises(table)
-
-
 #: Grids, size and C_E for which the mean energy has a standard error of half a percent at most.
 ENOUGH = {
     "slats": {"grids": 32, "size": LARGE, "c_e": 8},
@@ -172,37 +164,6 @@ def test_waves_err_like_pairs():
 
 
 # Units and determinism
-
-ROTATION = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
-
-
-@pytest.mark.parametrize("form", ["waves", "pairs"])
-@pytest.mark.parametrize(
-    ("transform", "slack"),
-    [
-        ({"scale": 1e-3}, 0.01),
-        ({"scale": 1e3}, 0.01),
-        ({"shift": (64.0, -32.0, 128.0)}, 0.01),
-        ({"scale": 0.1, "shift": (3.0, 5.0, -2.0)}, 0.01),
-        ({"rotation": ROTATION}, 0.15),
-        ({"rotation": ROTATION.T, "scale": 7.0}, 0.15),
-    ],
-    ids=str,
-)
-def test_scale_place_and_direction_do_not_matter(form, transform, slack):
-    """Ray reduction and error of the same picture; C_E 10 % off is told apart."""
-    options = {"c_e": 8, "form": form}
-    scene, other = q.scene("slats"), q.moved(q.scene("slats"), **transform)
-    frames = [q.render(s, DIRECT, **options) for s in (scene, other)]
-    exact = [q.exact(s, DIRECT) for s in (scene, other)]
-    assert q.rel_l1(exact[1].image, exact[0].image) < 1e-3
-    reduction = [f.counters["ray_reduction"] for f in frames]
-    assert reduction[1] == pytest.approx(reduction[0], rel=slack)
-    error = [q.rel_l1(f.image, e.image) for f, e in zip(frames, exact, strict=True)]
-    assert error[1] == pytest.approx(error[0], rel=max(0.05, slack))
-    off = q.render(scene, DIRECT, form=form, c_e=8.8, refinement="off").counters["ray_reduction"]
-    on = q.render(scene, DIRECT, form=form, c_e=8, refinement="off").counters["ray_reduction"]
-    assert off != pytest.approx(on, rel=0.01)
 
 
 @pytest.mark.parametrize("form", q.FORMS)

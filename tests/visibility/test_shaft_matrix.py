@@ -12,9 +12,10 @@ import pytest
 import viscache as vc
 from oracles.test_oracle import area_points
 from reference.built import built
+from reference.isas import AVAILABLE
 from viscache import _core
 from viscache.settings.rays import Rays
-from visibility.test_shafts import SCENES, isas, leaves, needles, scene_of, shared_scenes
+from visibility.test_shafts import SCENES, leaves, needles, scene_of, shared_scenes
 from visibility.test_shafts import some_of_a_grid as half_a_grid
 
 Array = npt.NDArray[Any]
@@ -51,7 +52,7 @@ def differences(scene: vc.Scene, x: Array, y: Array, **more: Any) -> int:
     return int(np.unpackbits((bits ^ packets).view(np.uint8)).sum())
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
 def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
     scene = built(spec)
@@ -80,7 +81,7 @@ def test_the_bytes_are_the_same_for_any_number_of_threads(room: vc.Scene) -> Non
     assert seen[-1] == (9, 9)  # 3 tiles of points, 3 words
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 def test_segments_between_points_of_surfaces_and_through_edges(isa: str) -> None:
     """Points on edges and corners of a grid, and segments along its planes."""
     scene = half_a_grid()
@@ -95,7 +96,7 @@ def test_without_bounds_bits_differ() -> None:
     assert differences(half_a_grid(), low, above, bounds=0.0) > 30
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 def test_needles_and_triangles_without_area(isa: str) -> None:
     scene = needles()
     assert differences(scene, on_surfaces(scene, 800), on_surfaces(scene, 130, 4), isa=isa) == 0

@@ -14,11 +14,11 @@ import pytest
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
 from reference.built import built
+from reference.isas import AVAILABLE
 from viscache import _core
 from viscache.settings.source_context import SourceContext
 
 Array = npt.NDArray[Any]
-ISAS = ("portable", "avx2", "avx512")
 SCENES = os.environ.get("VISCACHE_SCENES")
 PACKETS = vc.Exact(engine="packets")
 
@@ -54,10 +54,6 @@ def count_of_differences(
     packets = visible(scene, PACKETS, eyes, ends)
     shafts = visible(scene, setting or vc.Exact(engine="shafts"), eyes, ends)
     return int(np.count_nonzero(packets != shafts))
-
-
-def isas() -> list[str]:
-    return list(ISAS[: ISAS.index(_core.best_isa()) + 1])
 
 
 def scene_of(corners: Array) -> vc.Scene:
@@ -104,7 +100,7 @@ def needles(n: int = 400) -> vc.Scene:
     return scene_of(np.concatenate([thin, line, point, large, large]))
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
 def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
     scene = built(spec)
@@ -138,7 +134,7 @@ def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple
     return answers[0], np.all([a == answers[0] for a in answers], axis=0)
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 def test_rays_through_edges_and_corners_are_those_of_packets(isa: str) -> None:
     scene, eyes, ends = through_corners()
     packets, is_sure = sure_packets(scene, eyes, ends)
@@ -156,7 +152,7 @@ def test_without_bounds_rays_at_edges_differ() -> None:
     assert np.count_nonzero((shafts != packets) & is_sure) > 30
 
 
-@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("isa", AVAILABLE)
 def test_needles_and_triangles_without_area_are_those_of_packets(isa: str) -> None:
     scene = needles()
     eyes = area_points(scene, 800)

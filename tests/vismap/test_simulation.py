@@ -145,7 +145,7 @@ def test_the_papers_first_pass_has_alpha_one() -> None:
 @pytest.mark.slow
 def test_figures_have_the_goals_of_their_case_as_gains() -> None:
     case = next(c for c in CASES if c.name == "window_room")
-    found = simulate(window_room(), all_ways(), [30], size=(96, 72), n_pixels=2, replicates=3)
+    found = simulate(window_room(), all_ways(), [30], size=(96, 72), n_pixels=4, replicates=4)
     outcome = Outcome()
     add_figures(outcome, case, found, [30], len(window_room()))
     with_goal = [f for f in outcome.figures if f["goal"] is not None]

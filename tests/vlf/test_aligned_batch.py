@@ -11,14 +11,12 @@ import pytest
 import viscache as vc
 from correlation.scenes import clutter, convex, masked
 from reference.built import built
+from reference.isas import AVAILABLE
 from reference.vlf_aligned import corners, free_along, origins
 from render.test_interrupt import LIMIT, quickest_stop
-from viscache import _core
 from vlf.aligned_scenes import batch, embree, frames_of, surface, unexcused, unpacked
 
 Array = npt.NDArray[Any]
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 
 
 def expected(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
