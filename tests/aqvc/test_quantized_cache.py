@@ -41,15 +41,6 @@ def test_tiny_clusters_give_the_exact_bits_with_one_ray_per_query(form, kind, c_
     assert (counters["clamped_high"] > 0) == (c_e < 1e-6)
 
 
-@pytest.mark.parametrize("form", FORMS, ids=str)
-@pytest.mark.parametrize("c_e", [1e-3, 1e-9])
-def test_tiny_clusters_are_exact_where_cells_are_scale_free(form, c_e):
-    """And no clamp: R has no upper end there."""
-    visible, counters, wanted = block("point", c_e=c_e, scale_free=True, **form)
-    np.testing.assert_array_equal(visible, block("point", exact=True)[0])
-    assert counters["rays"] == wanted.sum() and counters["clamped_high"] == 0
-
-
 @pytest.mark.parametrize("form", FORMS[:2], ids=str)
 def test_scale_free_cells_answer_as_well_as_those_of_the_sphere(form):
     """Rays within 15 % and errors within 40 %: other cells of the same size."""

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache.base import workers
 from viscache.sweeps import work
 from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
@@ -210,11 +209,6 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
             return
         time.sleep(0.05)
     pytest.fail("the worker outlived the process that made it")
-
-
-def test_the_window_is_two_tasks_per_worker() -> None:
-    with ThreadPoolExecutor(3) as pool:
-        assert workers.window(pool) == 6
 
 
 def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path: Path) -> None:

@@ -46,13 +46,12 @@ def signature(frame: vc.Frame) -> dict[str, Any]:
 
 @pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
 def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Scene) -> None:
-    """16 samples per pixel make tiles of 32 pixels: 6 tiles share the work."""
+    """16 samples per pixel make tiles of 32 pixels: 8 tiles share the work."""
     frames = [
-        vc.render(room, integrator, size=(66, 34), spp=16, seed=3, threads=n)
-        for n in (1, 2, 3, 8, 1)
+        vc.render(room, integrator, size=(97, 34), spp=16, seed=3, threads=n) for n in (1, 8, 3)
     ]
     assert frames[0].parameters["tile_edge_px"] <= 64
-    assert frames[3].provenance["threads"] > 1
+    assert frames[1].provenance["threads"] > 1
     for frame in frames[1:]:
         assert signature(frame) == signature(frames[0])
 
@@ -70,21 +69,6 @@ def test_a_scene_built_again_gives_the_same_bytes(room: vc.Scene) -> None:
     assert again.content_hash == room.content_hash
     a, b = (vc.render(s, INTEGRATORS[1], size=(24, 16)) for s in (room, again))
     assert signature(a) == signature(b)
-
-
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
-@pytest.mark.parametrize(
-    ("size", "spp"), [((1, 1), 16), ((1, 1), 3), ((7, 1), 3), ((1, 13), 2), ((131, 67), 3)]
-)
-def test_any_size_and_number_of_samples_renders(
-    integrator: Any, size: tuple[int, int], spp: int, room: vc.Scene
-) -> None:
-    frame = vc.render(room, integrator, size=size, spp=spp)
-    assert frame.image.shape == (size[1], size[0], 3)
-    assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
-    few = isinstance(integrator, vc.Bdpt) and frame.image.size * spp < 10
-    assert few or frame.image.max() > 0  # three pairs of paths may find no light
-    assert frame.counters["non_finite"] == 0
 
 
 def test_the_parts_add_up_to_the_image(room: vc.Scene) -> None:

@@ -155,32 +155,3 @@ def test_grazing_views_keep_finite_cells(form):
     assert frame.counters["queries"] > 1000 and frame.counters["ray_reduction"] > 2
     assert frame.counters["clamped_nan"] == frame.counters["bypassed"] == 0
     assert exact_in_the_limit(scene, **q.FORMS[form])
-
-
-def cut_out_scene(cutoff):
-    """A chequered alpha map on the table."""
-    description = vc.SceneDescription()
-    grey = description.add_material(base_color=(0.5, 0.5, 0.5))
-    rgba = np.ones((8, 8, 4), np.float32)
-    rgba[..., 3] = np.indices((8, 8)).sum(axis=0) % 2
-    image = description.add_image(rgba)
-    leaf = description.add_material(
-        base_color=(0.5, 0.5, 0.5), alpha_texture=image, alpha_cutoff=cutoff
-    )
-    description.add_mesh(*floor(), material=grey)
-    corners, triangles = table()
-    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-    description.add_mesh(corners, triangles, material=leaf, uvs=uvs)
-    description.add_point_light((0.5, 3.0, 0.5), (12, 12, 12))
-    description.add_camera((-1.2, 2.6, 4.2), (0, 0.35, 0), fov_deg=38)
-    return vc.Scene.from_description(description)
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_visibility_through_alpha_cut_outs_is_the_filtered_one(form):
-    scene, solid = cut_out_scene(0.5), cut_out_scene(0.0)
-    assert exact_in_the_limit(scene, **q.FORMS[form])
-    blocked = q.exact(scene, DIRECT).counters["occluded"]
-    assert 0 < blocked < 0.8 * q.exact(solid, DIRECT).counters["occluded"]
-    frame, exact = check(scene, c_e=2, **q.FORMS[form])
-    assert q.rel_l1(frame.image, exact.image) < 0.1

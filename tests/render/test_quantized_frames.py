@@ -60,27 +60,6 @@ def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
     assert q.render(q.lit_box(), c_e=4, **q.FORMS[form]).sha256 != exact.sha256
 
 
-@pytest.mark.parametrize("preset", ["paper", "as_printed"])
-def test_the_papers_presets_have_the_exact_limit_for_point_and_directional_light(preset):
-    """Surface-keyed VPLs have none, as their light cells do not shrink with C_E."""
-    exact = q.exact(q.lit_box())
-    frame = q.render(q.lit_box(), preset=preset, c_e=1e-3)
-    for group in ("point", "directional"):
-        np.testing.assert_array_equal(frame.layers[group], exact.layers[group])
-
-
-def test_without_refinement_rays_do_not_depend_on_the_order():
-    """One ray per distinct key, all at level 0."""
-    options = {"c_e": 8, "form": "pairs", "storage": "exact", "refinement": "off"}
-    counters = [
-        q.render(q.lit_box(), order=order, batch=batch, **options).counters
-        for order in ("hm", "scanline", "random")
-        for batch in (1, 0)
-    ]
-    assert len({c["rays"] for c in counters}) == 1
-    assert counters[0]["rays_per_level"] == [counters[0]["rays"]]
-
-
 @pytest.mark.parametrize("form", q.FORMS)
 def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
     """Level 0 traces what it traces without refinement."""
@@ -164,18 +143,6 @@ def test_waves_err_like_pairs():
 
 
 # Units and determinism
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_any_number_of_threads_gives_the_same_bytes(form):
-    """Several tiles, shared and local light, image and counters."""
-    scene = q.lit_box().with_environment(0.5)
-    integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=1, n_brdf=1)
-    options = {"size": (140, 24), "spp": 16, "c_e": 12, **q.FORMS[form]}
-    frames = [q.render(scene, integrator, threads=n, **options) for n in (1, 2, 3, 8)]
-    assert 2 * frames[0].parameters["tile_edge_px"] < 140
-    assert len({frame.sha256 for frame in frames}) == 1
-    assert all(frame.counters == frames[0].counters for frame in frames)
 
 
 # Order, environment, walls

@@ -227,19 +227,6 @@ def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
     vc.render(vc.scenes.stairs(12), vc.Direct(), size=SIZE, visibility=COARSE, keep=counts)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"certain": 0.0}, "certain must be > 0 and finite, got 0"),
-        ({"certain": float("inf")}, "certain must be"),
-        ({"relearn_pixels": -1}, r"relearn_pixels must be in \[0, 2\^30\], got -1"),
-    ],
-)
-def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        vc.NeePlusPlus(**given)
-
-
 def test_damaged_counts_are_refused(scene: vc.Scene) -> None:
     counts = vc.VoxelCounts()
     kept_frames(scene, 1, counts)

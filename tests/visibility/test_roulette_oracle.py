@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +11,7 @@ import pytest
 import viscache as vc
 from render.test_determinism import INTEGRATORS, ROOM
 from render.ztest import ZTest, compare
-from viscache import _core, cli
+from viscache import _core
 
 SIZE = (64, 48)
 #: Coarse, so that voxels see each other in part, and quick to learn.
@@ -118,16 +115,3 @@ def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room: vc.Scene) 
 def test_product_sampling_is_refused(room: vc.Scene) -> None:
     with pytest.raises(ValueError, match='with environment="product"'):
         vc.render(room, vc.Direct(environment="product"), size=(8, 8), visibility=COARSE)
-
-
-def test_the_command_line_renders_with_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = shlex.split(
-        "render stairs --integrator direct --visibility nee_plus_plus --set n_voxels=8"
-    )
-    words += ["--size", "32x20", "--json", "-o", str(tmp_path / "a.exr")]
-    assert cli.main(words) == 0
-    got = json.loads(capsys.readouterr().out)
-    assert got["parameters"]["visibility"]["n_voxels"] == 8
-    assert got["counters"]["map_bytes"] == 8 * (512 * 513 // 2 + 512 * 256)

@@ -15,7 +15,7 @@ from reference.built import built
 from reference.isas import AVAILABLE
 from viscache import _core
 from viscache.settings.rays import Rays
-from visibility.test_shafts import SCENES, leaves, needles, scene_of, shared_scenes
+from visibility.test_shafts import SCENES, leaves, needles, shared_scenes
 from visibility.test_shafts import some_of_a_grid as half_a_grid
 
 Array = npt.NDArray[Any]
@@ -109,18 +109,6 @@ def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
     assert differences(scene, x, y) == 0
     solid = leaves().visible_matrix(x, y)
     assert np.count_nonzero(solid != scene.visible_matrix(x, y)) > 100
-
-
-@pytest.mark.extreme
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-@pytest.mark.parametrize("shift", [0.0, 20.0, 60.0])
-def test_scale_and_distance_from_the_origin_change_no_bit(scale: float, shift: float) -> None:
-    random = np.random.default_rng(2)
-    corners = random.uniform(-1, 1, (300, 1, 3)) + random.uniform(-0.2, 0.2, (300, 3, 3))
-    scene = scene_of((corners + shift) * scale)
-    free = ((random.uniform(-3, 3, (80, 3)) + shift) * scale).astype(np.float32)
-    assert differences(scene, on_surfaces(scene, 500), free) == 0
-    assert differences(scene, free, on_surfaces(scene, 100)) == 0
 
 
 @pytest.mark.extreme

@@ -177,17 +177,6 @@ def test_few_points_and_few_lights_are_those_of_packets(n_eyes: int, n_lights: i
     assert count_of_differences(scene, area_points(scene, n_eyes), lamps(scene, n_lights)) == 0
 
 
-@pytest.mark.extreme
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-@pytest.mark.parametrize("shift", [0.0, 20.0, 1e4])
-def test_scale_and_distance_from_the_origin_change_no_bit(scale: float, shift: float) -> None:
-    random = np.random.default_rng(2)
-    corners = random.uniform(-1, 1, (300, 1, 3)) + random.uniform(-0.2, 0.2, (300, 3, 3))
-    scene = scene_of((corners + shift) * scale)
-    ends = vc.FarEnds.points((random.uniform(-3, 3, (80, 3)) + shift) * scale)
-    assert count_of_differences(scene, area_points(scene, 500), ends) == 0
-
-
 def test_lights_far_away_are_left_to_packets() -> None:
     scene = some_of_a_grid()
     ends = vc.FarEnds.points([[0, 1e5, 0], [1, 3, 2]])

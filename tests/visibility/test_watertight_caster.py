@@ -155,11 +155,6 @@ def test_alpha_cuts_holes(instanced: bool) -> None:
     np.testing.assert_array_equal(hit.triangle >= 0, expected)
 
 
-def test_an_empty_scene_is_hit_by_nothing() -> None:
-    scene = vc.Scene.from_description(vc.SceneDescription())
-    assert not scene.occluded([[0, 0, 0]], [[0, 0, 1]], rays=WATERTIGHT).any()
-
-
 def test_without_the_robust_flag_it_is_refused() -> None:
     with pytest.raises(ValueError, match="robust must be True with watertight"):
         vc.Embree(robust=False, watertight=True)

@@ -313,7 +313,7 @@ def test_robust_embree_agrees_but_for_rounding(name: str, t_max: float) -> None:
     assert 0.02 < ours.mean() < 0.98
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize("name", ["spheres", "triangles", "room", "church"])
 def test_robust_embree_agrees_on_five_million_rays(name: str) -> None:
     scene = build(name)
