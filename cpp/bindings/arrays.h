@@ -11,6 +11,7 @@
 namespace viscache::bindings {
 
 namespace py = pybind11;
+// Arrays of other types and layouts are copied; those that fit are used in place.
 using FloatArray = RealArray<float, py::array::c_style | py::array::forcecast>;
 using DoubleArray = RealArray<double, py::array::c_style | py::array::forcecast>;
 using UintArray = RealArray<uint32_t, py::array::c_style | py::array::forcecast>;
@@ -32,6 +33,7 @@ inline void require_rows(const py::array& a, py::ssize_t columns, const char* na
 }
 
 /// Rows of an (N, 3) array, not copied. They are valid as long as the array.
+// Three floats side by side, without padding
 inline const Vec3* rows3(const FloatArray& a, const char* name) {
     require_rows(a, 3, name);
     return reinterpret_cast<const Vec3*>(a.data());

@@ -13,6 +13,7 @@ void bind_aqvc_levels(py::module_& a);
 
 namespace {
 
+/// Number of the light group with this name. The error names the parameter.
 size_t group_named(const char* parameter, const std::string& name) {
     for (size_t g = 0; g < size_t(kLightGroups); ++g)
         if (name == kLightGroupNames[g]) return g;
@@ -28,6 +29,7 @@ struct PythonValue<std::array<double, kLightGroups>> {
 
     static py::object read(const Range&, const Values& values) {
         py::dict own;
+        // 0 stands for "as the others", so only groups with a value of their own appear.
         for (size_t g = 0; g < values.size(); ++g)
             if (values[g] > 0) own[kLightGroupNames[g]] = values[g];
         return own;
@@ -46,6 +48,7 @@ template <>
 struct PythonValue<RefinementByGroup> {
     static py::object read(const Range&, const RefinementByGroup& values) {
         const auto word = [](Refinement r) { return py::str(kNames<Refinement>[size_t(r)]); };
+        // The shortest form that reads back as the same
         if (std::ranges::count(values, values[0]) == kLightGroups) return word(values[0]);
         py::dict own;
         for (size_t g = 0; g < values.size(); ++g)
@@ -78,6 +81,7 @@ struct PythonValue<std::optional<LightGroupSet>> {
     }
     static std::optional<LightGroupSet> write(const char* parameter, const Range&, const py::object& given) {
         if (py::isinstance<py::str>(given) && given.cast<std::string>() == "auto") return std::nullopt;
+        // A string is a sequence of letters, which must not be taken for names of groups.
         if (py::isinstance<py::str>(given))
             throw py::value_error(std::string(parameter) +
                                   " must be \"auto\" or a set of light groups, got " +

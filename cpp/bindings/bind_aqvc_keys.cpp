@@ -15,6 +15,7 @@ py::tuple full_keys(const AqvcParameters& p, std::array<float, 3> center, double
     const auto x = vec3s(points, "points"), n = vec3s(normals, "normals"), y = vec3s(far, "far"),
                m = vec3s(far_normals, "far_normals");
     const py::ssize_t count = py::ssize_t(x.size());
+    // One row per connection, whether its key is valid or not: `valid` says which are.
     KeyArray keys({count, py::ssize_t(15)});
     py::array_t<double> place({count, py::ssize_t(3)});
     py::array_t<bool> valid(count);
@@ -23,6 +24,7 @@ py::tuple full_keys(const AqvcParameters& p, std::array<float, 3> center, double
         const size_t k = size_t(i);
         const Anchor anchor = grid.anchor(x[k], n[k]);
         PlacedCell placed = grid.cell(anchor, grid.ladder.rung(resolutions.at(i), clamps));
+        // The neighbour's cell; the coordinates stay those of the point.
         if (dx || dy) placed.cell = grid.neighbour(anchor, placed, dx, dy);
         FarKey far_key;
         const bool has_far =

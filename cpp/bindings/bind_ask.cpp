@@ -19,11 +19,13 @@ EyeTiles tiles_of(const py::object& eyes, float extent, size_t most) {
     for (const py::handle tile : eyes) {
         tiles.eyes.push_back(eye_block_from(tile.cast<py::dict>(), extent));
         auto& row = tiles.row.emplace_back(tiles.eyes.back().size());
+        // Rows of the answer follow the list: tile by tile, point by point.
         for (uint32_t& number : row) number = uint32_t(tiles.size++);
     }
     return tiles;
 }
 
+/// Counters and report of queries in the form that frames give them, so that Python reads both in one way.
 py::dict answer_dict(const Counters& counters, const SourceReport& report) {
     FrameResult account;
     account.width = account.height = account.spp = 1;
@@ -42,6 +44,7 @@ py::dict block(OracleSource& source, const py::object& eyes, const py::dict& end
     const EyeTiles tiles = tiles_of(eyes, extent, most);
     const FarEnds lights = far_ends_from(ends, extent);
     const size_t words = words_for(lights.count);
+    // Sizes are checked here, where the message can name the array; the core takes pointers.
     if (wanted &&
         (wanted->ndim() != 2 || size_t(wanted->shape(0)) != tiles.size || size_t(wanted->shape(1)) != words))
         throw py::value_error("wanted must have shape (" + std::to_string(tiles.size) + ", " +
@@ -56,6 +59,7 @@ py::dict block(OracleSource& source, const py::object& eyes, const py::dict& end
                                  .log_begin = log.first,
                                  .log_end = log.second};
     BlockAnswer answer;
+    // From here on, nothing touches Python objects: the lock is free while the rays are traced.
     run_interruptible(
         [&](Control& control) { answer = ask_block(source, tiles, question, threads, control); });
     py::dict out = answer_dict(answer.counters, answer.report);
@@ -78,6 +82,7 @@ py::dict pairs(OracleSource& source, const py::object& eyes, const UintArray& in
     if (index.ndim() != 1 || size_t(index.shape(0)) != lights.count)
         throw py::value_error("index must have shape (" + std::to_string(lights.count) + ",), got " +
                               shape_text(index));
+    // An index beyond the eye points would be read by the core as it is.
     for (py::ssize_t k = 0; k < index.shape(0); ++k)
         if (index.at(k) >= tiles.size)
             throw py::value_error("index must be in [0, " + std::to_string(tiles.size) + "), row " +

@@ -31,9 +31,11 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
     require_same_rows(o, d, "origins and directions");
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     std::vector<Ray> rays(size_t(o.shape(0)));
+    // All rays are checked and copied first, with the lock.
     for (size_t i = 0; i < rays.size(); ++i) rays[i] = endless(origins[i], directions[i]);
     BspSteps s;
     run_interruptible([&](Control& control) {
+        // Chunks, so that Ctrl-C does not wait for millions of rays
         for (size_t first = 0; first < rays.size(); first += kStepChunk) {
             control.check();
             const size_t n = std::min(kStepChunk, rays.size() - first);

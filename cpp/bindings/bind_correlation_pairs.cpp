@@ -35,6 +35,7 @@ struct RowsArgument {
           direction(std::move(direction_)),
           group(std::move(group_)) {
         require_bits(bits, "bits");
+        // The core takes pointers and one count, so all arrays must have as many rows as the bits.
         const auto n = bits.shape(0);
         for (const auto& [name, size] : {std::pair{"positions", position.shape(0)},
                                          {"normals", normal.shape(0)},
@@ -42,6 +43,7 @@ struct RowsArgument {
             if (size != n)
                 throw py::value_error(std::string(name) + " must have one row per row of bits, " +
                                       std::to_string(n) + ", got " + std::to_string(size));
+        // Taken from the members, which live as long as the rows.
         rows.bits = bits.data();
         rows.words = size_t(bits.shape(1));
         rows.n_directions = n_directions;
@@ -61,6 +63,8 @@ struct RowsArgument {
 };
 
 /// An array that owns the values of a table.
+/// A table of fine bins has a hundred megabytes: the array takes the vector over instead of copying it. The
+/// capsule deletes it with the last array.
 py::array_t<int64_t> array_that_owns(std::vector<int64_t>& v, const PairTable& t) {
     auto* kept = new std::vector<int64_t>(std::move(v));
     const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<int64_t>*>(p); });
@@ -86,6 +90,7 @@ py::dict pair_statistics_dict(const RowsArgument& a, const std::vector<double>& 
                               const py::object& progress) {
     const PairWork work = work_of(threads, isa, skip_dead);
     const PairTiles tiles(a.rows.group, a.rows.n_groups, tile);
+    // Without a choice, all tiles
     std::vector<uint64_t> all;
     if (!chosen)
         for (size_t t = 0; t < tiles.tiles.size(); ++t) all.push_back(t);
@@ -140,6 +145,7 @@ py::array_t<int32_t> intersections_array(const WordArray& a, const WordArray& b,
     require_alike(a, b);
     const PairWork work = work_of(threads, isa);
     py::array_t<int32_t> out({a.shape(0), b.shape(0)});
+    // Pointers are taken with the lock; the call below has none.
     const Word *rows_a = a.data(), *rows_b = b.data();
     int32_t* counts = out.mutable_data();
     const size_t n_a = size_t(a.shape(0)), n_b = size_t(b.shape(0)), words = size_t(a.shape(1));
@@ -166,6 +172,7 @@ py::array_t<int64_t> tiles_array(const IntArray& group, size_t n_groups, size_t 
     py::array_t<int64_t> out({py::ssize_t(all.tiles.size()), py::ssize_t(7)});
     int64_t* row = out.mutable_data();
     for (const PairTile& t : all.tiles) {
+        // Groups and ranges of points, as the documentation of `tiles` lists them
         const PointBlock &a = all.blocks[t.a], &b = all.blocks[t.b];
         for (size_t v : {a.group, b.group, a.first, a.last, b.first, b.last}) *row++ = int64_t(v);
         *row++ = t.pairs;

@@ -65,6 +65,7 @@ struct RowCall {
     template <class Work>
     void run(Work work, const py::object& progress) {
         run_interruptible(
+            // The pointer is taken before the lock is released.
             [&, rows = std::span(bits.mutable_data(), size_t(bits.size()))](Control& control) {
                 control.total = input.position.size();
                 work(rows, control);
@@ -95,6 +96,7 @@ py::tuple aligned_rows(const Scene& scene, const AlignedBatch& batch, const RayC
     RowCall call(positions, normals, directions, t_max);
     AlignedRows found;
     AlignedWish wish{.isa = isa_of(isa)};
+    // Without a wish the engine is chosen.
     if (!choose) wish.engine = AlignedEngine::kBatch;
     call.run(
         [&](std::span<Word> rows, Control& control) {

@@ -9,6 +9,7 @@ namespace viscache::bindings {
 namespace {
 
 /// A point of the world in the coordinates of the scene, rounded once.
+// Subtracted in double: a scene a million units from the origin of the world keeps its millimetres.
 Vec3 relative(const SceneDescription& d, const Point& p) {
     return {float(p[0] - d.origin[0]), float(p[1] - d.origin[1]), float(p[2] - d.origin[2])};
 }
@@ -24,6 +25,7 @@ std::vector<Vec3> relative(const SceneDescription& d, const DoubleArray& points,
 
 /// A transform to the coordinates of the scene.
 Affine relative(const SceneDescription& d, Affine to_world) {
+    // Only the translation moves: the directions of a transform know no origin.
     for (size_t i = 0; i < 3; ++i) to_world.m[i][3] -= d.origin[i];
     return to_world;
 }
@@ -47,6 +49,7 @@ int add_mesh(SceneDescription& d, const DoubleArray& vertices, const UintArray& 
     mesh.emission_texture = emission_texture;
     mesh.emits_two_sided = emits_two_sided;
     mesh.in_world = in_world;
+    // Meshes of instances have coordinates of their own, and their transforms are made relative.
     if (in_world)
         mesh.vertices = relative(d, vertices, "vertices");
     else
@@ -71,6 +74,7 @@ SpotCone cone_from(Float3 axis, std::array<float, 2> cone_deg, const std::string
                               std::to_string(inner) + " and " + std::to_string(outer));
     const Vec3 unit = normalize(vec3(axis));
     if (!(std::fabs(length(unit) - 1) < 1e-3f)) throw py::value_error("axis must not be zero or non-finite");
+    // Number 0 is the falloff of lights without a cone.
     for (size_t i = 1; i < std::size(kFalloffNames); ++i)
         if (falloff == kFalloffNames[i])
             return {Falloff(i), unit, std::cos(inner * kPi / 180), std::cos(outer * kPi / 180)};
@@ -93,12 +97,14 @@ int add_image(SceneDescription& d, const FloatArray& pixels, bool nearest,
     return int(d.images.size()) - 1;
 }
 
+/// The pixels of an image that a loader has only named. Filters and wrapping stay as the loader has set them.
 void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     Image &image = d.images.at(index), given = image_from(pixels);
     image.width = given.width;
     image.height = given.height;
     image.channels = given.channels;
     image.pixels = std::move(given.pixels);
+    // Decoded floats take the place of bytes.
     image.bytes.clear();
 }
 
@@ -153,6 +159,7 @@ void bind_description(py::module_& m) {
                CoatKind coat, bool nonlinear, bool thin, float opacity, float metallic,
                int metallic_roughness_texture, int roughness_texture, Float3 metal_eta, Float3 metal_k,
                bool beckmann) {
+                // In the order of the struct's members
                 d.materials.push_back({kind,
                                        vec3(base_color),
                                        vec3(specular),

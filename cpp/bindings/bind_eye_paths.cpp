@@ -15,7 +15,9 @@ void bind_eye_paths(py::module_& m) {
            const IntegratorSettings& integrator, const FrameSettings& frame) {
             check_camera(camera);
             EyeTile eyes;
+            // The lock is free while the rays are traced; arrays are made with it.
             {
+                // One tile as large as the picture
                 const WithoutGil release;
                 const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height),
                                            integrator, frame};
@@ -37,6 +39,7 @@ void bind_eye_paths(py::module_& m) {
         [](const FloatArray& light, size_t n, uint64_t seed, uint64_t first_sample) {
             if (light.ndim() != 2) throw py::value_error("light must have shape (H, W)");
             const Tile all{0, 0, int(light.shape(1)), int(light.shape(0))};
+            // The order in which audits draw: along a curve, so that strata are compact.
             const auto pixels = along_curve({&all, 1});
             const auto drawn = draw_audit_pixels(pixels, {light.data(), size_t(light.size())},
                                                  size_t(light.shape(1)), n, seed, first_sample);

@@ -20,10 +20,12 @@ std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const Int
                                               const AlignedBatch* batch, const VisibilityField* field) {
     if (!integrator.ambient || integrator.ambient_directions == AmbientDirections::kPerPoint)
         return std::nullopt;
+    // Shared directions are the axes of a set Ω_l, so their number must be one of its sizes.
     detail::require(is_direction_count(uint64_t(std::max(0, integrator.n_ambient))),
                     "n_samples must be a number of directions", integrator.n_ambient);
     if ((integrator.ambient_engine == AmbientEngine::kField) != (field != nullptr))
         throw py::value_error("a field must be given if and only if the integrator asks for it");
+    // The batch is chosen against Embree's packets.
     const auto* embree = dynamic_cast<const EmbreeCaster*>(&caster);
     if (!embree) throw py::value_error("shared directions need Embree as ray caster");
     return AlignedEngines{batch, *embree, field};
@@ -41,8 +43,10 @@ IntegratorSettings with_product(const Scene& scene, IntegratorSettings integrato
         throw py::value_error("scene must have an environment light for visibility maps");
     if (!integrator.direct || integrator.n_environment < 1)
         throw py::value_error("integrator must sample the environment's light, n_environment >= 1");
+    // Leave-one-out needs independent samples: in an even set, each sample says where the others are.
     if (s.alpha.mode == AlphaMode::kLeaveOneOut && integrator.points != PointSet::kIndependent)
         throw py::value_error("points must be \"independent\" with alpha=\"loo\", got even");
+    // The maps are a control variate of product sampling.
     integrator.environment = EnvironmentSampling::kProduct;
     return integrator;
 }
@@ -60,12 +64,14 @@ py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera&
     const auto engines =
         aligned_engines(caster, integrator, pointer<AlignedBatch>(batch), pointer<VisibilityField>(field));
     FrameResult result;
+    // Everything Python has been read: the frame is rendered without the lock.
     run_interruptible(
         [&](Control& control) {
             result = render_frame(scene, caster, camera, integrator, frame, source, control,
                                   maps ? &maps->maps : nullptr, engines ? &*engines : nullptr, lights);
         },
         progress);
+    // With the lock again: the cache learns which records it used only when the frame is whole.
     if (result.tally && maps->take_tally) maps->take_tally(*result.tally);
     return frame_dict(result);
 }

@@ -32,6 +32,7 @@ void bind_rows(py::module_& m) {
         .def(
             "state",
             [](const AqvcRows& rows, size_t tile, size_t group) -> py::tuple {
+                // An error of Python's, instead of the core's for containers
                 if (tile >= rows.tiles() || group >= kLightGroups) throw py::index_error("no such rows");
                 const KeptRows::State s = rows.state(tile, int(group));
                 return py::make_tuple(s.digest, s.row_words, array_of(s.cells), array_of(s.rows));
@@ -63,6 +64,7 @@ void bind_kept_table(py::module_& m) {
             "entries",
             [](const KeptTable& t) -> py::array {
                 py::array_t<KeptEntry> entries{py::ssize_t(t.bits().occupied())};
+                // As large as the table says now; the caller keeps frames from ending meanwhile.
                 const std::span to(entries.mutable_data(), size_t(entries.size()));
                 {
                     const WithoutGil release;

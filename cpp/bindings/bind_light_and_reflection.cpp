@@ -15,6 +15,7 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
                                 const std::optional<DoubleArray>& to_world, int resolution, int threads) {
     const Image image = image_from(pixels);
     Affine rotation;
+    // The rotation only: an environment has no position.
     if (to_world) {
         require_rows(*to_world, 3, "to_world");
         if (to_world->shape(0) != 3)
@@ -22,6 +23,7 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) rotation.m[i][j] = to_world->at(i, j);
     }
+    // Read from Python before, so the resampling runs without the lock.
     const WithoutGil release;
     return EnvironmentMap::from_latlong(image, vec3(scale), rotation, resolution, threads);
 }
@@ -62,6 +64,7 @@ void bind_environment(py::module_& s) {
         .def(
             "sample",
             [](const EnvironmentMap& e, const FloatArray& u) {
+                // `map_rows` returns the last of three results; the other two are collected on the way.
                 std::vector<Vec3> radiance, wi;
                 const auto pdf = map_rows<Vec2>(u, "u", [&](Vec2 v) {
                     const auto sample = e.sample(v);
@@ -94,6 +97,7 @@ void bind_shading_point(py::module_& s) {
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta, CoatKind coat, bool nonlinear, Float3 metal_eta,
                          Float3 metal_k, bool beckmann) {
+                 // In the order of the struct's members; what it has no place for is set below.
                  ShadingPoint sp{
                      vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
                      kind,     eta};

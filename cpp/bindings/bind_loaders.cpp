@@ -62,6 +62,7 @@ void bind_loaders(py::module_& m) {
         "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
         "used.");
 
+    // The class is bound in bind_description.cpp; this file adds what only reads.
     auto cls = py::reinterpret_borrow<Class>(m.attr("SceneDescription"));
     cls.def_property_readonly("triangle_count", &count_placed_triangles, "Placed triangles.")
         .def(

@@ -1,3 +1,4 @@
+// Which variant of the kernels runs, and which could.
 #include <pybind11/pybind11.h>
 
 #include "viscache/math/isa.h"

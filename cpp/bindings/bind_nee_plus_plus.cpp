@@ -10,6 +10,7 @@ namespace viscache::bindings {
 namespace {
 
 /// Places and counts (N,) of all pairs with tests.
+// Most pairs of voxels are never tested, so only the others are listed.
 py::tuple state_of(const KeptVoxels& kept) {
     std::vector<uint64_t> place;
     std::vector<uint32_t> tested, seen;
@@ -30,6 +31,7 @@ using Numbers = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>
 
 void restore(KeptVoxels& kept, const Scene& scene, const NeePlusPlusSettings& settings, uint64_t frames,
              const WordArray& place, const Numbers& tested, const Numbers& seen) {
+    // The arrays come from a file.
     if (place.ndim() != 1 || tested.ndim() != 1 || seen.ndim() != 1 || place.size() != tested.size() ||
         place.size() != seen.size())
         throw std::invalid_argument("places and counts must be rows of the same length");

@@ -15,6 +15,7 @@ void bind_python_oracle(py::module_& m) {
         .def(py::init([](const Scene& scene, const RayCaster& caster, py::object written) {
                  return std::make_unique<PythonSource>(std::move(written), caster, scene.offset_extent());
              }),
+             // The source refers to both without owning them: they live as long as it does.
              py::arg("scene"), py::arg("caster"), py::arg("written"), py::keep_alive<1, 2>(),
              py::keep_alive<1, 3>());
 }

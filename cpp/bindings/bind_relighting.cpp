@@ -17,6 +17,7 @@ namespace {
 std::unique_ptr<Relighting> trace(const Scene& scene, const RayCaster& caster, const Camera& camera,
                                   const FrameSettings& frame, const MapCache& cache, const FloatArray& d_max,
                                   const FloatArray& footprint, const py::object& progress) {
+    // A camera is input like any other: its fields can be set to anything.
     check_camera(camera);
     WhittedSettings integrator;
     integrator.centred = true;  // J has no noise
@@ -30,6 +31,7 @@ std::unique_ptr<Relighting> trace(const Scene& scene, const RayCaster& caster, c
 }
 
 py::array_t<double> image(const Relighting& r, const DoubleArray& light, int threads) {
+    // One row per channel, cells in Z order
     const size_t cells = map_cells(r.map_level());
     if (light.ndim() != 2 || light.shape(0) != 3 || size_t(light.shape(1)) != cells)
         throw py::value_error("light must have shape (3, " + std::to_string(cells) + "), got " +
@@ -39,6 +41,7 @@ py::array_t<double> image(const Relighting& r, const DoubleArray& light, int thr
         given.channel[c].assign(light.data(py::ssize_t(c), 0), light.data(py::ssize_t(c), 0) + cells);
     py::array_t<double> out({py::ssize_t(r.height()), py::ssize_t(r.width()), py::ssize_t(3)});
     auto* pixels = reinterpret_cast<std::array<double, 3>*>(out.mutable_data());
+    // The lights are copied and the picture has its place: the sum needs no lock.
     const WithoutGil release;
     r.image(given, {pixels, size_t(r.width()) * size_t(r.height())}, threads);
     return out;
@@ -49,6 +52,7 @@ py::array_t<double> cell_light(const EnvironmentMap& map, int m) {
         throw py::value_error("m must be in [4, 7], got " + std::to_string(m));
     const EnvironmentPyramid pyramid(map);
     const size_t cells = map_cells(m);
+    // The sums of the pyramid's level with the map's cells: radiance times solid angle already.
     py::array_t<double> out({py::ssize_t(3), py::ssize_t(cells)});
     for (int c = 0; c < 3; ++c) std::copy_n(pyramid.colour_sums(c, m), cells, out.mutable_data(c, 0));
     return out;

@@ -18,6 +18,7 @@ namespace viscache::bindings {
 namespace {
 
 /// Every field of a camera, in the order of its declaration.
+// Pickles hold this tuple: the two functions below must list the same fields.
 using CameraState = std::tuple<std::string, std::array<float, 3>, std::array<float, 3>, std::array<float, 3>,
                                std::array<float, 3>, float, int, int, bool, float, float, float>;
 
@@ -31,6 +32,7 @@ Camera camera_of(const CameraState& state) {
                  shift_y] = state;
     const Camera camera{name,  vec3(origin), vec3(right), vec3(up),    vec3(forward), fov,
                         width, height,       horizontal,  view_height, shift_x,       shift_y};
+    // A pickle may come from anywhere.
     check_camera(camera);
     return camera;
 }
@@ -43,12 +45,14 @@ struct PythonValue<std::shared_ptr<const std::vector<Vpl>>> {
     using Values = std::shared_ptr<const std::vector<Vpl>>;
 
     static py::object read(const Range&, const Values& vpls) {
+        // The lights themselves stay in the object that was given.
         return vpls ? py::object(py::int_(vpls->size())) : py::none();
     }
     static Values write(const char*, const Range&, const py::object& given) {
         if (given.is_none()) return nullptr;
         const auto array = [&](const char* name) { return given.attr(name).cast<FloatArray>(); };
         const FloatArray positions = array("positions"), normals = array("normals"), flux = array("flux");
+        // Checked as all arrays of positions and normals are
         const auto p = usable(positions, "positions"), n = units(normals, "normals"),
                    f = usable(flux, "flux");
         if (n.size() != p.size() || f.size() != p.size())
@@ -70,6 +74,7 @@ struct PythonValue<Reach> {
         return reach.distance > 0 ? py::object(py::float_(reach.distance)) : py::none();
     }
     static Reach write(const char* parameter, const Range&, const py::object& given) {
+        // 0 stands for no limit, and a Reach without a distance for "auto".
         if (given.is_none()) return {0};
         if (py::isinstance<py::str>(given) && std::string(py::str(given)) == "auto") return {};
         const bool number = py::isinstance<py::float_>(given) || py::isinstance<py::int_>(given);

@@ -30,6 +30,7 @@ namespace viscache::bindings {
 inline std::string got(const py::handle& given) { return ", got " + std::string(py::repr(given)); }
 
 /// The first names of a closed set, up to the enumerator `last`.
+/// Some parameters take only a part of the set: the range of their row ends at the last one that they take.
 template <class Enum>
 std::span<const char* const> names_up_to(double last) {
     return std::span(kNames<Enum>).first(size_t(std::min(last + 1, double(kNames<Enum>.size()))));
@@ -59,9 +60,12 @@ struct PythonValue {
         if (range.open && is_open(range, given)) return Value(*range.open);
         const std::string name = std::string(parameter) + " must be ";
         const char* kind = std::is_floating_point_v<Value> ? "a number" : "a whole number";
+        // In Python, True is the number 1; as a parameter it is a mistake.
         if (py::isinstance<py::bool_>(given) || py::isinstance<py::str>(given))
             throw py::value_error(name + kind + got(given));
         double number = 0;
+        // As a double first: a number of any size can then be compared with the range, and the error can say
+        // what must hold.
         try {
             number = given.cast<double>();
         } catch (const py::cast_error&) {
@@ -71,6 +75,7 @@ struct PythonValue {
             throw py::value_error(name + range.text_for(number, std::is_floating_point_v<Value>) +
                                   got(given));
         try {
+            // Into the type itself, which refuses fractions for whole numbers and what exceeds its bits.
             return given.cast<Value>();
         } catch (const py::cast_error&) {
             if (number != std::floor(number)) throw py::value_error(name + kind + got(given));
@@ -88,6 +93,7 @@ struct PythonValue {
 
 private:
     static bool is_open(const Range& range, const py::object& given) {
+        // Open without a word of its own: None
         if (!range.open_word) return given.is_none();
         return py::isinstance<py::str>(given) && given.cast<std::string>() == range.open_word;
     }
@@ -126,6 +132,7 @@ template <class Row, class Struct>
 using ValueOf = std::remove_cvref_t<decltype(std::declval<Struct>().*std::declval<Row>().member)>;
 
 /// Sets the parameter of this name; false if there is none.
+// Tables are tuples of different types: the row is found by comparing names, not by an index.
 template <class Struct, class Table>
 bool set_value(Struct& s, const Table& table, const std::string& name, const py::object& given) {
     bool known = false;
@@ -153,21 +160,26 @@ py::list row_dicts(const Table& table) {
 
 /// Constructor by keywords, one attribute per row and `parameter_rows`. Rows have no bindings of their own,
 /// so that a new one needs no other change.
+// The table lives as long as the program, so the functions refer to it.
 template <class Struct, class... Options, class Table>
 void bind_rows(py::class_<Struct, Options...>& c, const Table& table) {
     const std::string unknown = std::string(py::str(c.attr("__name__"))) + " has no parameter ";
     c.def(py::init([&table, unknown](const py::kwargs& keywords) {
         Struct made;
+        // In the order in which they are given: the first wrong one raises.
         for (auto [key, value] : keywords)
             if (const std::string name = py::str(key);
                 !set_value(made, table, name, py::reinterpret_borrow<py::object>(value)))
                 throw py::value_error(unknown + name);
+        // Ranges hold for each row; rules between rows are checked when all are set.
         made.validate();
         return made;
     }));
+    // Instead of Python's own, which would take a misspelt name for a new attribute.
     c.def("__setattr__", [&table, unknown](Struct& s, const std::string& name, const AnyValue& value) {
         if (!set_value(s, table, name, value)) throw py::attribute_error(unknown + name);
     });
+    // Called for names that nothing else has.
     c.def("__getattr__", [&table, unknown](const Struct& s, const std::string& name) {
         AnyValue found;
         bool known = false;

@@ -36,6 +36,7 @@ void bind_directions(py::module_& s) {
     s.def(
         "direction_pattern",
         [](int map_size, PatternKind kind, uint64_t seed) {
+            // Lloyd's iteration over 256² cells takes seconds; larger maps have no use here.
             if (map_size < 1 || map_size > 256)
                 throw py::value_error("map_size must be in [1, 256], got " + std::to_string(map_size));
             return from_vec3s(direction_pattern(map_size, kind, seed));

@@ -22,19 +22,23 @@ std::optional<RayWay> ray_way(const std::optional<std::string>& name) {
 py::array_t<bool> embree_occluded(const EmbreeCaster& caster, const AnyFloatArray& o, const AnyFloatArray& d,
                                   const py::object& t_max, int threads,
                                   const std::optional<std::string>& way) {
+    // Views of the arrays in any layout: a million rays are not copied before they are traced.
     const RowView origins(o, "origins"), directions(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const FloatArray t = distances_of_shape(t_max, n);
+    // One distance for all rays is checked here; those of an array are checked with their rays.
     if (t.ndim() == 0) require_distances(t);
     const RayArrays rays{origins.rows, directions.rows, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
     const std::optional<RayWay> fixed = ray_way(way);
+    // Bad rays are noticed while they are traced, and need no pass of their own before.
     bool usable = true;
     const auto trace = [&](Control& control) {
         usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
     };
+    // Quick calls need no second thread that looks for Ctrl-C.
     if (n < kQuick) {
         const WithoutGil release;
         Control control;
@@ -42,6 +46,7 @@ py::array_t<bool> embree_occluded(const EmbreeCaster& caster, const AnyFloatArra
     } else {
         run_interruptible(trace);
     }
+    // Only now the bad row is looked for, so that the error can name it.
     if (!usable) {
         require_distances(t);
         require_usable(origins.rows, n, "origins");
@@ -81,6 +86,7 @@ py::array_t<float> bare_intersect(const EmbreeCaster& caster, const FloatArray& 
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     py::array_t<float> result{py::ssize_t(n)};
     float* out = result.mutable_data();
+    // In chunks, as all callers of Embree get their rays, but one call per ray
     in_chunks(n, threads, [&](size_t first, size_t last, int) {
         std::vector<Ray> rays(last - first);
         std::vector<Hit> hits(last - first);
@@ -98,8 +104,10 @@ void bind_scene(py::module_& m) {
         .def_static(
             "freeze",
             [](SceneDescription& d, int threads, bool take) {
+                // Taken, the arrays move into the scene; otherwise both exist.
                 SceneDescription given = take ? std::exchange(d, {}) : d;
                 const WithoutGil release;
+                // Python knows no constants; none of the bound methods changes a scene.
                 return std::const_pointer_cast<Scene>(Scene::freeze(std::move(given), threads));
             },
             py::arg("description"), py::arg("threads") = 0, py::arg("take") = false,
@@ -135,6 +143,7 @@ void bind_scene(py::module_& m) {
              py::arg("threads") = 0,
              "Distances of nearest hits by one call of Embree per ray: the baseline of single-ray tracers.")
         .def_property_readonly("native16", &EmbreeCaster::native16);
+    // Defined for all casters alike
     bind_segments(embree);
     m.def("embree_version", &EmbreeCaster::version);
 }

@@ -29,6 +29,7 @@ void bind_scene_info(py::module_& m) {
     m.def(
         "scene_lights",
         [](const Scene& s) {
+            // Freezing appends the meshes of sphere lights, which nobody has described.
             return light_dicts(s.description(), std::span(s.meshes()).first(s.described_meshes()));
         },
         py::arg("scene"));
@@ -62,6 +63,7 @@ void bind_scene_info(py::module_& m) {
         "description_of",
         [](const Scene& s) {
             SceneDescription d = s.description();
+            // What freezing has appended is appended again when the description is frozen.
             d.meshes.resize(s.described_meshes());
             d.materials.resize(s.described_materials());
             return d;
@@ -71,6 +73,7 @@ void bind_scene_info(py::module_& m) {
         "read_image",
         [](const std::string& path) {
             Image image;
+            // A file is read and decoded without the lock; the array is made with it.
             {
                 const WithoutGil release;
                 image = loading::decode_image(loading::read_file(path), path, true);

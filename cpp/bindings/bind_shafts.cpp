@@ -26,6 +26,7 @@ py::dict work_dict(const ShaftMatrixWork& work) {
 py::tuple shaft_bits(const ShaftScene& scene, const RayCaster& caster, const FloatArray& points,
                      const FloatArray& targets, bool choose, float bounds,
                      const std::optional<std::string>& isa, int threads, const py::object& progress) {
+    // An unknown variant raises before anything is built.
     const ShaftOptions options{.choose = choose, .bounds = bounds, .isa = isa_of(isa)};
     MatrixCall call(points, targets);
     ShaftMatrixWork work;
@@ -50,6 +51,7 @@ void bind_shafts(py::module_& m) {
             "memory_bytes",
             [](const ShaftScene& s, int threads) {
                 uint64_t bytes = 0;
+                // The tree is built here if nobody has used it yet.
                 run_interruptible([&](Control& control) { bytes = s.tree(threads, control).bytes(); });
                 return bytes;
             },
@@ -67,6 +69,7 @@ void bind_shafts(py::module_& m) {
              }),
              py::arg("scene"), py::arg("caster"), py::arg("shafts"), py::arg("exact"), py::kw_only(),
              py::arg("choose") = false, py::arg("bounds") = 1, py::arg("isa") = py::none(),
+             // Everything that the source refers to: scene, caster, shafts and the exact source
              py::keep_alive<1, 2>(), py::keep_alive<1, 3>(), py::keep_alive<1, 4>(), py::keep_alive<1, 5>());
 }
 

@@ -7,6 +7,7 @@ namespace viscache::bindings {
 namespace {
 
 SkySettings settings_from(Float3 to_sun, float turbidity, Float3 albedo) {
+    // Users may give any length.
     return {.to_sun = normalize(vec3(to_sun)), .turbidity = turbidity, .albedo = vec3(albedo)};
 }
 
@@ -25,6 +26,7 @@ void bind_sky(py::module_& m) {
         [](Float3 to_sun, float turbidity, Float3 albedo, const FloatArray& directions) {
             const ClearSky sky(settings_from(to_sun, turbidity, albedo));
             std::vector<Vec3> out;
+            // Directions of any length
             for (const Vec3 d : vec3s(directions, "directions")) out.push_back(sky.radiance(normalize(d)));
             return from_vec3s(out);
         },

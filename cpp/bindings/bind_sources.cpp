@@ -25,6 +25,7 @@ std::optional<Coherence> flag_of(std::optional<bool> coherent) {
 }  // namespace
 
 void bind_sources(py::module_& m) {
+    // Sources refer to the scene and the caster; number 1 is the source itself, and arguments count from 2.
     using KeepScene = py::keep_alive<1, 2>;
     using KeepCaster = py::keep_alive<1, 3>;
     const auto scene = py::arg("scene"), caster = py::arg("caster");
@@ -49,6 +50,7 @@ void bind_sources(py::module_& m) {
     py::class_<AqvcSource, OracleSource>(m, "AqvcSource", "See viscache.Aqvc.")
         .def(py::init([](const Scene& s, const RayCaster& c, const AqvcParameters& p, int spp,
                          std::optional<OracleSource*> exact) {
+                 // None: groups that need exact rays get them from the cache's own caster.
                  return std::make_unique<AqvcSource>(s, c, p, spp, exact.value_or(nullptr));
              }),
              scene, caster, py::arg("parameters"), py::kw_only(), py::arg("spp"),
@@ -97,6 +99,7 @@ void bind_sources(py::module_& m) {
             },
             "The means of voxels as a control variate.", scene, caster, py::arg("settings"), py::kw_only(),
             py::arg("share") = py::none(), py::arg("certain"), py::arg("seed"), py::arg("lasting_seed") = 0,
+            // A function without an object: 0 is what it returns, and arguments count from 1.
             py::arg("weighted") = true, py::arg("keep") = py::none(), py::keep_alive<0, 1>(),
             py::keep_alive<0, 2>(), py::keep_alive<0, 9>());
     py::class_<CorrectSettings> correct(m, "CorrectSettings", "See viscache.Correct.");

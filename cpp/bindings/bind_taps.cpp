@@ -20,14 +20,19 @@ public:
               const IntegratorSettings& integrator, const FrameSettings& frame)
         : scene_(scene), caster_(caster), camera_(camera), integrator_(integrator), frame_(frame) {
         run_interruptible([&](Control& control) {
+            // Rendered once with a source that writes down all queries. It answers "blocked"; the picture
+            // does not matter.
             render_frame(scene_, caster_, camera_, integrator_, frame_, source_, control);
         });
         size_t rows = 0;
+        // Tiles one after the other: an eye point's number in the frame is its tile's first row plus its
+        // place.
         for (const TileTap& tile : source_.tiles()) {
             first_row_.push_back(rows);
             rows += tile.eyes.size();
         }
         rows_ = rows;
+        // Only groups of which some tile has samples
         for (const TileTap& tile : source_.tiles())
             for (const auto& [group, samples] : tile.samples)
                 if (samples.at.size() > 0) groups_[group] = true;
@@ -46,6 +51,7 @@ public:
     py::array_t<uint64_t> wanted(size_t light) const {
         const size_t words = words_for(source_.lights().at(light).count);
         py::array_t<uint64_t> out({py::ssize_t(rows_), py::ssize_t(words)});
+        // Copied row by row: rows of a tile are padded, those of the array are not.
         uint64_t* to = out.mutable_data();
         for (const TileTap& tile : source_.tiles())
             for (size_t r = 0; r < tile.eyes.size(); ++r, to += words)
@@ -62,6 +68,7 @@ public:
         const SamplesTap& s = joined(group);
         const py::ssize_t n = py::ssize_t(s.at.size());
         py::array_t<uint32_t> index(n);
+        // Eye points by their numbers in the frame
         for_each_sample(s.at, [&](uint32_t eye, size_t i) { index.mutable_at(py::ssize_t(i)) = eye; });
         FarEnds ends;
         ends.semantic = s.at.semantic;
@@ -70,6 +77,7 @@ public:
         ends.count = s.at.size();
         for (size_t i = 0; i < s.at.size(); ++i) {
             const Vec3 far = s.at.far(i), end = s.at.target(i);
+            // Directions have no surface at their end.
             const Vec3 normal = s.at.is_direction() ? Vec3{} : s.at.normal[i];
             for (auto [to, from] : {std::pair{&ends.x, far.x},
                                     {&ends.y, far.y},
@@ -88,6 +96,8 @@ public:
         out["contributions"] = from_vec3s(s.contribution);
         return out;
     }
+    /// Contributions are not kept with the queries: three floats per query would be most of the memory. The
+    /// frame is rendered again, and the values of these rows are written down.
     py::array_t<float> contributions(int group, size_t begin, size_t end) {
         if (begin > end || end > rows_) throw py::value_error("rows must lie inside the frame's eye points");
         ContributionSource source(first_row_, group, begin, end);
@@ -103,6 +113,7 @@ public:
     /// {group: ...}}.
     py::dict ask(OracleSource& inner) const {
         AnswerSource source(inner);
+        // The same code renders the frame, so the source sees exactly the queries of a frame.
         FrameResult result;
         run_interruptible([&](Control& control) {
             result = render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
@@ -117,6 +128,7 @@ public:
         return out;
     }
     /// Answers that are still empty.
+    /// Numbered like the queries: the rows of tile t begin at first_row[t].
     GivenAnswers answers() const {
         GivenAnswers out;
         out.first_row = first_row_;
@@ -139,6 +151,7 @@ private:
         for (const TileAnswers& tile : source.tiles()) {
             for (size_t r = 0; r < tile.bits[light].rows(); ++r, to += words)
                 std::memcpy(to, tile.bits[light].row(r), words * sizeof(Word));
+            // One tile with weights is enough for an array of them.
             weighted |= !tile.weights[light].empty();
         }
         py::dict out;
@@ -149,6 +162,7 @@ private:
         for (const TileAnswers& tile : source.tiles()) {
             const size_t n = tile.bits[light].rows() * columns;
             const std::vector<float>& from = tile.weights[light];
+            // Tiles without weights count as they are.
             next = from.empty() ? std::fill_n(next, n, 1.f) : std::copy(from.begin(), from.end(), next);
         }
         out["weights"] = weights;
@@ -164,6 +178,7 @@ private:
         for (const TileAnswers& tile : source.tiles()) {
             const auto found = tile.samples.find(group);
             const TileAnswers::Samples none, &s = found == tile.samples.end() ? none : found->second;
+            // In the order of the eye points, whatever the order in which they were asked
             for (const auto& [eye, row] : s.rows) {
                 visible.insert(visible.end(), row.first.begin(), row.first.end());
                 weights.insert(weights.end(), row.second.begin(), row.second.end());
@@ -188,6 +203,7 @@ private:
             const auto& samples = source_.tiles()[t].samples;
             const auto found = samples.find(group);
             if (found == samples.end()) continue;
+            // `append` adds the tile's first row to its eye points.
             all.append(found->second.at, found->second.contribution, uint32_t(first_row_[t]));
         }
     }
@@ -217,6 +233,7 @@ public:
                         size_t(weights->shape(1)) != columns))
             throw py::value_error("weights must have shape (" + std::to_string(taps_.rows()) + ", " +
                                   std::to_string(columns) + "), got " + shape_text(*weights));
+        // Pointers into the arrays, which `keep_` holds for as long as answers are given from them.
         given_.blocks[group] = {words, bits.data(), weights ? weights->data() : nullptr, columns};
         keep_.append(bits);
         if (weights) keep_.append(*weights);
@@ -235,6 +252,7 @@ public:
         given.weights = weights ? weights->data() : nullptr;
         given.order = std::move(order);
         given.run_end = std::move(run_end);
+        // Where each eye point's samples begin; those without samples begin at 0 and have none.
         given.first_sample.assign(taps_.rows() + 1, 0);
         for (size_t row = 0; row < s.eye.size(); ++row) given.first_sample[s.eye[row]] = s.begin_of(row);
         given_.samples[group] = std::move(given);

@@ -18,6 +18,7 @@ using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast
 
 py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
                 uint32_t frame, int threads, const py::object& progress) {
+    // Distances are traced for ambient occlusion alone: they cost nearest hits instead of any hits.
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
     InsertionStats s;
@@ -67,11 +68,14 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
           *delta = difference.mutable_data();
     uint8_t* v = verdict.mutable_data();
     int32_t* c = candidates.mutable_data();
+    // The pointers above were taken with the lock.
     run_interruptible([&](Control& control) {
+        // Places without a record
         std::fill_n(id, n * best, -1);
         std::fill_n(share, n * best, 0.f);
         parallel_for((points.size() + 63) / 64, threads, [&](size_t chunk, int) {
             control.check();
+            // Neighbours within a chunk share their list.
             NeighbourList around;
             for (size_t i = chunk * 64; i < std::min(points.size(), chunk * 64 + 64); ++i) {
                 const Selection s = points[i].usable() ? cache.select(points[i], around) : Selection{};
@@ -101,6 +105,7 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
 
 py::dict records_dict(const MapCache& cache) {
     const RecordPool& r = cache.records();
+    // Copies: records may move when others are removed.
     const size_t n = r.size(), words = map_words(r.m());
     py::array_t<Word> bits({n, words});
     for (uint32_t i = 0; i < n; ++i) std::memcpy(bits.mutable_data(i, 0), r.bits(i), words * sizeof(Word));
@@ -127,6 +132,7 @@ void add_records(MapCache& cache, const FloatArray& positions, const FloatArray&
         {"rays", &rays},       {"misses", &misses},           {"last_used", &last_used},
         {"ambient", &ambient}, {"nearest_hit", &nearest_hit}, {"normals", &normals},
         {"bits", &bits}};
+    // Sizes, values and room are checked before the first record is added: all of them, or none.
     for (const auto& [name, a] : columns)
         if (a->ndim() < 1 || a->shape(0) != count)
             throw py::value_error(std::string(name) + " must have one row per position, " +
@@ -154,6 +160,7 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
         if (misses.at(k) > rays.at(k))
             throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
                                   std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));
+        // Counts of whole rays; frames count in parts of one.
         t.rays[i] = rays.at(k) * RecordTally::kRay;
         t.misses[i] = misses.at(k) * RecordTally::kRay;
         t.used[i] = used.at(k) != 0;
@@ -182,6 +189,7 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
     run_interruptible([&](Control& control) {
         parallel_for((points.size() + 255) / 256, threads, [&](size_t chunk, int) {
             control.check();
+            // Neighbours within a chunk share their list.
             NeighbourList around;
             for (size_t i = chunk * 256; i < std::min(points.size(), chunk * 256 + 256); ++i) {
                 AmbientShade s;
@@ -206,6 +214,7 @@ void bind_vismap_cache(py::module_& m) {
         .def(py::init<const MapCacheParameters&>(), py::arg("parameters"))
         .def("__len__", &MapCache::size)
         .def_property_readonly(
+            // A copy: the cache may go before the array.
             "pattern", [](const MapCache& c) { return from_vec3s({c.pattern().begin(), c.pattern().end()}); })
         .def_property_readonly("rebuilds", [](const MapCache& c) { return c.tree().rebuilds(); })
         .def_property_readonly("depth", [](const MapCache& c) { return c.tree().depth(); })

@@ -10,6 +10,7 @@ namespace {
 
 py::array_t<Word> dilated(const WordArray& bits, int m, int level) {
     const Word* map = checked_map(bits, m);
+    // Level 3 exists only for large maps.
     if (level < 1 || level > dilations(m))
         throw py::value_error("level must be in [1, " + std::to_string(dilations(m)) + "], got " +
                               std::to_string(level));

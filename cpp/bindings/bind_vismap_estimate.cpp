@@ -10,6 +10,7 @@ namespace viscache::bindings {
 
 namespace {
 
+/// η is the share of the density that no map can take away; 1 means product sampling.
 void require_eta(double eta) {
     if (!(eta > 0 && eta <= 1)) throw py::value_error("eta must be in (0, 1], got " + std::to_string(eta));
 }
@@ -25,8 +26,10 @@ struct BoundPoint {
                const FloatArray& beta, const std::vector<BoolArray>& dilated, double eta)
         : light(std::move(l)), b(table), maps(bits, beta, dilated) {
         require_eta(eta);
+        // Dilated maps shape the density and nothing else.
         if (eta < 1 && maps.view.count && !maps.dilated())
             throw py::value_error("dilated must be given where eta < 1");
+        // B is constant in a cell of its table; finer cells than texels could not be sampled.
         if (b.level() > light->levels()) throw py::value_error("b must not be finer than the environment");
         point.begin(*light, b, maps.view.m);
         point.look(maps.view, maps.dilated());
@@ -36,6 +39,7 @@ struct BoundPoint {
         const ProductTree::Sample s = point.draw(u);
         return point.complete(s, b.value(light->levels(), s.texel));
     }
+    // Tables of Python are in rows, the core's in Morton order.
     uint32_t row_major(uint32_t texel) const {
         return gather2(texel >> 1) << light->levels() | gather2(texel);
     }
@@ -74,18 +78,22 @@ py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, cons
                               std::to_string(edge) + "), got " + shape_text(visible));
     const bool some = !sizes.empty() && *std::min_element(sizes.begin(), sizes.end()) >= 1;
     if (!some || replicates < 1) throw py::value_error("n, passes, sizes and replicates must be >= 1");
+    // Samples of an even set are not independent, and leaving one out would bias α.
     if (mode == AlphaMode::kLeaveOneOut && set != PointSet::kIndependent)
         throw py::value_error("leave-one-out needs independent points");
     py::array_t<double> out({py::ssize_t(replicates), py::ssize_t(sizes.size()), py::ssize_t(3)});
     double* to = out.mutable_data();
     const bool* v = visible.data();
+    // The pointers were taken with the lock; replicates write to places of their own.
     run_interruptible([&](Control& control) {
         parallel_for(size_t(replicates), threads, [&](size_t r, int) {
             control.check();
+            // Sums of the passes so far: what α of the next pass may depend on
             AlphaSums earlier;
             std::vector<DirectionSample> samples;
             std::vector<uint8_t> seen;
             for (size_t pass = 0; pass < sizes.size(); ++pass) {
+                // Every replicate and pass has its own points.
                 const PointStream stream(set, seed, Purpose::kProduct, r, pass);
                 samples.resize(size_t(sizes[pass]));
                 seen.resize(samples.size());
@@ -158,6 +166,7 @@ void bind_point(py::module_& s) {
         .def(
             "guided_masses",
             [](const BoundPoint& p, int level) {
+                // The density is constant in the cells of the maps.
                 if (level < 0 || level > p.maps.view.m) throw py::value_error("level must be in [0, m]");
                 const auto m = p.point.tree().density_masses(level);
                 return py::array_t<double>(py::ssize_t(m.size()), m.data());
@@ -173,6 +182,7 @@ void bind_point(py::module_& s) {
             "flat",
             [](const BoundPoint& p, const std::string& isa) {
                 CellTables t;
+                // By name: tests compare the variants that this CPU has.
                 for (const Isa i : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
                     if (isa_name(i) == isa && i <= best_isa()) {
                         const MapIntegrals m =
@@ -195,6 +205,7 @@ void bind_point(py::module_& s) {
             "simulate",
             [](const BoundPoint& p, const BoolArray& visible, int n, int passes, int replicates, PointSet set,
                AlphaMode mode, double alpha, uint64_t seed, int threads) {
+                // Passes of equal size
                 const std::vector<int> sizes(size_t(std::max(passes, 0)), n);
                 return simulate(p, visible, sizes, replicates, set, mode, alpha, seed, threads);
             },

@@ -26,6 +26,7 @@ Points points_of(const FloatArray& positions, const FloatArray& normals, const F
     Points points;
     for (py::ssize_t i = 0; i < positions.shape(0); ++i) {
         points.push_back({p[i], n[i], d_max.at(i), footprint.at(i)});
+        // Chunks of a larger array pass the number of their first row, so that errors name rows of the whole.
         check_point(points.back(), first_row + size_t(i));
     }
     return points;
@@ -47,6 +48,7 @@ Points taken(const Points& points, const IdArray& indices) {
 
 void check_view(const Camera& camera, int width, int height, const PixelRules& rules) {
     check_camera(camera);
+    // More pixels than any frame has; the product of two ints could overflow.
     if (width < 1 || height < 1 || int64_t(width) * height > 1 << 28)
         throw py::value_error("size must be at least 1×1 and at most 2^28 pixels, got " +
                               std::to_string(width) + "×" + std::to_string(height));
@@ -55,6 +57,7 @@ void check_view(const Camera& camera, int width, int height, const PixelRules& r
 }
 
 py::tuple with_counts(PixelPoints found) {
+    // Points stay in C++: a class, whose arrays are copied only when they are asked for.
     return py::make_tuple(Points{std::move(found.points)}, found.misses, found.bad_normals);
 }
 
@@ -90,6 +93,7 @@ void bind_vismap_points(py::module_& m) {
         [](const FloatArray& positions) {
             const Vec3* rows = rows3(positions, "positions");
             const size_t n = size_t(positions.shape(0));
+            // Row numbers are those of records, in 32 bits.
             if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
             std::vector<uint32_t> order;
             {

@@ -6,6 +6,7 @@ namespace viscache::bindings {
 
 namespace {
 
+/// The points that a pass of a pixel takes, for tests of warps and estimators.
 py::array_t<double> points(PointSet set, py::ssize_t count, uint64_t seed, uint64_t pixel, uint64_t pass) {
     if (count < 0) throw py::value_error("count must be >= 0, got " + std::to_string(count));
     const PointStream stream(set, seed, Purpose::kProduct, pixel, pass);
@@ -24,6 +25,7 @@ void bind_pyramid(py::module_& s) {
         .def(py::init([](const FloatArray& pixels) {
                  if (pixels.ndim() != 3 || pixels.shape(0) != pixels.shape(1) || pixels.shape(2) != 3)
                      throw py::value_error("pixels must have shape (N, N, 3), got " + shape_text(pixels));
+                 // Read in place; the pyramid copies what it keeps.
                  return EnvironmentPyramid(
                      {reinterpret_cast<const Rgb*>(pixels.data()), size_t(pixels.shape(0) * pixels.shape(1))},
                      int(pixels.shape(0)));
@@ -37,6 +39,7 @@ void bind_pyramid(py::module_& s) {
                 if (level < 0 || level > p.levels())
                     throw py::value_error("level must be in [0, " + std::to_string(p.levels()) + "], got " +
                                           std::to_string(level));
+                // A copy: the level may be asked for again after the pyramid has gone.
                 return py::array_t<double>(py::ssize_t{1} << (2 * level), p.sums(level));
             },
             py::arg("level"), "Sums over the nodes of a level along the Morton curve, (4^level,).");

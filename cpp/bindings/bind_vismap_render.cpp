@@ -8,6 +8,7 @@ namespace viscache::bindings {
 /// α: one of the ways to choose it, or a number.
 template <>
 struct PythonValue<AlphaChoice> {
+    // The first word that fits a value is the one that is shown: "one" is the number 1.
     static constexpr std::array<std::pair<const char*, AlphaChoice>, 4> kWords{
         {{"previous_pass", {AlphaMode::kPreviousPass, 1}},
          {"loo", {AlphaMode::kLeaveOneOut, 1}},
@@ -24,6 +25,7 @@ struct PythonValue<AlphaChoice> {
             for (const auto& [word, choice] : kWords)
                 if (given.equal(py::str(word))) return choice;
         } else if (!py::isinstance<py::bool_>(given) && PyNumber_Check(given.ptr())) {
+            // True is the number 1 in Python, and no α.
             const double value = py::float_(given);
             if (std::isfinite(value)) return {AlphaMode::kFixed, value};
         }
@@ -50,9 +52,12 @@ void bind_vismap_render(py::module_& m) {
         [](VisMapSettings settings, MapCache& cache, const FrameSettings& frame, const FloatArray& d_max,
            const FloatArray& footprint, bool replace, bool count_misses, uint32_t cache_frame) {
             settings.replace = replace;
+            // The reader refers to both arrays, so they travel with it.
             FrameMaps made{
                 {pixel_maps(cache, frame, d_max, footprint), settings}, {}, py::make_tuple(d_max, footprint)};
+            // 0 records: errors are not counted
             if (count_misses) made.maps.source.records = cache.size();
+            // Called when the frame is whole, with the lock.
             made.take_tally = [&cache, cache_frame](const RecordTally& tally) {
                 add_tally(cache, tally, cache_frame);
             };

@@ -16,6 +16,7 @@ std::span<const Frame3> checked_frames(const FloatArray& a) {
     if (a.ndim() != 3 || a.shape(1) != 3 || a.shape(2) != 3)
         throw py::value_error("frames must have shape (l, 3, 3), got " + shape_text(a));
     const std::span frames(reinterpret_cast<const Frame3*>(a.data()), size_t(a.shape(0)));
+    // Rounded to single precision; a scaled or mirrored frame is off by far more.
     const auto is_one = [](float v) { return std::fabs(v - 1) < 1e-4f; };
     for (size_t i = 0; i < frames.size(); ++i) {
         const Frame3& f = frames[i];
@@ -29,6 +30,8 @@ std::span<const Frame3> checked_frames(const FloatArray& a) {
 using OrderArray = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
 /// The order of n points: each index once.
+/// Points in another order would be traced all the same, but an index that is missing would leave its row
+/// without bits.
 std::span<const uint32_t> checked_order(const OrderArray& a, size_t n) {
     const std::span<const uint32_t> order(a.data(), size_t(a.size()));
     std::vector<bool> seen(n);
@@ -60,6 +63,7 @@ struct Call {
             throw py::value_error("points and normals must have equal numbers of rows, got " +
                                   shape_text(positions) + " and " + shape_text(normals));
         if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
+        // Referred to by a span: the vector must not grow afterwards.
         origin.reserve(p.size());
         for (size_t i = 0; i < p.size(); ++i) origin.push_back(spawn(p[i], n[i], scene.offset_extent()));
         input = {origin, n, checked_frames(frames), t_max, {}};
@@ -70,6 +74,7 @@ struct Call {
     template <class Work>
     void run(Work work, const py::object& progress) {
         run_interruptible(
+            // Taken before the lock is released
             [&, rows = std::span(bits.mutable_data(), size_t(bits.size()))](Control& control) {
                 control.total = input.axes.size();
                 work(rows, control);
@@ -83,6 +88,7 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
                      const std::optional<OrderArray>& order, int threads,
                      const std::optional<std::string>& isa, const py::object& progress) {
     Call call(scene, positions, normals, frames, t_max, order);
+    // An unknown variant raises before anything is traced.
     const Isa variant = isa_of(isa);
     AlignedCounts counts;
     call.run([&](std::span<Word> rows,
@@ -127,6 +133,7 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
                                   const std::optional<OrderArray>& sorted, int threads,
                                   const py::object& progress) {
     Call call(caster.scene(), positions, normals, frames, t_max, sorted);
+    // Not given: the order that is predicted to be faster
     const AlignedOrder order = by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
                                        : embree_order(caster.scene().placed_triangles(), call.origin.size());
     std::optional<Coherence> flag;
@@ -151,6 +158,7 @@ py::array_t<uint64_t> field_rows(const VisibilityField& field, const FloatArray&
 
 py::dict predict_field_rows(const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
     FieldPrediction p;
+    // Reading the triangles takes a while for large scenes.
     run_interruptible([&](Control&) {
         p = viscache::predict_field_rows({scene, settings.kernel, settings.head_room}, settings);
     });
@@ -161,6 +169,7 @@ py::dict predict_field_rows(const std::shared_ptr<Scene>& scene, const FieldSett
 }  // namespace
 
 void bind_vlf_aligned(py::module_& m) {
+    // The submodule was made by the bindings of the field.
     py::module_ v = m.attr("vlf");
     py::class_<AlignedBatch>(v, "AlignedBatch")
         .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"), py::call_guard<WithoutGil>())

@@ -7,6 +7,7 @@ namespace viscache::bindings {
 
 namespace {
 
+/// One by one with their errors: a zero vector has no nearest axis.
 py::array_t<uint32_t> nearest_direction(const FloatArray& d, uint32_t n_directions) {
     const Directions& directions = directions_of(n_directions);
     const std::span<const Vec3> rows(rows3(d, "directions"), size_t(d.shape(0)));
@@ -24,6 +25,7 @@ py::array_t<uint32_t> nearest_direction(const FloatArray& d, uint32_t n_directio
 py::array_t<float> frames(uint32_t n_directions) {
     const auto all = directions_of(n_directions).frames();
     py::array_t<float> a({py::ssize_t(all.size()), py::ssize_t(3), py::ssize_t(3)});
+    // Frames are nine floats in a row: u, v, w.
     std::memcpy(a.mutable_data(), all.data(), all.size_bytes());
     return a;
 }

@@ -25,6 +25,7 @@ std::shared_ptr<DynamicField> dynamic_field(const std::shared_ptr<Scene>& scene,
 
 uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const UintArray& triangles,
                        int threads) {
+    // Checked before the core takes them: coordinates and indices
     require_usable(vertices, "vertices");
     require_rows(triangles, 3, "triangles");
     const std::vector<Vec3> points = vec3s(vertices, "vertices");
@@ -40,6 +41,7 @@ uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const Ui
         }
         list.push_back({corner[0], corner[1], corner[2]});
     }
+    // From here on without the lock: the lists of all directions change.
     const WithoutGil release;
     return field.insert(std::move(list), threads);
 }
@@ -52,6 +54,7 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
     const size_t n = size_t(o.shape(0));
     py::array_t<float> t{py::ssize_t(n)}, uv({py::ssize_t(n), py::ssize_t(2)});
     py::array_t<int64_t> object{py::ssize_t(n)}, triangle{py::ssize_t(n)};
+    // Pointers first, then the call without the lock
     float *t_out = t.mutable_data(), *uv_out = uv.mutable_data();
     int64_t *object_out = object.mutable_data(), *triangle_out = triangle.mutable_data();
     in_chunks(n, threads, [&](size_t first, size_t last, int) {
@@ -59,6 +62,7 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
             const DynamicHit h = field.nearest(endless(origins[i], directions[i]));
             const bool hit = h.object != DynamicHit::kNothing;
             const float nan = std::numeric_limits<float>::quiet_NaN();
+            // No hit: t is infinite, there is no triangle and no barycentric coordinate.
             t_out[i] = h.t;
             object_out[i] = h.object;
             triangle_out[i] = hit ? int64_t(h.triangle) : -1;
@@ -80,6 +84,7 @@ py::array_t<bool> dynamic_occluded(const DynamicField& field, const FloatArray& 
     py::array_t<bool> result{py::ssize_t(n)};
     bool* out = result.mutable_data();
     in_chunks(n, threads,
+              // One distance for all rays has stride 0.
               [&, ends = t.data(), stride = size_t(t.ndim() == 1)](size_t first, size_t last, int) {
                   for (size_t i = first; i < last; ++i)
                       out[i] = field.any({origins[i], 0, directions[i], ends[i * stride]});
@@ -123,6 +128,7 @@ void bind_vlf_dynamic(py::module_& m) {
             "transform",
             [](DynamicField& field, uint32_t object, const std::array<std::array<double, 4>, 3>& place,
                int threads) {
+                // The matrix is already C++: nothing of Python is touched.
                 const WithoutGil release;
                 field.transform(object, {place}, threads);
             },

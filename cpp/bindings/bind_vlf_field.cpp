@@ -36,7 +36,10 @@ uint32_t checked_direction(const VisibilityField& field, uint32_t direction) {
 
 /// The lists of one direction: leaves and depth range of every tile, triangles and border of every leaf.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
+    // Keeps the subfield while its lists are copied.
     const SubfieldLease f = field.subfield(checked_direction(field, direction));
+    // Compressed rows, twice: tile i has the leaves first_leaf[i] ... first_leaf[i + 1], and leaf k has the
+    // triangles ids[first_id[k]] ... ids[first_id[k + 1]].
     std::vector<uint32_t> first_leaf{0}, first_id{0}, ids;
     std::vector<float> ranges, borders;
     for (size_t tile = 0; tile < f->tiles(); ++tile) {
@@ -72,6 +75,7 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
     py::array_t<int64_t> triangle{py::ssize_t(n)};
     py::array_t<bool> any{py::ssize_t(n)};
     FieldSteps nearest_steps, any_steps;
+    // For tests of many rays through many axes: one thread, and steps counted.
     for (size_t i = 0; i < n; ++i) {
         const uint32_t axis = checked_direction(field, directions.at(py::ssize_t(i)));
         const Ray ray{rows3(o, "origins")[i], near.data()[near.ndim() ? i : 0], rows3(d, "directions")[i],

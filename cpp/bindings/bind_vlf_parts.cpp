@@ -18,6 +18,7 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
     if (corners.ndim() != 3 || corners.shape(1) != 3 || corners.shape(2) != 3)
         throw py::value_error("triangles must have shape (N, 3, 3), got " + shape_text(corners));
     check_tiles(n_tiles);
+    // With the same slack as a field
     const TileGrid grid{.n = n_tiles};
     std::vector<int64_t> tiles;
     std::vector<float> depths;
@@ -42,6 +43,7 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
 py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int n_tiles, double t_min,
                double t_max) {
     check_tiles(n_tiles);
+    // The canonical space is that of the ball: centre 0, radius 1, axes as given.
     const FieldRay ray({vec3(o), 0, vec3(d), kInfinity}, FieldSpace{});
     std::vector<int64_t> tiles;
     std::vector<double> times;
@@ -49,6 +51,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
                [&](int x, int y, double in, double out) {
                    tiles.insert(tiles.end(), {x, y});
                    times.insert(times.end(), {in, out});
+                   // Never ends the walk: all tiles are wanted.
                    return false;
                });
     const py::ssize_t n = py::ssize_t(tiles.size() / 2);
@@ -59,6 +62,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
 /// The leaves of the depths [low, high], in the order of the ray.
 std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>& borders, float low,
                         float high, bool upwards, const std::string& how) {
+    // As many leaves as a tree of halvings has
     if (count < 1 || count > 1 << kMostBspDepthOfTile || (count & (count - 1)) ||
         (!borders.empty() && int(borders.size()) != count))
         throw py::value_error("leaves must be a power of two with as many borders or none, got " +
@@ -81,6 +85,7 @@ uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& set
     uint64_t bytes = 0;
     run_interruptible([&](Control& control) {
         const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
+        // The settings that "auto" would choose
         bytes = predicted_bytes(triangles, chosen_settings(triangles, settings, threads, control), threads,
                                 control);
     });

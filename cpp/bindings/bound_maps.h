@@ -17,6 +17,7 @@ public:
     BoundMaps(const BoolArray& maps, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
         const py::ssize_t edge = maps.ndim() == 3 ? maps.shape(1) : 0,
                           n = maps.ndim() == 3 ? maps.shape(0) : 0;
+        // The smallest m whose maps are at least as large; then the size must be exactly that.
         while (view.m < kMaxMapLog2 && (py::ssize_t{1} << view.m) < edge) ++view.m;
         if (edge != py::ssize_t{1} << view.m || maps.shape(2) != edge || n > kMaxBlended)
             throw py::value_error("maps must have shape (n, 2^m, 2^m), n <= 8 and 4 <= m <= 7, got " +
@@ -25,6 +26,8 @@ public:
             throw py::value_error("beta must have shape (" + std::to_string(n) + ",), got " +
                                   shape_text(beta));
         view.count = int(n);
+        // Pointers into the elements are kept, so the vector must not move: one map, one hierarchy and three
+        // dilations each.
         words_.reserve(size_t(n) * 5);
         double sum = 0;
         for (int i = 0; i < view.count; ++i) {
@@ -33,6 +36,7 @@ public:
                 throw py::value_error("beta must be > 0 and finite, got " + std::to_string(b));
             sum += b;
             view.bits[i] = add(maps, i, view.m);
+            // Behind the map's words: `bits` points to an element before
             words_.emplace_back(hierarchy_words(view.m));
             build_hierarchy(view.m, view.bits[i], words_.back().data());
             view.hierarchy[i] = words_.back().data();
@@ -54,6 +58,7 @@ private:
                                   std::to_string(dilated.size()));
         for (int k = 0; k < dilations(view.m); ++k) {
             const BoolArray& a = dilated[size_t(k)];
+            // Each dilation is half as wide as the one before it, beginning with the full map.
             const py::ssize_t edge = py::ssize_t{1} << (view.m - k);
             if (a.ndim() != 3 || a.shape(0) != view.count || a.shape(1) != edge || a.shape(2) != edge)
                 throw py::value_error("dilated[" + std::to_string(k) + "] must have shape (n, " +
@@ -68,6 +73,7 @@ private:
         std::vector<Word>& words = words_.emplace_back(words_for(size_t(edge) * edge));
         for (uint32_t y = 0; y < edge; ++y)
             for (uint32_t x = 0; x < edge; ++x)
+                // Rows of bool become bits in Morton order.
                 if (maps.at(i, py::ssize_t(y), py::ssize_t(x))) set_bit(words.data(), morton2(x, y));
         return words.data();
     }

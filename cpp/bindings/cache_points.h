@@ -9,6 +9,7 @@ namespace viscache::bindings {
 /// A class, because pybind11 converts a plain vector to a list.
 struct Points : std::vector<CachePoint> {};
 
+/// One value per point, in a new array
 template <class T, class Value>
 py::array_t<T> column(size_t n, Value value) {
     py::array_t<T> a{py::ssize_t(n)};
@@ -32,6 +33,7 @@ inline void check_point(const CachePoint& p, size_t i) {
         throw py::value_error("d_max must be in [0, 1e16]" + row + " has " + std::to_string(p.d_max));
     if (!(p.footprint >= 0) || !(p.footprint <= kMaxCoordinate))
         throw py::value_error("footprint must be in [0, 1e16]" + row + " has " + std::to_string(p.footprint));
+    // Points without a surface have no normal either.
     if (p.usable() && !(std::fabs(length2(p.normal) - 1) < 1e-3f))
         throw py::value_error("normals must be unit vectors" + row + " has length " +
                               std::to_string(length(p.normal)));

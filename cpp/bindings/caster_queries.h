@@ -9,6 +9,7 @@
 
 namespace viscache::bindings {
 
+// Rays between two looks for Ctrl-C, and the piece of work of a thread
 constexpr size_t kChunk = 1 << 13;
 constexpr size_t kQuick = 1 << 18;  // calls with fewer rays end too soon for Ctrl-C to matter
 
@@ -36,6 +37,7 @@ inline void require_same_rows(const py::array& a, const py::array& b, const char
 inline FloatArray distances_of_shape(const py::object& t_max, size_t n) {
     require_real(t_max);
     auto a = FloatArray::ensure(t_max);
+    // NumPy's own error is replaced by one that says what must hold.
     if (!a) PyErr_Clear();
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
         throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
@@ -57,6 +59,7 @@ inline FloatArray distances(const py::object& t_max, size_t n) {
 
 /// A ray without an end. It is empty if its direction is zero.
 inline Ray endless(Vec3 origin, Vec3 direction) {
+    // Length 0 in the end: rays without a direction hit nothing.
     return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
 }
 
@@ -65,6 +68,7 @@ template <class Work>
 void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
     const auto chunk = [&](size_t c, int worker) { work(c * size, std::min(n, (c + 1) * size), worker); };
     const size_t chunks = (n + size - 1) / size;
+    // Quick calls need no second thread that looks for Ctrl-C.
     if (n < kQuick) {
         const WithoutGil release;
         parallel_for(chunks, threads, chunk);
@@ -88,6 +92,7 @@ inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, 
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     const FloatArray t = distances(t_max, n);
     const float* ends = t.data();
+    // 0 for one distance of all rays: every ray reads the same one.
     const size_t stride = size_t(t.ndim() == 1);
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
@@ -95,6 +100,7 @@ inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, 
         std::vector<Ray> rays(last - first);
         for (size_t i = first; i < last; ++i) {
             Ray& ray = rays[i - first] = endless(origins[i], directions[i]);
+            // A ray without a direction stays empty.
             ray.t_max = std::min(ray.t_max, ends[i * stride]);
         }
         caster.occluded(rays, {out + first, last - first});
@@ -163,6 +169,7 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
             std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
             for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
+            // Nothing is known about the rays of a user.
             caster.intersect(rays, hits, Coherence::kIncoherent);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];

@@ -7,6 +7,7 @@
 
 namespace viscache::bindings {
 
+/// Positions as the core takes them: it divides and squares coordinates, so they must not be too large.
 inline std::span<const Vec3> usable(const FloatArray& a, const char* name) {
     const std::span<const Vec3> rows(rows3(a, name), size_t(a.shape(0)));
     if (const auto i = first_unusable(rows))
@@ -15,6 +16,7 @@ inline std::span<const Vec3> usable(const FloatArray& a, const char* name) {
     return rows;
 }
 
+/// Normals and directions. A thousandth off is rounding of users' files; more is an error.
 inline std::span<const Vec3> units(const FloatArray& a, const char* name) {
     const std::span<const Vec3> rows = usable(a, name);
     for (size_t i = 0; i < rows.size(); ++i)

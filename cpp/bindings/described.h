@@ -32,6 +32,7 @@ inline Image image_from(const FloatArray& pixels) {
     image.height = int(pixels.shape(0));
     image.width = int(pixels.shape(1));
     image.channels = int(pixels.shape(2));
+    // Copied: the description outlives the array.
     image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
     return image;
 }
@@ -45,6 +46,7 @@ inline py::array_t<float> pixels_of(const Image& i) {
         std::copy(i.pixels.begin(), i.pixels.end(), out);
         const auto channels = size_t(i.channels);
         for (size_t c = 0; c < channels; ++c) {
+            // A table of 256 values per channel turns bytes, sRGB or linear, into floats.
             const float* values = i.values_of(int(c));
             for (size_t k = c; k < i.bytes.size(); k += channels) out[k] = values[i.bytes[k]];
         }
@@ -92,6 +94,7 @@ inline py::list light_dicts(const SceneDescription& d, std::span<const Mesh> mes
     for (const DirectionalLight& l : d.directional_lights)
         out.append(py::dict(py::arg("kind") = "directional", py::arg("direction") = array3(l.direction),
                             py::arg("irradiance") = array3(l.irradiance)));
+    // Emitting meshes are area lights; their number is that of the mesh.
     for (size_t i = 0; i < meshes.size(); ++i)
         if (max_component(meshes[i].emission) > 0) {
             py::dict light(py::arg("kind") = "area", py::arg("mesh") = i,

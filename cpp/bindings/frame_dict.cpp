@@ -8,6 +8,7 @@ namespace viscache::bindings {
 
 namespace {
 
+/// Layers of one or three channels
 template <class T>
 py::array_t<float> image_of(const FrameResult& f, const std::vector<T>& values) {
     const py::ssize_t channels = py::ssize_t(sizeof(T) / sizeof(float));
@@ -23,6 +24,7 @@ py::dict audit_dict(const FrameResult& f) {
     uint64_t rays = f.audit_rays;
     for (const AuditRecords& tile : f.audited_queries) rays += tile.rays;
     py::dict errors, queries;
+    // Only groups that the frame has
     for (size_t g = 0; g < kLightGroups; ++g) {
         if (f.groups[g].empty()) continue;
         std::vector<Rgb> error;
@@ -47,6 +49,7 @@ py::dict classes_of(const FrameResult& f) {
     py::dict of_groups;
     for (int g = 0; g < kLightGroups; ++g) {
         uint64_t queries = 0;
+        // Class k: doubted or agreed, visible or blocked, and whether a neighbouring answer differs
         py::dict of_classes;
         for (size_t k = 0; k < kAnswerClasses; ++k) {
             const ClassCounters& c = f.counters.classes[size_t(g)][k];
@@ -57,6 +60,7 @@ py::dict classes_of(const FrameResult& f) {
                 py::dict(py::arg("queries") = c.queries, py::arg("corrections") = c.checked,
                          py::arg("wrong") = c.wrong);
         }
+        // Groups without queries by class were not corrected by class.
         if (queries) of_groups[kLightGroupNames[g]] = of_classes;
     }
     return of_groups;
@@ -71,16 +75,20 @@ py::dict counters_of(const FrameResult& f) {
                 py::dict(py::arg("queries") = c.groups[g].queries, py::arg("occluded") = c.groups[g].occluded,
                          py::arg("rays") = c.groups[g].rays);
     std::vector<uint64_t> levels(c.rays_per_level.begin(), c.rays_per_level.end());
+    // Levels past the last one with rays did not exist.
     while (!levels.empty() && levels.back() == 0) levels.pop_back();
     py::dict d;
     d["queries"] = c.queries();
     d["occluded"] = c.occluded();
     d["rays"] = c.rays();
+    // 0 says that there were no rays.
     d["ray_reduction"] = c.rays() ? double(c.queries()) / double(c.rays()) : 0.0;
     d["groups"] = groups;
     d["rays_per_level"] = levels;
+    // A mean per sample, as users see pictures
     d["lost_throughput"] = c.lost_throughput / (double(f.width) * f.height * f.spp);
     for_each_counter([&]<class Value>(const CounterRow<Value>& row) {
+        // Rows say when they are of interest: always, with product samples, or with a table of the frame.
         const bool shown = row.shown == Shown::kAlways ||
                            (row.shown == Shown::kProduct && c.product_points) ||
                            (row.shown == Shown::kFrameTable && c.table_occupied);
@@ -91,6 +99,7 @@ py::dict counters_of(const FrameResult& f) {
         d["occupancy"] = c.table_slots ? double(c.table_occupied) / double(c.table_slots) : 0.0;
     d["vpls"] = f.n_vpls;
     if (const py::dict classes = classes_of(f); !classes.empty()) d["share_by_class"] = classes;
+    // What the pilot of a frame with maps has found
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;
         d["pilot_variance_ratio"] = f.forecast->variance_ratio;
@@ -111,6 +120,7 @@ const char* name_of(AlignedEngine engine) {
 /// The engine that traced shared directions. Empty if there was no choice.
 py::dict engine_of(const FrameResult& f) {
     py::dict d;
+    // The source's own account of its engine comes first.
     for (const auto& [name, value] : f.source.engine)
         d[name.c_str()] = std::visit([](const auto& v) -> py::object { return py::cast(v); }, value);
     if (f.aligned) {
@@ -135,9 +145,11 @@ py::dict account_dict(const FrameResult& f) {
 }
 
 py::dict frame_dict(const FrameResult& f) {
+    // Timings of the frame join those of the source.
     py::dict layers, out = account_dict(f), timings = out["timings"];
     layers["color"] = image_of(f, f.color);
     layers["emitted"] = image_of(f, f.emitted);
+    // Layers that only some frames have
     if (!f.seen_emitters.empty()) layers["seen_emitters"] = image_of(f, f.seen_emitters);
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
@@ -161,10 +173,12 @@ py::dict frame_dict(const FrameResult& f) {
     }
     if (f.aligned) timings["aligned_s"] = f.aligned_s;
     out["layers"] = layers;
+    // Only audited frames have the entry at all.
     if (!f.audited_pixels.empty() || !f.audited_queries.empty()) {
         out["audit"] = audit_dict(f);
         timings["audit_cpu_s"] = f.stages.audit;
     }
+    // Parts of a frame: sums per tile, which must be added in the order of the tiles.
     if (!f.tile_sums.empty()) {
         py::list sums;
         for (const TileSums& tile : f.tile_sums)

@@ -11,6 +11,7 @@ namespace viscache::bindings {
 
 struct FrameMaps {
     EnvironmentMaps maps;
+    // A function and not a cache: frames also take maps from readers that have none.
     std::function<void(const RecordTally&)>
         take_tally;          ///< receives how often each record was used; may be empty
     pybind11::tuple arrays;  ///< the arrays that `maps` refers to

@@ -17,6 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kPatience = 5s;  // for calls that do not end; a cancelled one takes half a second
+// Short enough for Ctrl-C, long enough to cost nothing
 constexpr auto kTick = 50ms;
 
 }  // namespace
@@ -43,6 +44,8 @@ void forget_other_threads() { all_threads = new Threads; }
 
 /// Must come before a thread asks for the lock, and `after_asking` afterwards.
 void before_asking(Threads& t) {
+    // Under one lock, the thread is either counted as asking, and the end waits for it, or it sees that all
+    // is closed.
     {
         const std::lock_guard lock(t.mutex);
         if (!t.closed || !t.stops_this_thread()) {
@@ -50,6 +53,7 @@ void before_asking(Threads& t) {
             return;
         }
     }
+    // Outside the braces: the mutex is free while this thread sleeps.
     sleep_for_ever();
 }
 
@@ -65,11 +69,13 @@ template <class Done>
 void wait_without_lock(Threads& t, std::chrono::milliseconds patience, Done done) {
     const auto end = std::chrono::steady_clock::now() + patience;
     for (bool over = false; !over;) {
+        // The lock of Python must be free here, or the others could never get it and leave.
         {
             const py::gil_scoped_release release;  // of the thread that ends the interpreter
             std::unique_lock lock(t.mutex);
             over = t.fewer.wait_for(lock, kTick, done) || std::chrono::steady_clock::now() > end;
         }
+        // A user who presses Ctrl-C wants the process to end now.
         if (PyErr_CheckSignals() != 0) {
             PyErr_Clear();
             over = true;
@@ -77,6 +83,10 @@ void wait_without_lock(Threads& t, std::chrono::milliseconds patience, Done done
     }
 }
 
+/// Three steps, in this order:
+/// 1. Calls see that the interpreter ends (`must_stop`) and are cancelled; the end waits until they are back.
+/// 2. What has not come back by then may not ask for the lock any more.
+/// 3. Those that have asked before get it, and then nobody is left who could ask too late.
 void stop_calls() {
     Threads& t = *all_threads;
     {
@@ -109,6 +119,7 @@ void leave_thread() {
 }
 
 WithoutGil::WithoutGil() : threads_(all_threads) {
+    // Before the lock is released: a thread that need not leave Python can raise at once.
     if (must_stop()) leave_thread();
     {
         const std::lock_guard lock(threads_->mutex);
@@ -118,6 +129,7 @@ WithoutGil::WithoutGil() : threads_(all_threads) {
 }
 
 WithoutGil::~WithoutGil() {
+    // The counterpart of the constructor: ask, get the lock back, and be counted as inside again.
     before_asking(*threads_);
     PyEval_RestoreThread(state_);
     after_asking(*threads_, true);
@@ -125,6 +137,7 @@ WithoutGil::~WithoutGil() {
 
 WithGil::WithGil() {
     Threads& t = *all_threads;
+    // A thread that already has the lock asks for nothing.
     const bool held = PyGILState_Check() != 0;
     if (!held) before_asking(t);
     state_ = PyGILState_Ensure();
@@ -132,6 +145,7 @@ WithGil::WithGil() {
 }
 
 void stop_calls_at_exit() {
+    // A child process starts with fresh counts: the mutex it inherited may be locked for ever.
     pthread_atfork(nullptr, nullptr, forget_other_threads);
     py::module_::import("atexit").attr("register")(py::cpp_function(stop_calls));
 }

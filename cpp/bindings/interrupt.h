@@ -26,6 +26,7 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
     std::exception_ptr python_error;
     {
         const WithoutGil release;
+        // The work has a thread of its own, so that this one can look for Ctrl-C in between.
         std::thread worker([&] {
             try {
                 work(control);
@@ -38,6 +39,7 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
         });
         std::unique_lock lock(mutex);
         while (!finished.wait_for(lock, std::chrono::milliseconds(50), [&] { return done; })) {
+            // Not held during Python code: the worker must be able to say that it is done.
             lock.unlock();
             if (must_stop()) control.cancel = true;
             if (!control.cancel) {
@@ -46,8 +48,11 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
                         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
                         if (!progress.is_none()) progress(control.done.load(), control.total.load());
                     } catch (abi::__forced_unwind&) {
+                        // CPython's way to kill this thread: not an error, and not to be caught.
                         throw;
                     } catch (...) {
+                        // Kept until the worker has ended; the exception must not leave while it still uses
+                        // the arguments.
                         python_error = std::current_exception();
                         control.cancel = true;
                     }
@@ -58,9 +63,12 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
         lock.unlock();
         worker.join();
     }
+    // What Python raised comes first: the work's own `Cancelled` is only its consequence.
     if (python_error) std::rethrow_exception(python_error);
+    // The interpreter ends: its threads leave silently.
     if (error && must_stop()) leave_thread();
     if (error) std::rethrow_exception(error);
+    // The last call says "all", whatever the last tick saw.
     if (!progress.is_none() && control.total > 0) progress(control.total.load(), control.total.load());
 }
 

@@ -44,6 +44,8 @@ void bind_vlf_parts(py::module_& m);
 
 PYBIND11_MODULE(_core, m) {
     using namespace viscache::bindings;
+    // Types come before what uses them as a base, or as the default value of an argument: pybind11 looks them
+    // up when a function is bound.
     m.doc() = "C++ core of viscache. Use the package viscache instead of this module.";
     bind_aqvc(m);
     bind_correlation_pairs(m);
@@ -79,5 +81,6 @@ PYBIND11_MODULE(_core, m) {
     bind_ask(m);
     bind_taps(m);
     bind_python_oracle(m);
+    // Last: the hook is of no use if binding fails.
     stop_calls_at_exit();
 }

@@ -10,6 +10,7 @@ namespace viscache::bindings {
 
 namespace {
 
+// In the order of Semantic
 constexpr const char* kKinds[] = {"points", "directions", "surfaces", "solid_angle"};
 
 /// An optional entry of a dict as an array.
@@ -26,6 +27,7 @@ FloatArray needed(const py::dict& d, const char* name) {
     return *a;
 }
 
+// Without the array, all rows have one value.
 std::vector<float> numbers(const py::dict& d, const char* name, size_t n, float otherwise) {
     const auto a = given(d, name);
     if (!a) return std::vector<float>(n, otherwise);
@@ -61,6 +63,7 @@ EyeBlock eye_block_from(const py::dict& d, float extent) {
     const auto normals = same_rows(units(n, "normals"), positions.size(), "normals");
     eyes.position.assign(positions.begin(), positions.end());
     eyes.normal.assign(normals.begin(), normals.end());
+    // An oracle written in Python gets the origins of the frame; users need not give any.
     if (const auto o = given(d, "origins")) {
         const auto origins = same_rows(usable(*o, "origins"), positions.size(), "origins");
         eyes.origin.assign(origins.begin(), origins.end());
@@ -69,6 +72,7 @@ EyeBlock eye_block_from(const py::dict& d, float extent) {
             eyes.origin.push_back(spawn(eyes.position[i], eyes.normal[i], extent));
     }
     eyes.density = numbers(d, "density", eyes.size(), 1.f);
+    // Places in the tile, for oracles that process eye points in an order of their own.
     if (d.contains("order") && !d["order"].is_none()) {
         const auto order = UintArray::ensure(d["order"]);
         if (!order || order.ndim() != 2 || size_t(order.shape(0)) != eyes.size() || order.shape(1) != 2)
@@ -119,12 +123,14 @@ FarEnds far_ends_from(const py::dict& d, float extent) {
                 : std::span<const Vec3>{};
     const auto stop = stops ? same_rows(usable(*stops, "ends"), n, "ends") : std::span<const Vec3>{};
     ends.density = numbers(d, "density", n, 0.f);
+    // Padded like the lights of a frame, since kernels read whole vectors.
     const size_t padded = row_words_for(n) * kWordBits;
     for (auto* v : {&ends.x, &ends.y, &ends.z, &ends.nx, &ends.ny, &ends.nz, &ends.tx, &ends.ty, &ends.tz})
         v->assign(padded, 0.f);
     ends.density.resize(padded, 0.f);
     for (size_t k = 0; k < n; ++k) {
         const Vec3 at = positions[k], off = normal.empty() ? Vec3{} : normal[k];
+        // Rays to a surface end before it, as those of a frame do. Points and directions are their own ends.
         const Vec3 end = !stop.empty() ? stop[k] : surfaces ? spawn(at, off, extent) : at;
         ends.x[k] = at.x;
         ends.y[k] = at.y;
@@ -172,6 +178,7 @@ std::vector<ShadowQuery> queries_from(const FarEnds& ends, std::span<const uint3
     return queries;
 }
 
+// Byte by byte, word by word: NumPy's bool has one byte.
 py::array_t<bool> unpacked(const BitMatrix& bits) {
     py::array_t<bool> out({py::ssize_t(bits.rows()), py::ssize_t(bits.columns())});
     auto* to = reinterpret_cast<uint8_t*>(out.mutable_data());
@@ -190,6 +197,7 @@ py::array_t<uint64_t> packed(const BitMatrix& bits) {
     const size_t words = words_for(bits.columns());
     py::array_t<uint64_t> out({py::ssize_t(bits.rows()), py::ssize_t(words)});
     for (size_t r = 0; r < bits.rows(); ++r)
+        // Padding words of a row are not part of the answer.
         std::memcpy(out.mutable_data(py::ssize_t(r), 0), bits.row(r), words * sizeof(Word));
     return out;
 }

@@ -15,6 +15,7 @@ inline MapSource pixel_maps(const MapCache& cache, const FrameSettings& frame, c
         if (a->ndim() != 1 || a->shape(0) != pixels)
             throw py::value_error("d_max and footprint must have one entry per pixel, got " + shape_text(*a));
     const float *reach = d_max.data(), *width = footprint.data();
+    // One reader per thread, each with a list of neighbours of its own.
     const auto reader = [&cache, reach, width]() -> MapReader {
         return [&cache, reach, width, around = NeighbourList()](Vec3 position, Vec3 normal,
                                                                 size_t pixel) mutable {

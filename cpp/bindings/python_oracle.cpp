@@ -17,6 +17,7 @@ constexpr size_t kEyesPerRun = 4096;  // eye points whose samples are asked for 
 using Index = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 
 void pack_into(const py::object& wanted, BitMatrix& bits) {
+    // None: all queries are wanted.
     if (wanted.is_none()) {
         for (size_t r = 0; r < bits.rows(); ++r)
             for (size_t k = 0; k < bits.columns(); ++k) bits.set(r, k);
@@ -29,6 +30,7 @@ void pack_into(const py::object& wanted, BitMatrix& bits) {
     const bool* from = a.data();
     for (size_t r = 0; r < bits.rows(); ++r)
         for (size_t k = 0; k < bits.columns(); ++k)
+            // Shifted in instead of set one by one: no branch per query.
             bits.row(r)[k / kWordBits] |= Word(*from++) << (k % kWordBits);
 }
 
@@ -42,6 +44,7 @@ FarEnds ends_of(std::span<const ShadowQuery> queries, std::span<const uint32_t> 
     e.count = numbers.size();
     for (const uint32_t i : numbers) {
         const ShadowQuery& q = queries[i];
+        // A direction has no point at which a ray could end.
         const bool direction = q.semantic == Semantic::kDirection || q.semantic == Semantic::kSolidAngle;
         const Vec3 end = direction ? q.far : q.ray_end;
         e.x.push_back(q.far.x);
@@ -67,6 +70,7 @@ py::array_t<uint64_t> PythonTracer::block(const py::dict& eyes, const py::dict& 
     BitMatrix asked(points.size(), lights.count);
     pack_into(wanted, asked);
     Answer seen;
+    // The arrays are read and checked; the rays are traced without the lock.
     {
         const WithoutGil release;
         Counters counters;
@@ -100,6 +104,7 @@ py::array_t<bool> PythonTracer::pairs(const py::dict& eyes, const Index& index, 
 }
 
 PythonOracle::~PythonOracle() {
+    // The last reference to a Python object must be given up with the lock.
     const WithGil lock;
     written_ = py::object();
     tracer_.reset();
@@ -112,6 +117,7 @@ void PythonOracle::watch(const Control& control) {
 
 template <class Ask>
 void PythonOracle::call(Ask ask) {
+    // A cancelled frame need not wait for the lock.
     check_cancelled();
     with_python([&] {
         try {
@@ -140,6 +146,7 @@ Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
             throw std::logic_error("an answer must have a row of bits per eye point");
         for (size_t r = 0; r < wanted.rows(); ++r)
             for (size_t w = 0; w < words; ++w)
+                // Answers to queries that nobody asked for are dropped.
                 visible.row(r)[w] = bits.data(py::ssize_t(r), 0)[w] & wanted.row(r)[w];
         if (!answer[1].is_none()) {
             const auto weights = answer[1].cast<FloatArray>();
@@ -147,6 +154,7 @@ Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
                 throw std::logic_error("an answer must have a weight per query");
             weights_.assign(weights.data(), weights.data() + weights.size());
         }
+        // Rays that the oracle traced in this call
         counters.group(ask.lights.group).rays += tracer_->take_rays();
     });
     const uint64_t asked = count_bits(wanted);
@@ -155,6 +163,7 @@ Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
     return {.bits = &visible, .weights = weights_};
 }
 
+/// Its own order: only runs, which bound the size of a call.
 PairOrder PythonOracle::order(const EyeBlock& eyes, std::optional<int>) {
     run_end_.clear();
     for (size_t end = kEyesPerRun; end < eyes.size(); end += kEyesPerRun) run_end_.push_back(uint32_t(end));
@@ -171,6 +180,7 @@ Answer PythonOracle::pairs(const PairsAsk& ask, Counters& counters) {
     // One call for all connections of one kind
     std::map<std::tuple<Semantic, uint8_t, float>, std::vector<uint32_t>> kinds;
     for (uint32_t i = 0; i < queries.size(); ++i)
+        // `far_ends_dict` has one semantic, group and length for all ends.
         kinds[{queries[i].semantic, queries[i].group, queries[i].t_max}].push_back(i);
     call([&] {
         for (const auto& [kind, numbers] : kinds) {
@@ -183,6 +193,7 @@ Answer PythonOracle::pairs(const PairsAsk& ask, Counters& counters) {
                 throw std::logic_error("an answer must have a bit per connection");
             const bool weighted = !answer[1].is_none();
             const auto weights = weighted ? answer[1].cast<FloatArray>() : FloatArray();
+            // Kinds without weights count as they are.
             if (weighted && weights_.empty()) weights_.assign(queries.size(), 1.f);
             GroupCounters& group = counters.group(std::get<1>(kind));
             for (size_t k = 0; k < numbers.size(); ++k) {
@@ -203,6 +214,7 @@ PythonSource::~PythonSource() {
 }
 
 void PythonSource::prepare(FrameStart& frame, Control&) {
+    // Called from the thread that renders, which does not hold the lock.
     with_python([&] {
         py::list lights;
         for (const FarEnds* ends : frame.lights()) lights.append(far_ends_dict(*ends));
@@ -212,6 +224,7 @@ void PythonSource::prepare(FrameStart& frame, Control&) {
 
 std::unique_ptr<VisibilityOracle> PythonSource::make() {
     return with_python([&] {
+        // Each thread has an oracle and a tracer of its own.
         auto tracer = std::make_shared<PythonTracer>(caster_, extent_);
         return std::make_unique<PythonOracle>(written_.attr("oracle")(tracer), tracer);
     });

@@ -32,9 +32,11 @@ inline bool is_complex(pybind11::handle value) {
 
 /// Throws if an array, or what NumPy makes an array of, is complex.
 inline void require_real(pybind11::handle value) {
+    // Lists and other sequences become arrays first: their numbers may be complex, too.
     const auto array = pybind11::array::ensure(value);
     if (!array) return;  // the conversion refuses it
     if (is_complex(array)) refuse_complex("an array of " + std::string(pybind11::str(array.dtype())));
+    // Arrays of Python objects are looked through, number by number.
     if (array.dtype().kind() == 'O')
         for (const pybind11::handle element : array.attr("flat"))
             if (is_complex(element)) refuse_complex(pybind11::repr(element));
@@ -49,6 +51,7 @@ struct pyobject_caster<viscache::bindings::RealArray<T, flags>> {
     using type = viscache::bindings::RealArray<T, flags>;
 
     bool load(handle source, bool convert) {
+        // As pybind11 does for its arrays: without conversion, only the type itself.
         if (!convert && !type::check_(source)) return false;
         viscache::bindings::require_real(source);
         value = type::ensure(source);
@@ -64,6 +67,7 @@ struct real_sequence_caster : array_caster<std::array<T, count>, T, false, count
     using Base = array_caster<std::array<T, count>, T, false, count>;
 
     bool load(handle source, bool convert) {
+        // Before the conversion, which would drop imaginary parts.
         if (isinstance<sequence>(source) || isinstance<array>(source))
             for (const handle element : source)
                 if (viscache::bindings::is_complex(element))

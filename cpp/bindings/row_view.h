@@ -14,6 +14,7 @@ public:
     RowView(const AnyFloatArray& a, const char* name) {
         require_rows(a, 3, name);
         constexpr py::ssize_t kFloat = sizeof(float);
+        // Whole floats between rows and a whole address: then pointers to float can walk the array.
         const bool in_place = a.strides(1) == kFloat && a.strides(0) % kFloat == 0 &&
                               reinterpret_cast<uintptr_t>(a.data()) % kFloat == 0;
         if (in_place) {

@@ -10,6 +10,7 @@ namespace viscache::bindings {
 /// An array for n values: (n,) for float, (n, 2) for Vec2, (n, 3) for Vec3.
 template <class Value>
 py::array_t<float> rows_of(py::ssize_t n) {
+    // One number per row: no second axis
     if constexpr (sizeof(Value) == sizeof(float)) return py::array_t<float>(n);
     return py::array_t<float>({n, py::ssize_t(sizeof(Value) / sizeof(float))});
 }

@@ -20,6 +20,7 @@ public:
         const int last = std::countr_zero(size_t(n));
         mean_.resize(size_t(last) + 1);
         most_.resize(size_t(last) + 1);
+        // From the finest level up: nodes are means, and maxima, of four.
         for (int l = last; l >= 0; --l) {
             const size_t count = size_t{1} << (2 * l);
             mean_[size_t(l)].resize(count);
@@ -47,6 +48,7 @@ private:
     template <class T>
     static T at(const std::vector<std::vector<T>>& pyramid, int level, uint32_t z) {
         const int last = int(pyramid.size()) - 1;
+        // Below the table's own level, a node is a part of a texel.
         return level <= last ? pyramid[size_t(level)][z] : pyramid[size_t(last)][z >> (2 * (level - last))];
     }
     void read(const FloatArray& table, uint32_t z) {

@@ -288,6 +288,7 @@ def test_bad_questions_are_refused_and_lose_nothing(room: vc.Scene, points: vc.E
         (lambda: room.oracle(vc.Exact(), use="repair"), "use must be"),
         (lambda: room.oracle(vc.Exact(), threads=0), "threads"),
         (lambda: room.oracle(vc.Exact(), seed=-1), "seed"),
+        (lambda: room.oracle(vc.Aqvc(), spp=1 << 63), r"spp must be .* \[1, 2\^20\]"),
         (lambda: oracle.block(vc.EyePoints([(1e20, 0, 0)], [(0, 0, 1)]), ends), "1e16"),
     ):
         with pytest.raises(ValueError, match=match):

@@ -11,6 +11,8 @@ constexpr int kPaperTile = 32;  // edge of a CPU tile in pixels (AQVC Sec. 4.4)
 /// A frame whose only shared lights are those of the exact groups.
 class ExactStart final : public FrameStart {
 public:
+    // The source of the exact groups prepares only what it will answer: a shadow map of a light of the cache
+    // would be work for nothing.
     ExactStart(FrameStart& frame, const AqvcParameters& parameters, size_t shared, size_t few)
         : frame_(frame) {
         for (const FarEnds* lights : frame.lights())
@@ -37,6 +39,7 @@ AqvcSource::AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcPa
     : parameters_(checked(parameters)), scene_(scene), caster_(caster), spp_(spp), exact_(exact) {}
 
 void AqvcSource::prepare(FrameStart& frame, Control& control) {
+    // The number of all shared lights decides which groups are small enough to be exact (`answers_exactly`).
     shared_in_frame_ = 0;
     for (const FarEnds* lights : frame.lights()) shared_in_frame_ += lights->count;
     if (!exact_) return;
@@ -49,11 +52,13 @@ void AqvcSource::report(Counters& counters, SourceReport& out) const {
 }
 
 int AqvcSource::dealt_tile_edge() const {
+    // As in the paper, each thread has tiles of its own and keeps its table for all of them.
     return parameters_.storage == Storage::kPaperTiles ? kPaperTile : 0;
 }
 
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
     const float extent = scene_.offset_extent();
+    // Without a source of its own, an exact group gets packets of rays.
     auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);
     return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_, few_},
                                             parameters_, scene_.center(), scene_.radius(), extent, spp_,

@@ -14,6 +14,7 @@ public:
     AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
                OracleSource* exact = nullptr);
     void prepare(FrameStart& frame, Control& control) override;
+    // Corrections check answers by rays, and check those of few lights often: then more lights are exact.
     void expect_corrections() override { few_ = kFewCorrected; }
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
     int dealt_tile_edge() const override;
@@ -38,6 +39,7 @@ public:
     FrameTableSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp)
         : AqvcSource(scene, caster, parameters, spp), table_(parameters) {}
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(&table_); }
+    // One table of the frame: whichever thread takes a tile, the table is the same.
     int dealt_tile_edge() const override { return 0; }
     void begin_round(size_t items) override { table_.begin_round(items); }
     void end_item(VisibilityOracle& oracle, size_t item) override {

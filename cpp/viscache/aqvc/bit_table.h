@@ -15,6 +15,8 @@
 namespace viscache {
 
 /// The largest prime <= n; 1 for n < 2, so a table has at least one slot.
+/// A prime number of slots uses all bits of κ. A power of two would use only the low ones, in which the
+/// linear recurrences of scheme 1 see only low bits of the key: round coordinates would share one slot.
 inline uint64_t largest_prime(uint64_t n) {
     const auto is_prime = [](uint64_t v) {
         for (uint64_t d = 2; d * d <= v; ++d)
@@ -32,6 +34,7 @@ struct TableCounts {
     double expected_false_hits = 0;
 };
 
+// One code for both kinds of words: plain ones, and relaxed atomics.
 namespace detail {
 template <class T>
 T load(const T& word) {
@@ -55,6 +58,10 @@ inline void increment(std::atomic<uint64_t>& count) { count.fetch_add(1, std::me
 
 /// Lossy table. A word of 0 is an empty slot; digest 0 is stored as 1. With kRacing, many threads read and
 /// write through relaxed atomics. A reader sees an old word or a new one, never a mix.
+///
+///     bit 31 ................. 1   0
+///     |        digest          | V |
+// Relaxed order is enough: a word means the same whatever other words contain.
 template <bool kRacing>
 class BasicBitTable {
     template <class T>
@@ -62,10 +69,13 @@ class BasicBitTable {
 
 public:
     BasicBitTable(uint64_t slots, int digest_bits, HashScheme scheme)
+        // κ has 32 bits, and `slot` divides by a number of 32 bits.
         : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu))),
           scheme_(scheme),
           seed_(hash_seed(scheme)),
           digest_bits_(digest_bits),
+          // A new key finds a false answer if its slot is occupied (probability n / C_T for n entries) by the
+          // same digest. For digests of b bits, of which 0 becomes 1, that is 2^−b (1 + 2^(1−b)).
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
 
     /// Changes the hash of all keys. Entries of earlier epochs are not found again and are overwritten over
@@ -90,12 +100,15 @@ public:
     }
 
     std::optional<bool> get_hashed(KeyHash h) const {
+        // A digest is never 0, so the word 0 is nil.
         const uint32_t word = detail::load(words_[slot(h)]);
         return word && word >> 1 == digest(h) ? std::optional(bool(word & 1)) : std::nullopt;
     }
     void put_hashed(KeyHash h, bool visible, TableCounts& counts) {
         auto& word = words_[slot(h)];
         const uint32_t before = detail::load(word), own = digest(h);
+        // Each write follows a miss: of this many misses, that share was expected to be answered falsely
+        // instead.
         counts.expected_false_hits += double(occupied()) * false_rate_;
         counts.writes += 1;
         if (!before)
@@ -105,6 +118,7 @@ public:
         detail::store(word, own << 1 | uint32_t(visible));
     }
     void clear() {
+        // An empty table is left as it is: clearing megabytes per tile would show.
         if (occupied())
             for (auto& word : words_) detail::store(word, 0u);
         detail::store(occupied_, uint64_t{0});
@@ -113,6 +127,7 @@ public:
     uint64_t entry(const FullKey& key) const { return slot(hash(key)); }
     uint64_t slots() const { return words_.size(); }
     uint64_t occupied() const { return detail::load(occupied_); }
+    // A remainder of 32-bit numbers; C_T is prime.
     size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
     /// Digest and bit of a slot; 0 if empty.
     uint32_t word(size_t slot) const { return detail::load(words_[slot]); }
@@ -151,6 +166,7 @@ public:
         counts.writes += 1;
     }
     /// Number of the entry of a key that is present; valid until `clear`.
+    // The address of an element stays the same until `clear`, so it serves as a number.
     uint64_t entry(const FullKey& key) const { return reinterpret_cast<uintptr_t>(&*map_.find(key)); }
     void clear() { map_.clear(); }
     uint64_t slots() const { return 0; }

@@ -32,6 +32,8 @@ public:
             if (!tile.usable[i]) continue;
             for (size_t d = 0; d < levels.size(); ++d) {
                 const PlacedCell p = tile.cell(i, levels[d], clamps);
+                // The ladder of resolutions is coarse: halving C_E may lead to the same cell, whose answer is
+                // known already (Alg. 2).
                 if (d > 0 && p.cell == placed.back().cell) continue;
                 const float distance2 = float(distance2_to_center(p));
                 steps_.push_back({numbers_.number(p.cell, 0), uint32_t(d), distance2, {}});
@@ -39,12 +41,15 @@ public:
             }
         }
         begin_.push_back(uint32_t(steps_.size()));
+        // Neighbours can be found only when all cells have numbers. The finest cell of a point needs none:
+        // there, Alg. 2 accepts the bit whatever its neighbours say.
         for (size_t i = 0; i < tile.size(); ++i)
             for (size_t s = begin_[i]; s + 1 < begin_[i + 1]; ++s)
                 for (size_t q = 0; q < 4; ++q) {
                     const auto [dx, dy] = kNeighbourOffsets[q];
                     const uint32_t n =
                         numbers_.find(tile.grid->neighbour(tile.anchor[i], placed[s], dx, dy), 0);
+                    // size() is the number of a row that always stays nil, and nil counts as agreement.
                     steps_[s].neighbours[q] = n == kNoCell ? uint32_t(numbers_.size()) : n;
                 }
     }

@@ -43,6 +43,7 @@ struct PlacedCell {
 };
 
 /// Squared distance of a point to the centre of its cell in the two tangent coordinates, in cells.
+// In cells, so that distances compare between levels. Across the surface only: z says how thick a slab is.
 inline double distance2_to_center(const PlacedCell& p) {
     const double ax = p.fx - double(p.cell.x) - 0.5, ay = p.fy - double(p.cell.y) - 0.5;
     return ax * ax + ay * ay;
@@ -59,11 +60,14 @@ inline uint64_t murmur64(uint64_t h) {
 
 /// A 64-bit coordinate as one slot of a key: the value itself if it fits and is not folded, otherwise a hash.
 inline int32_t fold_coordinate(int64_t v, bool folded) {
+    // Very fine grids have more cells than 32 bits count. A hash of the coordinate is as good in a key: equal
+    // cells have equal keys, and different ones collide with a chance of 2^−32.
     const bool fits = v >= INT32_MIN && v <= INT32_MAX;
     return fits && !folded ? int32_t(v) : int32_t(uint32_t(murmur64(uint64_t(v))));
 }
 
 /// Bit pattern of a coordinate; −0 counts as 0.
+// Adding +0 turns −0 into +0 and leaves all other numbers as they are.
 inline int32_t float_bits(float f) { return std::bit_cast<int32_t>(f + 0.0f); }
 
 /// The part of a key that describes the far end.
@@ -73,6 +77,7 @@ struct FarKey {
     bool operator==(const FarKey&) const = default;
 };
 
+// Only in the tangent plane: across it, a neighbour would lie beside the surface.
 constexpr std::array<std::array<int, 2>, 4> kNeighbourOffsets = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 /// The virtual multi-resolution grids of one scene.
@@ -89,7 +94,11 @@ public:
           // A single grid for all normals has no direction in which cells could be thinner
           c_z_(p.normal_mode == NormalMode::kSingle ? 1 : p.c_z) {
         if (!p.grid_offset) return;
+        // Without an offset, walls at round coordinates lie on the borders of cells, and rounding scatters
+        // their points over both sides. Fractions without a simple ratio keep all borders off such places
+        // (A7).
         offset_ = {0.7549, 0.5698, 0.4263};
+        // Seeds shift the grid further, for estimates of the error by repetition.
         if (p.grid_seed)
             for (size_t a = 0; a < 3; ++a)
                 offset_[a] += double(murmur64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
@@ -156,9 +165,13 @@ inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
     a.bin = bins_.of(n);
     const GridAxes& f = bins_.axes(a.bin);
     const double qx = double(p.x) - center_.x, qy = double(p.y) - center_.y, qz = double(p.z) - center_.z;
+    // Coordinates of points inside the bounding sphere run from 0 to 2 B_R.
     a.x = along(f.x, qx, qy, qz) + radius_;
     a.y = along(f.y, qx, qy, qz) + radius_;
     a.z = along(f.z, qx, qy, qz) + radius_;
+    // The tangent plane N·(q − p) = 0 rises by −(N·e_x)/(N·e_z) along e_x. In cells, which are C_Z times
+    // thinner along e_z, that is `slope_x` per cell. A plane that is nearly parallel to e_z has no useful
+    // slope.
     const double nz = along(f.z, n.x, n.y, n.z);
     if (std::fabs(nz) > 0.01) {
         a.slope_x = c_z_ * along(f.x, n.x, n.y, n.z) / nz;
@@ -170,6 +183,7 @@ inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
 inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
     const double s = scale(r);
     PlacedCell p;
+    // R/(2 B_R) cells per unit; slabs along the normal are C_Z times thinner.
     p.fx = a.x * s + offset_[0];
     p.fy = a.y * s + offset_[1];
     p.fz = a.z * s * c_z_ + offset_[2];
@@ -178,6 +192,7 @@ inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
 }
 
 inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
+    // Rungs below 0 are beyond the range of exact coordinates.
     const bool folded = c.slot < 0 && !parameters_.scale_free;
     const auto [i, j, k] = bins_.slots(c.bin);
     slots[0] = i;
@@ -196,6 +211,7 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
     switch (s) {
         case Semantic::kPoint:
         case Semantic::kDirection:
+            // Exact bits: shared lights are told apart however close they are.
             key.slots = {float_bits(far.x), float_bits(far.y), float_bits(far.z)};
             return true;
         case Semantic::kSurface: {
@@ -207,6 +223,7 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
             if (far == Vec3{}) return false;
             const Rung& r = direction_ladder.rung(resolution, clamps);
             const auto [u, v] = octahedral_square<double>(far);
+            // u = 1 belongs to the last cell.
             const double last = r.resolution - 1;
             key.slots = {fold_coordinate(int64_t(std::min(last, std::floor(u * r.resolution))), r.folded),
                          fold_coordinate(int64_t(std::min(last, std::floor(v * r.resolution))), r.folded),

@@ -12,6 +12,8 @@
 namespace viscache {
 
 /// The semantic that the key of a connection in this group uses.
+// A virtual point light is a surface with a density, yet in the default key it is a point of its own: no two
+// VPLs share bits (A26).
 inline Semantic key_semantic(Semantic s, int group, const AqvcParameters& p) {
     const bool vpl = s == Semantic::kSurface && LightGroup(group) == LightGroup::kVpl;
     return vpl && p.vpl_key == VplKey::kPoint ? Semantic::kPoint : s;
@@ -35,10 +37,13 @@ public:
         lights_ = &lights;
         wanted_ = &wanted;
         key_lights(grid, p, clamps);
+        // Lights that share a key, or have none, make columns differ from lights. Otherwise both are the
+        // same, and no table of numbers is needed.
         merged_ = count_ != lights.count;
         if (!merged_) return;
         own_.reset(wanted.rows(), count_);
         for (size_t i = 0; i < wanted.rows(); ++i)
+            // A column is queried if any of its lights is wanted.
             if (usable[i])
                 for_each_bit(wanted.row_span(i), [&](size_t k) {
                     if (of_light_[k] != kNone) own_.set(i, of_light_[k]);
@@ -52,6 +57,7 @@ public:
     /// The light whose ray is traced for a column at an eye point: the lowest that is wanted there.
     uint32_t light(uint32_t eye, uint32_t column) const {
         if (!merged_) return column;
+        // One ray answers for all lights of a column; which one must not depend on anything but the query.
         for (uint32_t k : lights_of_[column])
             if (wanted_->get(eye, k)) return k;
         return lights_of_[column].front();
@@ -81,11 +87,13 @@ private:
         const Semantic s = key_semantic(l.semantic, l.group, p);
         of_light_.assign(l.count, kNone);
         lights_of_.clear();
+        // A map and first-come numbers: the order of columns is that of their first lights.
         std::map<std::array<int32_t, 7>, uint32_t> column_of;
         for (size_t k = 0; k < l.count; ++k) {
             const Vec3 far{l.x[k], l.y[k], l.z[k]}, end{l.tx[k], l.ty[k], l.tz[k]};
             const Vec3 normal = s == Semantic::kSurface ? Vec3{l.nx[k], l.ny[k], l.nz[k]} : Vec3{};
             FarKey key;
+            // Points and directions have no cells, so their density does not matter.
             const double density = s == Semantic::kPoint || s == Semantic::kDirection ? 0 : l.density[k];
             if (!is_traceable(end) ||
                 !grid.far_key(s, far, normal, far_resolution(s, density, grid.radius(), p), key, clamps))

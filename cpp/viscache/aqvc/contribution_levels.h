@@ -27,9 +27,12 @@ public:
         due_.clear();
         resolved_.clear();
         for (const double c : levels) {
+            // f <= (C_E / C_d)^p: the contributions that may share cells as large as those of this level
             due_.push_back(float(std::pow(c_e / c, kPower)));
+            // The next level would be finer than these contributions need.
             resolved_.push_back(float(std::pow(c_e / (c * level_step), kPower)));
         }
+        // The finest level takes all that is left.
         due_.back() = kInfinity;
         by_light_.reset(2, columns.lights().count);
     }
@@ -47,6 +50,7 @@ public:
             for (uint32_t k = 0; k < columns_->count(); ++k) {
                 const Word bit = Word{1} << (k % kWordBits);
                 const bool set = get_bit(lights[i], columns_->light(eye, k));
+                // The bit of a column that is not wanted may be anything; only set bits of queries are read.
                 rows[i][k / kWordBits] = (rows[i][k / kWordBits] & ~bit) | (set ? bit : 0);
             }
     }

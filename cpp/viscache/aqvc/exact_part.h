@@ -21,6 +21,8 @@ public:
     /// With a table of the frame no group is exact unless it is named: its connections are to fill the table.
     ExactPart(ExactAnswers answers, const AqvcParameters& parameters, bool of_frame)
         : answers_(std::move(answers)), parameters_(parameters) {
+        // Bidirectional connections are different for every path, so there are no shared lights to make
+        // exact.
         const bool none = of_frame && !parameters.exact_groups;
         for (int g = 0; g < kLightGroups; ++g)
             own_.set(size_t(g), !none && answers_own_exactly(parameters, g));
@@ -44,11 +46,13 @@ public:
         if (own_.any())
             for (size_t i = 0; i < queries.size(); ++i)
                 numbers_[own_.test(queries[i].group)].push_back(uint32_t(i));
+        // Mostly all queries go one way and need no copies.
         if (numbers_[1].empty()) return rest(queries, visible);
         if (numbers_[0].empty()) {
             std::ranges::copy(oracle().pairs({eyes, queries}, counters).row(0), visible.begin());
             return;
         }
+        // Both halves use the same buffers, one after the other.
         for (const bool exact : {false, true}) {
             some_.clear();
             for (uint32_t i : numbers_[exact]) some_.push_back(queries[i]);

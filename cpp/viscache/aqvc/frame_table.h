@@ -55,6 +55,7 @@ public:
     }
     void begin_round(size_t items) { waiting_.resize(std::max(items, waiting_.size())); }
     /// Takes the writes of an item. Threads may call this at once for different items.
+    // Swapped, so that the item's next writes reuse the memory of earlier ones.
     void keep(size_t item, std::vector<TableWrite>& writes) {
         waiting_[item].swap(writes);
         writes.clear();
@@ -75,6 +76,7 @@ public:
     /// Calls `use` with the view of one item, whose deferred writes go to `writes`.
     template <class Use>
     void with_table(std::vector<TableWrite>& writes, Use use) {
+        // Racing tables write at once: there is nothing to defer.
         if (racing_) return use(*racing_);
         if (exact_) {
             DeferredTable view(*exact_, writes);

@@ -14,6 +14,8 @@ struct KeyHash {
     bool operator==(const KeyHash&) const = default;
 };
 
+// The constants are ours, since the paper gives none. `lcg1` is that of Numerical Recipes; with an odd
+// multiplier, all steps are invertible, so a step loses no information.
 namespace detail {
 constexpr uint32_t lcg1(uint32_t v) { return v * 1664525u + 1013904223u; }
 constexpr uint32_t lcg2(uint32_t v) { return v * 2891336453u + 1640531513u; }
@@ -40,6 +42,7 @@ struct HashState {
 };
 
 inline HashState hash_seed(HashScheme scheme) {
+    // The seed of scheme 2 is Marsaglia's for his xorshift generators.
     return {scheme == HashScheme::kScheme2 ? 88172645463325252ull : uint64_t{12345} << 32 | 67890, 0};
 }
 
@@ -56,6 +59,7 @@ inline HashState hash_slots(HashState state, std::span<const int32_t> slots, Has
     }
     uint32_t kappa = uint32_t(state.bits >> 32), c = uint32_t(state.bits);
     for (int32_t slot : slots) {
+        // The salt differs from slot to slot, so that exchanged values give another hash.
         const uint32_t j =
             scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + state.salt);
         kappa = lcg1(kappa) ^ j;
@@ -73,6 +77,7 @@ inline KeyHash hash_end(HashState state, HashScheme scheme) {
         const uint64_t d = xorshift64(lcg64(state.bits));
         return {uint32_t(d >> 32), uint32_t(d & 0x7fffffffu)};
     }
+    // The high bits of a linear recurrence are the better ones.
     return {lcg1(uint32_t(state.bits >> 32)), lcg2(uint32_t(state.bits)) >> 1};
 }
 

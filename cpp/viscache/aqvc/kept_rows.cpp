@@ -11,6 +11,7 @@ namespace viscache {
 
 namespace {
 
+/// Mixes the bits of values in order.
 template <class T>
 uint64_t mixed(uint64_t digest, std::span<const T> values) {
     for (const T v : values) {
@@ -25,7 +26,10 @@ uint64_t mixed(uint64_t digest, std::span<const T> values) {
 uint64_t digest_of(const Columns& columns, const std::vector<double>& levels) {
     const FarEnds& l = columns.lights();
     uint64_t digest = mix64(uint64_t(l.count) << 8 | uint64_t(l.semantic));
+    // Everything that a bit of these rows depends on besides the geometry: positions, normals, targets and
+    // densities of the lights, and C_E of the levels.
     for (const auto* v : {&l.x, &l.y, &l.z, &l.nx, &l.ny, &l.nz, &l.tx, &l.ty, &l.tz, &l.density})
+        // Arrays that a semantic does not need may be empty, others padded.
         digest = mixed(digest, std::span<const float>(v->data(), std::min(l.count, v->size())));
     return mixed(digest, std::span<const double>(levels)) | 1;
 }
@@ -42,6 +46,7 @@ void KeptRows::clear() {
 
 void KeptRows::begin(const Columns& columns, const std::vector<double>& levels) {
     const uint64_t digest = digest_of(columns, levels);
+    // The same lights and levels: the rows of earlier frames hold.
     if (digest == digest_) return;
     clear();
     digest_ = digest;
@@ -53,6 +58,7 @@ void KeptRows::load(const TileCells& cells, BitMatrix& known, BitMatrix& value) 
     kept_of_.resize(cells.size());
     for (size_t level = 0; level < cells.levels(); ++level)
         for (uint32_t c = cells.begin(level); c < cells.begin(level + 1); ++c) {
+            // A cell is the same in every frame: its number in the grid does not depend on eye points.
             kept_of_[c] = numbers_.size() ? numbers_.find(cells.cell(c), uint32_t(level)) : kNoCell;
             if (kept_of_[c] == kNoCell) continue;
             std::memcpy(known.row(c), row(kept_of_[c]), bytes);
@@ -62,6 +68,7 @@ void KeptRows::load(const TileCells& cells, BitMatrix& known, BitMatrix& value) 
 
 void KeptRows::store(const TileCells& cells, const BitMatrix& known, const BitMatrix& value) {
     const size_t bytes = row_words_ * sizeof(Word);
+    // Taking a frame back may have freed its hash table.
     if (numbers_.size() == 0) numbers_.clear();
     for (size_t level = 0; level < cells.levels(); ++level)
         for (uint32_t c = cells.begin(level); c < cells.begin(level + 1); ++c) {
@@ -72,6 +79,7 @@ void KeptRows::store(const TileCells& cells, const BitMatrix& known, const BitMa
             } else {
                 // Bits are only added, so that equal masks mean equal rows
                 if (std::memcmp(row(kept), known.row(c), bytes) == 0) continue;
+                // Only rows of finished frames need a copy; new ones are cut off at the end.
                 if (kept < committed_) {
                     changed_.push_back(kept);
                     before_.insert(before_.end(), row(kept), row(kept) + 2 * row_words_);
@@ -93,6 +101,7 @@ void KeptRows::roll_back() {
         numbers_ = {};
         rows_ = {};
     }
+    // Rows of finished frames get their contents back; all others vanish by truncation.
     for (size_t i = 0; i < changed_.size(); ++i)
         std::memcpy(row(changed_[i]), before_.data() + i * 2 * row_words_, 2 * row_words_ * sizeof(Word));
     numbers_.truncate(committed_);
@@ -103,6 +112,7 @@ void KeptRows::roll_back() {
 
 KeptRows::State KeptRows::state() const {
     State s{digest_, row_words_, {}, {}};
+    // Only finished frames: a state never contains half a frame.
     for (size_t i = 0; i < committed_; ++i) {
         const Cell& c = numbers_[i];
         s.cells.insert(s.cells.end(), {c.bin, c.slot, c.x, c.y, c.z, int64_t(numbers_.tag(i))});
@@ -113,6 +123,8 @@ KeptRows::State KeptRows::state() const {
 
 void KeptRows::restore(const State& s) {
     const size_t n = s.cells.size() / kCellNumbers;
+    // Files are not trusted: sizes must fit together before anything is copied. 2^20 words per row are 64
+    // million lights.
     if (s.cells.size() % kCellNumbers || s.row_words % kRowAlignmentWords || s.row_words > 1 << 20 ||
         s.rows.size() != 2 * s.row_words * n)
         throw std::invalid_argument("kept rows must have six numbers per cell and two rows");
@@ -121,6 +133,7 @@ void KeptRows::restore(const State& s) {
     row_words_ = s.row_words;
     for (size_t i = 0; i < n; ++i) {
         const int64_t* v = s.cells.data() + i * kCellNumbers;
+        // Equal cells would get the same number.
         if (numbers_.number({int32_t(v[0]), int32_t(v[1]), v[2], v[3], v[4]}, uint32_t(v[5])) != i)
             throw std::invalid_argument("kept rows must name each cell once");
     }
@@ -141,6 +154,7 @@ void AqvcRows::begin_room() {
 }
 
 void AqvcRows::begin_frame(size_t tiles) {
+    // Another number of tiles is another picture, whose rows say nothing here.
     if (tiles != tiles_.size()) tiles_.clear();
     tiles_.resize(tiles);
     for (Tile& tile : tiles_)
@@ -159,7 +173,9 @@ void AqvcRows::end_tile(size_t tile) {
     const Tile& rows = tiles_.at(tile);
     const bool is_new =
         std::none_of(rows.begin(), rows.end(), [](const KeptRows& r) { return r.has_committed(); });
+    // The smallest come first, so the most tiles have room; equal ones in the order of tiles.
     const Ended ended{is_new, bytes_of(rows), tile};
+    // A tile that comes after the first without room has none either.
     if (first_left_out_ && *first_left_out_ < ended) return leave_out(ended);
     with_room_.insert(ended);
     bytes_with_room_ += ended.bytes;
@@ -181,6 +197,7 @@ void AqvcRows::leave_out(const Ended& ended) {
 
 void AqvcRows::commit() {
     for (size_t i = 0; i < tiles_.size(); ++i)
+        // Without room a tile keeps no rows at all, those of earlier frames included.
         if (left_out_[i])
             tiles_[i] = {};
         else

@@ -18,6 +18,7 @@ namespace viscache {
 
 /// A write in 64 bits: κ, the digest and the visibility bit.
 using PackedWrite = uint64_t;
+// |     κ (32)     |   digest (31)   | V |
 inline PackedWrite pack_write(KeyHash h, bool visible) {
     return uint64_t{h.kappa} << 32 | uint64_t{h.digest} << 1 | uint64_t{visible};
 }
@@ -43,6 +44,7 @@ public:
     const BitTable& bits() const { return bits_; }
     uint64_t epoch() const { return epoch_; }
     uint64_t frames() const { return frames_; }  ///< finished since construction
+    /// Entries of earlier epochs stay in place until they are overwritten: no key leads to them any more.
     void next_epoch() {
         bits_.set_epoch(++epoch_);
         is_current_.assign(bits_.slots(), false);
@@ -65,10 +67,12 @@ public:
     }
     void end_frame(Counters& counters) {
         TableCounts counts;
+        // In the order of tiles: the last write to a slot wins, whichever thread came first.
         for (const auto& [tile, writes] : waiting_)
             for (PackedWrite w : writes) {
                 const KeyHash h{uint32_t(w >> 32), uint32_t(w) >> 1};
                 bits_.put_hashed(h, w & 1, counts);
+                // In the first epoch all entries are current and no flags are kept.
                 if (epoch_) is_current_[bits_.slot(h)] = true;
             }
         waiting_.clear();
@@ -93,8 +97,10 @@ public:
         : own_(own), kept_(kept), writes_(writes) {}
     KeyHead head(const std::array<int32_t, 8>& slots) const { return kept_.head(slots); }
     std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        // One hash for both tables: they differ only in size.
         const KeyHash h = kept_.hash(head, far);
         const auto own = own_.get_hashed(h);
+        // The tile's own bits are newer.
         last_is_kept_ = !own;
         return own ? own : kept_.get_hashed(h);
     }

@@ -5,6 +5,7 @@
 namespace viscache {
 
 void LightCells::clear(uint32_t limit) {
+    // Only tables in use, since most resolutions never occur.
     for (size_t k : used_) dense_[k].clear();
     used_.clear();
     sparse_.clear();
@@ -25,6 +26,7 @@ void LightCells::number(const LocalSamples& samples, const CellGrid& grid, const
 }
 
 uint32_t LightCells::number_in(std::vector<uint32_t>& table, size_t at) {
+    // 0 is "none", so numbers are stored plus one.
     if (!table[at]) {
         if (count_ == limit_) return kFull;
         table[at] = ++count_;
@@ -33,6 +35,7 @@ uint32_t LightCells::number_in(std::vector<uint32_t>& table, size_t at) {
 }
 
 uint32_t LightCells::number_sparse(const Cell& cell) {
+    // At the limit, known cells keep their columns and new ones get none.
     if (count_ == limit_) {
         const uint32_t known = sparse_.find(cell, 0);
         return known == kNoCell ? kFull : column_of_[known];
@@ -52,8 +55,10 @@ void LightCells::number_directions(const LocalSamples& s, const CellGrid& grid, 
     // Consecutive densities are often equal; for a uniform sky all are
     double last_density = -1;
     const Rung* rung = nullptr;
+    // Clamps are counted per sample, as if each had looked up its rung.
     ClampCounts met, once;
     for (size_t i = 0; i < s.size(); ++i) {
+        // Written so that NaN looks up its rung each time
         if (!(double(density[i]) == last_density)) {
             last_density = density[i];
             once = {};
@@ -70,6 +75,7 @@ void LightCells::number_directions(const LocalSamples& s, const CellGrid& grid, 
         }
         const double r = rung->resolution, last = r - 1;
         const double ci = std::min(last, std::floor(u_[i] * r)), cj = std::min(last, std::floor(v_[i] * r));
+        // Fine resolutions have too many cells for a table.
         if (r > kDense) {
             column[i] = number_sparse({0, rung->slot, int64_t(ci), int64_t(cj), 0});
             continue;
@@ -92,6 +98,7 @@ void LightCells::number_points(const LocalSamples& s, const CellGrid& grid, cons
                                ClampCounts& clamps) {
     for (size_t i = 0; i < s.size(); ++i) {
         const Anchor a = grid.anchor(s.far(i), s.normal[i]);
+        // Without a normal there is no cell, and the sample bypasses the cache.
         column[i] = kNoKey;
         if (!a.valid) continue;
         const Rung& rung = grid.ladder.rung(far_resolution(s.semantic, density[i], grid.radius(), p), clamps);

@@ -22,10 +22,13 @@ public:
     void watch(const Control& control) { control_ = &control; }
     void add(const Miss& miss) { misses_.push_back(miss); }
     /// True if there are enough misses for a flush, which bounds the memory at any C_E.
+    // 2^19 misses of 16 bytes are 8 MB.
     bool full() const { return misses_.size() >= size_t{1} << 19; }
     /// Traces the collected misses and sets the bits of the visible ones. Returns the number of rays.
     uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
         const uint64_t rays = misses_.size();
+        // Packets of one light: rays that end at one point from neighbouring eye points are as coherent as
+        // misses can be.
         sort_by_light(lights.count);
         for (size_t first = 0; first < misses_.size(); first += kPiece) {
             if (control_) control_->check();
@@ -50,6 +53,7 @@ private:
     void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value) {
         RayPacket16 packet;
         for (size_t i = 0; i < 16; ++i) {
+            // Lanes past the last copy it and are not in the mask.
             const Miss& m = rays[std::min(i, rays.size() - 1)];
             const Vec3 o = eyes.origin[m.eye];
             packet.ox[i] = o.x;

@@ -13,9 +13,11 @@ namespace viscache {
 
 /// floor for |v| < 2^62 without a library call; larger values become ±2^62.
 inline int64_t floor_to_int(double v) {
+    // Out of range and NaN first: their conversion is undefined.
     if (!(v > -0x1p62)) return -(int64_t{1} << 62);
     if (v > 0x1p62) return int64_t{1} << 62;
     const int64_t i = int64_t(v);
+    // Conversion truncates towards 0, which is one too high for negative fractions.
     return i - (double(i) > v);
 }
 
@@ -60,6 +62,11 @@ inline int32_t NormalBins::of(Vec3 n) const {
     if (mode_ == NormalMode::kOctahedral) {
         const auto [u, v] = octahedral_square<double>(n);
         int32_t i = int32_t(floor_to_int(u * steps_ + 0.5)), j = int32_t(floor_to_int(v * steps_ + 0.5));
+        // Edges of the octahedral square: the lower pole is at all four corners, and both halves of an edge
+        // are the same directions, folded at the edge's middle. The smaller index stands for both:
+        //
+        //     (0, 0) ... (0, j) ... middle ... (0, n − j) ... (0, n)
+        //                  ^------- same -------^
         if (i == 0 || i == steps_) j = std::min(j, steps_ - j);
         if (j == 0 || j == steps_) i = std::min(i, steps_ - i);
         return i * (steps_ + 1) + j;
@@ -67,12 +74,14 @@ inline int32_t NormalBins::of(Vec3 n) const {
     const double shift = mode_ == NormalMode::kRound ? 0.5 : 0;
     const auto step = [&](float v) {
         const int64_t at = floor_to_int((double(v) + 1) / 2 * steps_ + shift);
+        // N = +1 would be a bin of its own beyond the last one (floor), or rounding may exceed the range.
         return int32_t(std::clamp<int64_t>(at, 0, steps_));
     };
     return (step(n.x) * (steps_ + 1) + step(n.y)) * (steps_ + 1) + step(n.z);
 }
 
 inline GridAxes NormalBins::axes_around(double x, double y, double z) {
+    // The corner of a bin may be the zero vector if C_N is even and N is floored (A5); any axes will do.
     const double l = std::sqrt(x * x + y * y + z * z);
     if (l > 0) {
         x /= l;
@@ -83,6 +92,8 @@ inline GridAxes NormalBins::axes_around(double x, double y, double z) {
         y = 0;
         z = 1;
     }
+    // Orthonormal basis without branches [Duff et al. 2017]. From the bin alone, never from N: all normals of
+    // a bin must have the same grid.
     const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
     return {{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}};
 }
@@ -99,6 +110,7 @@ inline void NormalBins::make_axes() {
             double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1;
             if (mode_ == NormalMode::kOctahedral) {
                 const double z = 1 - std::fabs(x) - std::fabs(y);
+                // The lower half is folded outwards.
                 if (z < 0) {
                     const double fold = (1 - std::fabs(y)) * sign_not_zero(x);
                     y = (1 - std::fabs(x)) * sign_not_zero(y);

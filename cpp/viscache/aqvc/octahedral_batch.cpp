@@ -15,6 +15,7 @@ inline __attribute__((always_inline)) void fill(const float* x, const float* y, 
         const double dx = double(x[i]), dy = double(y[i]), dz = double(z[i]);
         const double l = std::fabs(dx) + std::fabs(dy) + std::fabs(dz);
         const double a = dx / l + (l - l), b = dy / l;  // NaN if l is infinite
+        // sgn(0) = +1, as in `octahedral_square`.
         const double sa = a < 0 ? -1.0 : 1.0, sb = b < 0 ? -1.0 : 1.0;
         const double fa = (1 - std::fabs(b)) * sa, fb = (1 - std::fabs(a)) * sb;
         u[i] = 0.5 * (dz < 0 ? fa : a) + 0.5;

@@ -21,6 +21,7 @@ public:
     const std::vector<QueryRecord>& records() const { return records_; }
 
     /// A cluster whose ray is that of `eye`.
+    // Not answered by its own ray until `answered` says so.
     QueryRecord new_cluster(uint32_t eye, int level) { return {clusters_++, eye, uint8_t(level), false}; }
     /// The ray of a cluster was written to an entry of the table.
     void written(uint64_t entry, const QueryRecord& cluster) { writers_[entry] = cluster; }

@@ -6,6 +6,7 @@ namespace viscache {
 
 Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table)
     : frame_table_(frame_table), waiting_(p.queue), of_thread_(p.storage == Storage::kPaperTiles) {
+    // A power of two: the hash chooses a slot by a mask.
     pending_slots_.assign(1024, 0);
     if (frame_table) return;
     switch (p.storage) {
@@ -21,7 +22,9 @@ Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table)
 }
 
 void Pairs::begin_tile() {
+    // No eye point has this number: the cells of the previous tile are never taken for those of this one.
     for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
+    // "paper_tiles": the table lives as long as the thread.
     if (of_thread_) return;
     if (table_) table_->clear();
     if (exact_) exact_->clear();
@@ -38,6 +41,7 @@ void Pairs::log(PairLog* log) {
 
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
                 Counters& counters, ClampCounts& clamps) {
+    // One code for every kind of table.
     const auto run = [&](auto& table) {
         if (c.parameters.queue)
             run_postponed(table, c, queries, visible, counters, clamps);
@@ -58,6 +62,8 @@ void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std:
 template <class Table>
 void Pairs::run_batches(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
                         std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
+    // A batch is a run of eye points that lies within one segment of the order. With a table of the frame,
+    // the whole call is one item and one batch. Without runs, each query is a batch (batch = 1).
     for (size_t first = 0, last; first < queries.size(); first = last) {
         last = first + 1;
         if (frame_table_)
@@ -76,6 +82,7 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
     waiting_.rays.clear();
     waiting_.dependants.clear();
     checks_.clear();
+    // Filled again only if the previous batch left something
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // All look-ups come before the first write.
@@ -87,12 +94,14 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
     if (!checks_.empty()) trace_checks(table, c, queries, visible, counters);
 }
 
+/// Sec. 4.4 instead of batches: each warp looks up, then the queue decides which rays are due.
 template <class Table>
 void Pairs::run_postponed(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
                           std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
     waiting_.rays.clear();
     waiting_.dependants.clear();
     checks_.clear();
+    // Rays [first, last) of the queue are due.
     const auto finished = [&](size_t first, size_t last) {
         finish(table, c, queries, first, last, visible, counters);
     };
@@ -113,11 +122,13 @@ void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQue
                    size_t last, std::span<Word> visible, Counters& counters) {
     trace(c, queries, first, last);
     TableCounts counts;
+    // Rays first, then the queries that wait for them: a query may share the ray of an earlier one.
     std::vector<QueryRecord> clusters;  // of the rays, for the log
     for (size_t r = first; r < last; ++r) {
         const PendingRay& ray = waiting_.rays[r];
         ++counters.groups[queries[ray.query].group].rays;
         if (log_) clusters.push_back(log_->new_cluster(queries[ray.query].eye, std::max(0, ray.level)));
+        // A bypassing query has no key, so its answer goes into no table.
         if (ray.level < 0) continue;
         ++counters.rays_per_level[size_t(ray.level)];
         table.put(ray.key, ray_visible_[r - first], counts);
@@ -131,6 +142,7 @@ void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQue
             log_->answered(query, clusters[ray - first], clusters[ray - first].level,
                            query == waiting_.rays[ray].query);
     }
+    // Once per tile, at the first write: tiles that never write have no table in use.
     if (counts.writes && !slots_counted_) {
         counters.table_slots += table.slots();
         slots_counted_ = true;
@@ -141,6 +153,7 @@ void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQue
 template <class Table>
 void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
                     std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
+    // Rays to or from points that are not finite cannot be traced: such queries stay invisible.
     const bool traceable = is_traceable(c.tile.eyes->origin[q.eye]) &&
                            is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
     if (!traceable || !key_query(table, c, q, clamps)) {
@@ -149,6 +162,7 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
             if (log_) log_->answered(index, log_->new_cluster(q.eye, 0), 0, true);
             return;
         }
+        // A query without a key waits for a ray of its own.
         waiting_.dependants.push_back({index, uint32_t(waiting_.rays.size())});
         waiting_.rays.push_back({index, -1, {}});
         return;
@@ -161,6 +175,7 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
             if (log_) log_->found(index, table.entry(key_at(walk.level)), walk.level);
         return;
     }
+    // Misses with equal keys share a ray, as they would share its bit if they came one after the other.
     const uint32_t ray = c.parameters.queue ? waiting_.find(walk.key) : pending_with(walk.key);
     if (ray == waiting_.rays.size()) waiting_.rays.push_back({index, walk.level, walk.key});
     waiting_.dependants.push_back({index, ray});
@@ -195,6 +210,8 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     if (!grid.far_key(s, q.far, q.far_normal, far_resolution(s, q.density, grid.radius(), c.parameters),
                       fars_[0], clamps))
         return false;
+    // Queries come eye point by eye point, so the cells of the latest one per group are nearly always those
+    // needed.
     EyeCells& own = eye_cells_[q.group];
     cells_ = &own.cells;
     if (own.eye == q.eye && own.cells.semantic == s) return true;
@@ -212,6 +229,7 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
 FullKey Pairs::key_at(int level) const {
     size_t d = 0;
     while (cells_->levels[d].level != level) ++d;
+    // One far key serves all levels (Eq. 7), or each has its own (Eq. 6).
     return CellGrid::full_key(cells_->levels[d].own.slots, fars_[fars_.size() == 1 ? 0 : d]);
 }
 
@@ -219,10 +237,12 @@ FullKey Pairs::key_at(int level) const {
 /// ray.
 uint32_t Pairs::pending_with(const FullKey& key) {
     const std::vector<PendingRay>& rays = waiting_.rays;
+    // Half full: linear probing stays short. The table then doubles, and all keys of the batch enter anew.
     if (2 * (pending_count_ + 1) > pending_slots_.size()) {
         pending_slots_.assign(2 * pending_slots_.size(), 0);
         pending_count_ = 0;
         for (uint32_t r = 0, n = uint32_t(rays.size()); r < n; ++r) {
+            // Bypassing rays have no key.
             if (rays[r].level < 0) continue;
             const KeyHash h = hash_key(rays[r].key, HashScheme::kScheme2);
             size_t i = h.kappa & (pending_slots_.size() - 1);
@@ -233,6 +253,7 @@ uint32_t Pairs::pending_with(const FullKey& key) {
     }
     size_t i = hash_key(key, HashScheme::kScheme2).kappa & (pending_slots_.size() - 1);
     for (; pending_slots_[i]; i = (i + 1) & (pending_slots_.size() - 1))
+        // Full keys are compared: here, other than in the lossy table, two keys never share a ray by chance.
         if (rays[pending_slots_[i] - 1].key == key) return pending_slots_[i] - 1;
     pending_slots_[i] = uint32_t(rays.size()) + 1;
     ++pending_count_;
@@ -246,9 +267,11 @@ void Pairs::count_reuse(const PairContext& c, const ShadowQuery& q, uint32_t ind
     ++(walk.kept ? counters.reused_kept : counters.reused_fresh);
     if (checking_.share <= 0 || (checking_.repair && !walk.kept)) return;
     const Vec3 x = c.tile.eyes->position[q.eye];
+    // Frame number, eye point and far end make a random number that threads and batches do not change.
     uint64_t h = kept_->frames();
     for (float v : {x.x, x.y, x.z, q.far.x, q.far.y, q.far.z})
         h = murmur64(h + uint32_t(float_bits(v)) + 0x9e3779b97f4a7c15ull);
+    // 53 bits of the hash as a number in [0, 1)
     if (double(h >> 11) * 0x1p-53 < checking_.share)
         checks_.push_back({index, walk.kept, walk.visible, walk.key});
 }
@@ -264,11 +287,13 @@ void Pairs::trace_checks(Table& table, const PairContext& c, std::span<const Sha
             const bool wrong = seen != check.visible;
             ++(check.kept ? counters.checked_kept : counters.checked_fresh);
             (check.kept ? counters.wrong_kept : counters.wrong_fresh) += wrong;
+            // Without repair, checks only measure: their rays are counted apart and change nothing.
             if (!checking_.repair) return;
             ++counters.groups[queries[check.query].group].rays;
             if (!wrong) return;
             table.put(check.key, seen, counts);
             Word& word = visible[check.query / 64];
+            // The ray knows better: the bit is inverted.
             word ^= Word{1} << (check.query % 64);
         });
 }
@@ -284,6 +309,7 @@ void Pairs::trace_numbered(const PairContext& c, std::span<const ShadowQuery> qu
             set_lane(packet, i, shadow_ray(*c.tile.eyes, queries[number(first + size_t(i))], c.extent));
         pad_lanes(packet, n);
         const uint32_t mask = (1u << n) - 1;
+        // Misses of a table share neither origins nor ends.
         const uint32_t occluded = c.caster.occluded16(uint16_t(mask), packet, Coherence::kIncoherent);
         for (int i = 0; i < n; ++i) answer(first + size_t(i), !(occluded >> i & 1));
     }

@@ -97,6 +97,7 @@ private:
     void trace_checks(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
                       std::span<Word> visible, Counters& counters);
     void check_cancelled(size_t step) const {
+        // A look at the flag per 4096 steps costs nothing.
         if (control_ && step % 4096 == 0) control_->check();
     }
     uint32_t pending_with(const FullKey& key);

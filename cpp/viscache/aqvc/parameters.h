@@ -81,6 +81,7 @@ struct AqvcParameters {
     CellDensity cell_density = CellDensity::kMixture;
     VplKey vpl_key = VplKey::kPoint;
 
+    // A group may have its own C_E; others take that of the frame.
     double group_c_e(int group) const {
         const double own = c_e_groups[size_t(group)];
         return own > 0 ? own : c_e;
@@ -206,6 +207,7 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     const auto g = LightGroup(group);
     const bool shared = g == LightGroup::kPoint || g == LightGroup::kDirectional || g == LightGroup::kVpl;
     const double c_e = p.group_c_e(group);
+    // A cluster of C_E² eye samples lies inside a pixel if C_E² <= spp.
     return shared && ((p.c_finest > 0 && c_e > p.c_finest) || c_e * c_e > spp);
 }
 
@@ -226,6 +228,7 @@ constexpr size_t kFewLights = 8, kFewCorrected = 32;
 inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared, size_t shared_in_frame,
                             size_t few = kFewLights) {
     if (p.exact_groups) return p.exact_groups->test(size_t(group));
+    // At most a sixteenth of all shared lights
     constexpr size_t kSmallPart = 16;
     return p.form == Form::kWaves && (shared <= few || shared * kSmallPart <= shared_in_frame);
 }
@@ -250,10 +253,12 @@ inline std::vector<double> level_list(const AqvcParameters& p, int group, int sp
     if (!refines(p, group, spp)) return levels;
     const size_t limit = size_t(kMaxLevels);
     if (p.c_finest <= 0) {
+        // As many levels as max(1, ceil(log2 C_E)); with level_step 2, C_E is halved each time.
         for (double power = 2; power < first && levels.size() < limit; power *= 2)
             levels.push_back(levels.back() / p.level_step);
     } else {
         std::vector<double> from_fine;
+        // From fine to coarse, so that adding a coarser level changes no finer one.
         for (double c = p.c_finest; c < first && from_fine.size() + 1 < limit; c *= p.level_step)
             from_fine.push_back(c);
         levels.insert(levels.end(), from_fine.rbegin(), from_fine.rend());

@@ -33,6 +33,10 @@ inline uint64_t reversed_digits(uint64_t i, uint64_t base, int digits) {
 /// Step at which the Halton sequence of bases 2 and 3 visits each position of a width × height grid:
 /// rank[y·width + x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are skipped, so every
 /// position occurs once.
+///
+///     columns: bits of i, reversed (base 2)           rows: digits of i in base 3, reversed
+///
+///     Since 2^a and 3^b have no common factor, i = 0 ... 2^a 3^b − 1 visits every position once.
 inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
     uint64_t columns = 1, rows = 1;
     int a = 0, b = 0;
@@ -54,8 +58,10 @@ inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
 }
 
 /// Segment ends C_PI, C_PI·C_PG, C_PI·C_PG², … with C_PI = max(1, count / C_E²), up to count.
+// The first segment has about one eye point per cluster. Each further segment is C_PG times as long.
 inline std::vector<uint32_t> segment_ends(size_t count, double c_e, double c_pg) {
     std::vector<uint32_t> ends;
+    // Ends are rounded down, so the first few may coincide.
     for (double end = std::max(1.0, double(count) / (c_e * c_e)); std::floor(end) < double(count);
          end *= c_pg)
         if (ends.empty() || uint32_t(end) > ends.back()) ends.push_back(uint32_t(end));
@@ -84,6 +90,7 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
     key_.resize(n);
     std::iota(out.eye.begin(), out.eye.end(), 0u);
     // Without usable positions the eye points keep their order.
+    // Places must lie in the tile: the table of ranks has no others.
     bool placed = eyes.order_x.size() == n && eyes.order_y.size() == n;
     for (size_t i = 0; placed && i < n; ++i)
         placed = eyes.order_x[i] < eyes.tile_width && eyes.order_y[i] < eyes.tile_height;
@@ -99,10 +106,12 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
         if (halton)
             key_[i] = ranks_[at];
         else if (p.order == PixelOrder::kRandom)
+            // A hash of the place: random, yet the same for any number of threads.
             key_[i] = murmur64(at + 0x9e3779b97f4a7c15ull * (uint64_t{p.grid_seed} + 1));
         else
             key_[i] = at;
     }
+    // The index breaks ties, so the order does not depend on the library's sort.
     sort_by(out.eye, 0, n);
     if (!halton) {
         out.segment_end.assign(n ? 1 : 0, uint32_t(n));
@@ -110,6 +119,7 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
     }
     // Then sort along the Morton curve inside each segment, for coherence.
     out.segment_end = segment_ends(n, p.c_e, p.c_pg);
+    // Ranks are no longer needed.
     for (size_t i = 0; i < n; ++i) key_[i] = morton2_wide(eyes.order_x[i], eyes.order_y[i]);
     size_t first = 0;
     for (uint32_t end : out.segment_end) {
@@ -119,6 +129,8 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
 }
 
 /// Ends of runs of at most `batch` eye points. No run crosses a segment end.
+// A segment end is also the end of a run: its values are written before the next, denser segment is looked
+// up.
 inline std::vector<uint32_t> run_ends(const TileOrder& order, uint32_t batch) {
     std::vector<uint32_t> ends;
     uint32_t first = 0;

@@ -5,6 +5,7 @@
 namespace viscache {
 namespace {
 
+// One step of placement: 16 eye points, two vectors of eight doubles.
 constexpr size_t kGroup = 16;
 /// `floor_small` is exact below this bound: it adds and subtracts 1.5·2^52.
 constexpr double kExact = 0x1p51;
@@ -20,6 +21,9 @@ struct Group {
 
 VISCACHE_INLINE Lanes load_lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
 VISCACHE_INLINE void store_lanes(double* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
+/// Floor without an instruction for it: a double of 2^52 and more has no fraction, so adding 1.5 · 2^52
+/// rounds to an integer and subtracting it gives this integer back. If that was rounded upwards, it is 1 too
+/// high.
 VISCACHE_INLINE Lanes floor_small(Lanes v) {
     const Lanes rounded = (v + 0x1.8p52) - 0x1.8p52;
     return rounded - (rounded > v ? Lanes{} + 1 : Lanes{});
@@ -39,6 +43,7 @@ VISCACHE_INLINE bool place_body(const Group& g) {
         store_lanes(g.cell_y + i, y);
         store_lanes(g.cell_z + i, z);
         store_lanes(g.distance2 + i, ax * ax + ay * ay);
+        // NaN fails both comparisons.
         for (const Lanes& v : {fx, fy, fz}) {
             const auto fits = (v > -kExact) & (v < kExact);
             small &= (fits[0] & fits[1] & fits[2] & fits[3] & fits[4] & fits[5] & fits[6] & fits[7]) != 0;
@@ -53,6 +58,7 @@ VISCACHE_INLINE bool place_body(const Group& g) {
 
 void CellPlacer::begin(const TileAnchors& tile) {
     tile_ = &tile;
+    // Padding lanes are placed as well, and never read.
     const size_t n = (tile.size() + kGroup - 1) / kGroup * kGroup;
     for (auto* v : {&x_, &y_, &z_, &root_}) v->assign(n, 0.0);
     for (size_t i = 0; i < tile.size(); ++i) {
@@ -61,6 +67,8 @@ void CellPlacer::begin(const TileAnchors& tile) {
         x_[i] = a.x;
         y_[i] = a.y;
         z_[i] = a.z;
+        // C_E times R_e of Eq. 7. Levels only divide it by their C_E, so the root is taken once per eye
+        // point.
         root_[i] = resolution_eye(tile.eyes->density[i], 1.0, tile.grid->radius());
     }
 }
@@ -75,6 +83,7 @@ void CellPlacer::place(double c_e, PlacedLevel& out, ClampCounts& clamps, Isa is
         find_rungs(c_e, i, end, out.slot.data(), clamps);
         const Group g{&x_[i], &y_[i],     &z_[i],    scale_,    o[0],      o[1],
                       o[2],   grid.c_z(), &out.x[i], &out.y[i], &out.z[i], &out.distance2[i]};
+        // `find_rungs` has counted the clamps of these points.
         ClampCounts counted_already;
         if (!kernel(g)) place_singly(c_e, i, end, out, counted_already);
     }
@@ -85,6 +94,7 @@ void CellPlacer::find_rungs(double c_e, size_t first, size_t last, int32_t* slot
     const CellGrid& grid = *tile_->grid;
     for (size_t i = first; i < last; ++i) {
         if (!tile_->usable[i]) {
+            // Scale 0 puts an unusable point into a valid cell, which nobody reads.
             scale_[i - first] = 0;
             continue;
         }
@@ -92,6 +102,7 @@ void CellPlacer::find_rungs(double c_e, size_t first, size_t last, int32_t* slot
         slot[i] = rung.slot;
         scale_[i - first] = grid.scale(rung);
     }
+    // So that padding lanes never leave the range of `floor_small`
     for (size_t i = last; i < first + kGroup; ++i) scale_[i - first] = 0;
 }
 

@@ -34,6 +34,7 @@ public:
     size_t width() const { return width_; }
     /// Index of the ray with this key; rays.size() if there is none.
     uint32_t find(const FullKey& key) const {
+        // The queue is short, so a search from the front is enough.
         size_t r = 0;
         while (r < rays.size() && (rays[r].level < 0 || rays[r].key != key)) ++r;
         return uint32_t(r);
@@ -42,6 +43,7 @@ public:
     /// [first, last) and answers the queries that depend on them. The rays are then removed.
     template <class Finish>
     void end_warp(size_t first_new, int c_w, Finish finish) {
+        // A warp that misses much fills a packet at once: waiting would gain nothing.
         if (rays.size() - first_new >= size_t(c_w)) take(first_new, rays.size(), finish);
         while (rays.size() > width_) take(0, width_, finish);
     }
@@ -61,6 +63,7 @@ private:
         const auto at = [&](size_t i) { return rays.begin() + std::ptrdiff_t(i); };
         rays.erase(at(first), at(last));
         std::erase_if(dependants, [&](const Dependant& d) { return d.ray >= first && d.ray < last; });
+        // Indices of later rays move down.
         for (Dependant& d : dependants) d.ray -= d.ray >= last ? uint32_t(last - first) : 0;
     }
     size_t width_;

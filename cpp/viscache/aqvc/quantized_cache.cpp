@@ -10,6 +10,8 @@
 namespace viscache {
 namespace {
 
+// Numbers of clusters in a log must differ. Those of queries without a cluster are made from eye point and
+// light, with a high bit that no count of clusters reaches.
 // Set in the cluster number of a logged query without a cluster
 constexpr uint64_t kBypassed = uint64_t{1} << 63;
 // and of a bright one
@@ -41,6 +43,7 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, ExactAnswers exact, cons
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
       sample_rows_(caster, offset_extent) {
+    // By group: C_E and refinement may differ.
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
 
@@ -67,6 +70,7 @@ void QuantizedCache::watch(const Control& control) {
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     exact_.oracle().begin_tile(eyes);
+    // Anchors are made for the first query that the cache answers: a tile of exact groups needs none.
     tile_.eyes = nullptr;
     pairs_.begin_tile();
     has_order_ = false;
@@ -84,8 +88,10 @@ void QuantizedCache::make_anchors(const EyeBlock& eyes) {
 
 /// Cells of the tile at these levels, computed once and shared by all groups with these levels.
 const TileCells& QuantizedCache::cells_of(const std::vector<double>& levels) {
+    // Few lists of levels exist, since most groups share C_E.
     for (size_t i = 0; i < cells_in_use_; ++i)
         if (cells_[i].levels == levels) return cells_[i].cells;
+    // A deque: growing keeps references to earlier cells valid.
     if (cells_in_use_ == cells_.size()) cells_.emplace_back();
     LevelCells& fresh = cells_[cells_in_use_++];
     fresh.levels = levels;
@@ -99,6 +105,7 @@ void QuantizedCache::make_order(const EyeBlock& eyes) {
     order_maker_.make(eyes, parameters_, order_);
     run_end_ = run_ends(order_, batch());
     run_of_eye_.clear();
+    // One query at a time: without runs, every query is its own batch.
     if (parameters_.batch == 1) return;
     run_of_eye_.resize(eyes.size());
     uint32_t first = 0;
@@ -107,12 +114,16 @@ void QuantizedCache::make_order(const EyeBlock& eyes) {
 }
 
 PairOrder QuantizedCache::order(const EyeBlock& eyes, std::optional<int> group) {
+    // Exact rays need no order.
     if (group && exact_.own().test(size_t(*group))) return {};
     if (group && has_sample_rows()) {
         sample_counters_ = {};
+        // Counters of this preparation are handed over by the next call of `pairs`: `order` has none to add
+        // to.
         begin_sample_rows(eyes, *group, sample_counters_);
         return {sample_rows_.order(), sample_rows_.run_end()};
     }
+    // A table of the frame takes queries in any order.
     if (shares_) return {};
     make_order(eyes);
     return {order_.eye, run_end_};
@@ -121,11 +132,13 @@ PairOrder QuantizedCache::order(const EyeBlock& eyes, std::optional<int> group) 
 Answer QuantizedCache::block(const BlockAsk& ask, Counters& counters) {
     const FarEnds& lights = ask.lights;
     const BitMatrix& wanted = ask.wanted;
+    // An empty block need not have the tile's shape.
     const bool is_empty = wanted.rows() == 0 || lights.count == 0;
     if (!is_empty && (wanted.rows() != tile_size_ || wanted.columns() != lights.count))
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
     if (exact_.answers(lights)) {
         Answer answer = exact_.oracle().block(ask, counters);
+        // Says so in the answer: corrections and audits skip these bits.
         answer.exact.set(size_t(lights.group));
         return answer;
     }
@@ -139,6 +152,7 @@ Answer QuantizedCache::block(const BlockAsk& ask, Counters& counters) {
         answer.doubts = block_by_waves(ask, visible, counters);
     GroupCounters& group = counters.groups[size_t(lights.group)];
     const RowKernels& kernels = row_kernels(active_isa());
+    // Counted from the bits in the end, whichever way they were found.
     for (size_t i = 0; i < wanted.rows(); ++i) {
         const uint64_t queries = kernels.count(wanted.row(i), wanted.row_words());
         group.queries += queries;
@@ -152,6 +166,7 @@ const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& 
     const FarEnds& lights = ask.lights;
     ClampCounts clamps;
     columns_.prepare(lights, ask.wanted, grid_, parameters_, tile_.usable, clamps);
+    // Waves work with columns. If lights share columns, their answers are spread to the lights afterwards.
     BitMatrix* answer = &visible;
     if (columns_.merged()) {
         by_column_.reset(ask.eyes.size(), columns_.count());
@@ -162,6 +177,7 @@ const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& 
     if (columns_.count() > 0) {
         const bool by_contribution =
             ask.contributions && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
+        // With C_E by contribution, the coarsest level is lifted: dim connections share larger cells.
         const std::vector<double> levels =
             level_list(parameters_, lights.group, spp_, by_contribution ? ContributionLevels::kLift : 1);
         contribution_levels_.begin(by_contribution ? ask.contributions : nullptr, columns_, levels,
@@ -175,6 +191,7 @@ const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& 
         if (kept) kept->store(cells, waves_.known(), waves_.value());
         if (columns_.merged()) columns_.spread(by_column_, visible);
         doubtful = doubts(lights);
+        // After the cache, so that bright connections overwrite what their cell said.
         if (parameters_.bright > 0 && ask.contributions) rays += trace_bright(ask, visible);
     }
     rays += trace_bypassing(ask, visible, counters);
@@ -205,14 +222,17 @@ uint64_t QuantizedCache::trace_bright(const BlockAsk& ask, BitMatrix& visible) {
         if (!tile_.usable[i]) continue;
         Word* row = bright_.row(0);
         ask.contributions->at_most(i, {&share, 1}, {&row, 1});
+        // Wanted and not among those of at most `bright` means
         for (size_t w = 0; w < wanted.row_words(); ++w) row[w] = wanted.row(i)[w] & ~row[w];
         for_each_bit(std::span<const Word>(row, wanted.row_words()), [&](size_t k) {
+            // They get their ray in `trace_bypassing`.
             if (columns_.bypasses(k)) return;
             clear_bit(visible.row(i), k);
             if (ask.log)
                 ask.log->answered(i, uint32_t(k), {kBright + i * uint64_t(lights.count) + k, i, 0, true});
             tracer_.add({i, i, uint32_t(k), uint32_t(k)});
         });
+        // Misses of many eye points together fill packets by light.
         if (tracer_.full()) rays += tracer_.flush(eyes, lights, visible);
     }
     return rays + tracer_.flush(eyes, lights, visible);
@@ -245,6 +265,7 @@ uint64_t QuantizedCache::trace_bypassing(const BlockAsk& ask, BitMatrix& visible
 
 void QuantizedCache::block_by_pairs(const BlockAsk& ask, BitMatrix& visible, Counters& counters) {
     const FarEnds& lights = ask.lights;
+    // Runs of the order, one after the other: the queries of a run are looked up before any is traced.
     make_order(ask.eyes);
     PairLog records;
     pairs_.log(ask.log ? &records : nullptr);
@@ -280,6 +301,7 @@ void QuantizedCache::block_by_pairs(const BlockAsk& ask, BitMatrix& visible, Cou
 void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                                std::span<Word> visible, const std::vector<uint32_t>& run_of_eye,
                                Counters& counters) {
+    // Frames with one table bring their own order.
     if (!shares_) make_order(eyes);
     make_anchors(eyes);
     ClampCounts clamps;
@@ -315,6 +337,7 @@ void QuantizedCache::cached_pairs(const EyeBlock& eyes, std::span<const ShadowQu
 }
 
 void QuantizedCache::begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters) {
+    // Rows of a group serve all calls for this group in the tile.
     if (sample_group_ == group) return;
     make_anchors(eyes);
     ClampCounts clamps;
@@ -330,10 +353,12 @@ void QuantizedCache::cached_samples(const EyeBlock& eyes, const LocalSamples& sa
     GroupCounters& group = counters.groups[size_t(samples.group)];
     if (has_sample_rows()) {
         begin_sample_rows(eyes, samples.group, counters);
+        // Hands over what `order` has counted.
         counters.merge(std::exchange(sample_counters_, {}));
         ClampCounts clamps;
         group.rays += sample_rows_.run(samples, parameters_, visible, left_, counters, clamps);
         add_clamps(clamps, counters);
+        // Samples for which rows have no room go through the table.
         samples_by_pairs(eyes, samples, left_, sample_rows_.run_of_eye(), visible, counters);
     } else {
         left_.resize(samples.size());
@@ -342,6 +367,7 @@ void QuantizedCache::cached_samples(const EyeBlock& eyes, const LocalSamples& sa
         samples_by_pairs(eyes, samples, left_, run_of_eye_, visible, counters);
     }
     group.queries += samples.size();
+    // Occluded ones are samples minus visible ones.
     for (Word w : visible) group.occluded -= uint64_t(std::popcount(w));
     group.occluded += samples.size();
 }
@@ -356,8 +382,10 @@ void QuantizedCache::samples_by_pairs(const EyeBlock& eyes, const LocalSamples& 
     std::vector<ShadowQuery> queries;
     size_t row = 0;
     for (uint32_t i : numbers) {
+        // `end[row]` is the end of the samples of an eye point; numbers ascend.
         while (samples.end[row] <= i) ++row;
         queries.push_back(samples.query(samples.eye[row], i));
+        // With "light", cells follow the density of light sampling alone and are the same for all pixels.
         if (light) queries.back().density = samples.light_density[i];
     }
     std::vector<Word> answer(words_for(queries.size()));

@@ -13,6 +13,7 @@ namespace viscache {
 /// The cells of one point at the levels of C_E, from coarse to fine. A level with the same cell as the level
 /// before is left out.
 struct CellLevels {
+    // Heads of keys are hashed once per cell, not once per query.
     struct Level {
         PlacedCell placed;
         int level = 0;        ///< index in the list of C_E
@@ -28,6 +29,7 @@ struct CellLevels {
     void add(const Table& table, const CellGrid& grid, const PlacedCell& placed, int level) {
         levels.push_back({placed, level, false, table.head(grid.head_slots(semantic, placed.cell)), {}});
     }
+    // Heads of neighbours are made at the first probe; many cells never need them.
     template <class Table>
     void make_neighbours(const Table& table, const CellGrid& grid, Level& at) const {
         for (size_t q = 0; q < 4; ++q) {
@@ -66,6 +68,7 @@ Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std:
         walk.level = at.level;
         const auto value = table.get(at.own, far);
         ++counters.lookups;
+        // Nil ends the walk: the query's own ray becomes the cluster's bit. It is exact for this query.
         walk.known = value.has_value();
         if (!walk.known) {
             walk.key = CellGrid::full_key(at.own.slots, far);
@@ -77,6 +80,7 @@ Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std:
             walk.kept = table.last_is_kept();
             if (walk.kept) walk.key = CellGrid::full_key(at.own.slots, far);
         }
+        // The finest level: nothing finer to go to, so neighbours need not be asked.
         if (d + 1 == eye.levels.size()) return walk;
         if (!at.probed) eye.make_neighbours(table, grid, at);
         bool agree = true;
@@ -84,6 +88,7 @@ Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std:
             const auto other = table.get(neighbour, far);
             ++counters.neighbour_probes;
             counters.nil_neighbours += !other;
+            // An empty neighbour does not disagree.
             if (other && *other != walk.visible) agree = false;
         }
         if (agree) return walk;

@@ -19,6 +19,7 @@ inline double expected_paths(double n_paths, double p_eye, double area_eye, doub
 }
 
 /// [AQVC Eq. 3] Product of the two patch areas with C_E² paths per cluster on average.
+// Divided before multiplied: products of extreme densities may leave the range.
 inline double patch_area_product(double p_eye, double p_light, double n_paths, double c_e) {
     return c_e / p_eye * (c_e / p_light) / n_paths;
 }
@@ -35,6 +36,7 @@ inline double patch_area(double resolution, double radius) {
 // fourth root. P_e P_l N_P = D_e·D_l. Roots are taken before products, so that extreme densities stay in
 // range.
 inline double resolution_pair(double density_eye, double density_light, double c_e, double radius) {
+    // The fourth root as two square roots, which are rounded correctly on every machine.
     return 2 * radius * std::sqrt(std::sqrt(density_eye) * std::sqrt(density_light)) / std::sqrt(c_e);
 }
 
@@ -76,18 +78,21 @@ struct Rung {
 // k is the slot.
 class Ladder {
 public:
+    // Coordinates up to 2^30 leave room for the offset and for neighbours in 32 bits.
     Ladder(double c_r, double c_z, bool scale_free = false)
         : scale_free_(scale_free), r_max_(std::floor(0x1p30 / std::max(1.0, c_z))) {
         if (scale_free) {
             make_scale_free(c_r);
             return;
         }
+        // Beyond the 32-bit rungs, up to where 64-bit coordinates in double are exact.
         const double half = std::sqrt(c_r), end = 0x1p50 / std::max(1.0, c_z);
         for (double power = 1; power <= end; power *= c_r) {
             thresholds_.push_back(power / half);
             const double r = std::floor(power);
             const bool folded = r > r_max_;
             if (!folded) finest_ = rungs_.size();
+            // Folded rungs have negative slots, so their keys never equal those of other rungs.
             rungs_.push_back({r, folded ? -int32_t(rungs_.size()) : int32_t(r), folded});
         }
         // First rung of every power of two, a close start for the search.
@@ -100,6 +105,7 @@ public:
 
     const Rung& rung(double r, ClampCounts& clamps) const {
         if (scale_free_) return scale_free_rung(r, clamps);
+        // NaN fails too: the finest cells are the safe answer to an unknown density.
         if (!(r >= 1)) {
             ++(r < 1 ? clamps.low : clamps.nan);
             return r < 1 ? rungs_.front() : rungs_[finest_];
@@ -107,13 +113,16 @@ public:
         if (r > r_max_) {
             ++clamps.high;
             if (!std::isfinite(r)) return rungs_[finest_];
+            // The conversion below is undefined from 2^64 on.
             if (r >= 0x1p63) return rungs_.back();
         }
+        // 2^e <= R < 2^(e+1): only rungs of this power of two and the next one are searched.
         const size_t e = size_t(63 - __builtin_clzll(uint64_t(r)));
         return rungs_[index_from(first_[e], std::min(first_[e + 1] + 1, thresholds_.size()), r)];
     }
 
     /// The same as `rung`, but tests rung `hint` first and stores the index found in `hint`.
+    // Exactly the test that `rung` would end with; clamped resolutions take the long way and are counted.
     const Rung& rung_near(double r, size_t& hint, ClampCounts& clamps) const {
         if (hint + 1 < thresholds_.size() && (scale_free_ || r >= 1) && r <= r_max_ &&
             thresholds_[hint] <= r && r < thresholds_[hint + 1])
@@ -141,6 +150,7 @@ private:
         for (size_t k = below.size(); k > 0; --k) rungs_.push_back({below[k - 1], -int32_t(k), false});
         int32_t k = 0;
         for (double power = 1; power <= kLargest; power *= c_r) rungs_.push_back({power, k++, false});
+        // As in Eq. 8: the rung k holds from C_R^(k − ½) on.
         for (const Rung& r : rungs_) thresholds_.push_back(r.resolution / std::sqrt(c_r));
         finest_ = rungs_.size() - 1;
         r_max_ = rungs_.back().resolution;

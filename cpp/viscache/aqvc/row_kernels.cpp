@@ -7,6 +7,7 @@
 namespace viscache {
 namespace {
 
+// Eight words; the compiler splits the vector where registers are smaller.
 typedef Word Row512 __attribute__((vector_size(64), may_alias));
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
@@ -21,8 +22,13 @@ VISCACHE_INLINE uint64_t ones(const Row512& v) {
     return n;
 }
 
+// Bits that somebody needs, the representative wants and nobody knows. They count as known at once, so that
+// no other eye point traces them; their values come with the rays.
 VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word* known, Word* miss,
                                       size_t words) {
+    // need    1 1 0 1
+    // active  1 0 1 1      miss = 0 0 0 1
+    // known   1 0 0 0      known becomes 1 0 0 1
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
         const Row512 k = load_row(known + w), m = load_row(need + w) & load_row(active + w) & ~k;
@@ -43,6 +49,7 @@ VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* resolved,
 VISCACHE_INLINE void store_below_body(const Word* mask, const Word* value, Word* known_below,
                                       Word* value_below, size_t words) {
     for (size_t w = 0; w < words; w += 8) {
+        // What the finer level knows is newer and stays.
         const Row512 k = load_row(known_below + w), fresh = load_row(mask + w) & ~k;
         store_row(known_below + w, k | fresh);
         store_row(value_below + w, load_row(value_below + w) | (fresh & load_row(value + w)));
@@ -53,6 +60,7 @@ VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Wo
                                 RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
         const Row512 own = load_row(mask + w), open = load_row(a + w);
+        // An own ray overrides what a coarser cell may have said.
         store_row(visible + w, (load_row(visible + w) & ~own) | (own & load_row(value + w)));
         store_row(a + w, open & ~own);
         const uint64_t answered = ones(open & own);
@@ -61,6 +69,7 @@ VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Wo
     }
 }
 
+/// Bits in which a known neighbour has another value. Nil neighbours agree.
 VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_t w) {
     const Row512 v = load_row(own.value + w);
     Row512 d{};
@@ -69,6 +78,7 @@ VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_
     return d;
 }
 
+// An unknown bit of the cell itself counts as disagreement: it is left to the finer level.
 VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4], Word* disagree,
                                        size_t words) {
     for (size_t w = 0; w < words; w += 8)
@@ -78,6 +88,7 @@ VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4],
 VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need,
                                   size_t words, bool last_above, RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
+        // `d` contains the unknown bits, so the rest of the queries is known and undisputed.
         const Row512 queries = load_row(a + w), d = load_row(disagree + w), rest = queries & d,
                      hit = queries & load_row(own.known + w);
         store_row(visible + w, load_row(visible + w) | (queries & ~d & load_row(own.value + w)));
@@ -85,6 +96,7 @@ VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Wo
         store_row(need + w, load_row(need + w) | rest);
         counts.lookups += ones(queries);
         counts.hits += ones(hit);
+        // What goes on to the finest level
         if (last_above) counts.boundary += ones(hit & d);
     }
 }
@@ -103,11 +115,15 @@ VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t wor
     return any(left);
 }
 
+///     a  =  miss        unknown: waits for rays
+///        | agreed       known, and all neighbours agree or are nil: the value is the answer
+///        | rest         known, and some neighbour differs: goes on to the next level
 VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4], bool last, Word* miss,
                               Word* visible, size_t words, RowCounts& counts) {
     Row512 missing{}, going{};
     for (size_t w = 0; w < words; w += 8) {
         const Row512 queries = load_row(a + w), hit = queries & load_row(own.known + w), m = queries & ~hit;
+        // At the last level every hit is an answer.
         const Row512 rest = last ? Row512{} : hit & differing(own, neighbours, w);
         store_row(miss + w, m);
         store_row(a + w, rest);
@@ -117,6 +133,7 @@ VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4],
         missing |= m;
         going |= rest;
     }
+    // Bit 0: misses, bit 1: bits that go on
     return int(any(missing)) | int(any(going)) << 1;
 }
 

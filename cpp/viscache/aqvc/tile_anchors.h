@@ -21,6 +21,7 @@ struct TileAnchors {
         usable.resize(block.size());
         for (size_t i = 0; i < block.size(); ++i) {
             anchor[i] = cells.anchor(block.position[i], block.normal[i]);
+            // Both positions matter: cells follow the surface point, rays start at the offset one.
             usable[i] = anchor[i].valid && is_traceable(block.position[i]) && is_traceable(block.origin[i]);
         }
     }

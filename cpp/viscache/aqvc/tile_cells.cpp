@@ -12,10 +12,12 @@ void TileCells::make(const TileAnchors& tile, CellPlacer& placer, const std::vec
     clamps = {};
     nil_neighbours = 0;
     for (size_t d = 0; d < levels.size(); ++d) {
+        // The cells of the level before are compared with the new ones.
         std::swap(placed_, above_);
         placer.place(levels[d], placed_, clamps);
         number_level(tile, d);
         level_begin_.push_back(uint32_t(numbers_.size()));
+        // Their rays are traced, whatever happens at finer levels.
         for (uint32_t c = level_begin_[d]; c < level_begin_[d + 1]; ++c)
             is_representative_[representative_[c].eye] = 1;
     }
@@ -26,6 +28,7 @@ void TileCells::make(const TileAnchors& tile, CellPlacer& placer, const std::vec
 /// does not change, it keeps the cell of the coarser level.
 void TileCells::number_level(const TileAnchors& tile, size_t level) {
     const PlacedLevel &p = placed_, &a = above_;
+    // The number of the previous eye point, and which it was
     uint32_t last = kNoCell, before = 0;
     for (uint32_t i = 0; i < eyes_; ++i) {
         if (!tile.usable[i]) continue;
@@ -55,21 +58,28 @@ void TileCells::offer_representative(uint32_t cell, const Representative& candid
         return;
     }
     Representative& r = representative_[cell];
+    // The ray of a coarser cell's representative is traced before this level and copied to this cell
+    // (`store_below`). If the same eye point represents both, one ray serves both.
     if (candidate.coarser != r.coarser ? candidate.coarser : candidate.distance2 < r.distance2) r = candidate;
 }
 
 void TileCells::find_neighbours(const TileAnchors& tile, const std::vector<double>& levels) {
+    // The number of the row that is always nil
     const uint32_t absent = uint32_t(numbers_.size());
     ClampCounts counted_already;
+    // The finest level has no neighbours: nobody asks them.
     neighbours_.resize(level_begin_[levels.size() - 1]);
     for (size_t d = 0; d + 1 < levels.size(); ++d)
         for (uint32_t c = level_begin_[d]; c < level_begin_[d + 1]; ++c) {
             const uint32_t eye = representative_[c].eye;
             const Anchor& anchor = tile.anchor[eye];
+            // Placed once more: only the representative's position inside the cell decides about neighbours.
             const PlacedCell placed = tile.cell(eye, levels[d], counted_already);
             for (size_t q = 0; q < 4; ++q) {
                 const auto [dx, dy] = kNeighbourOffsets[q];
                 uint32_t n = numbers_.find(tile.grid->neighbour(anchor, placed, dx, dy), uint32_t(d));
+                // Where the tangent plane leads past the cells of the tile, the neighbour at the same height
+                // is tried.
                 if (n == kNoCell)
                     n = numbers_.find(tile.grid->neighbour(anchor, placed, dx, dy, true), uint32_t(d));
                 neighbours_[c][q] = n == kNoCell ? absent : n;

@@ -15,6 +15,7 @@ class CellNumbers {
 public:
     void clear() {
         cells_.clear();
+        // A power of two, for the mask in `locate`
         if (slots_.size() < 1024) slots_.resize(1024);
         std::fill(slots_.begin(), slots_.end(), 0u);
     }
@@ -37,6 +38,7 @@ public:
     }
 
     /// Keeps the first `count` cells.
+    /// For taking back: later cells vanish, numbers of earlier ones stay.
     void truncate(size_t count) {
         if (count >= cells_.size()) return;
         cells_.resize(count);
@@ -48,6 +50,8 @@ private:
         Cell cell;
         uint32_t tag;
     };
+    // All coordinates are mixed by multiplications with odd constants, since neighbouring cells differ in few
+    // bits.
     static uint64_t hash(const Cell& c, uint32_t tag) {
         uint64_t h = uint64_t(c.x) * 0x9e3779b97f4a7c15ull + uint64_t(c.y) * 0xc2b2ae3d27d4eb4full;
         h ^= h >> 29;
@@ -57,6 +61,7 @@ private:
         h *= 0xc4ceb9fe1a85ec53ull;
         return h ^ h >> 29;
     }
+    // Linear probing: ends at the cell or at the free slot for it. At most half the slots are in use.
     size_t locate(const Cell& cell, uint32_t tag) const {
         const size_t mask = slots_.size() - 1;
         size_t i = size_t(hash(cell, tag)) & mask;
@@ -69,6 +74,7 @@ private:
         index();
     }
     void index() {
+        // Without cells that were removed: an entry taken out of its probing run would hide those behind it.
         std::fill(slots_.begin(), slots_.end(), 0u);
         const size_t mask = slots_.size() - 1;
         for (size_t k = 0; k < cells_.size(); ++k) {

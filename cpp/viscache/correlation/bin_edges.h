@@ -23,10 +23,15 @@ inline uint32_t chord_key(float squared_chord) {
 /// The keys are divided into cells with at most one edge each. Let `low` be the offset of the key in its
 /// cell and `edge` the offset of the edge. The entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low).
 /// Adding the key gives code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 if low >= edge.
+///
+///                    low ->|
+///     |----- edge ---------+-----------|      one cell: before its edge `code`, at or past it `code` + 1
+///     ^ key − low
 struct KeyTable {
     static constexpr int kCodeShift = 17;
     static constexpr uint32_t kNoEdge = 1u << kCodeShift;
 
+    // Keys before the first cell or past the last have the code of these cells, which hold no edge.
     uint32_t code(uint32_t key) const {
         const uint32_t k = key < first_key ? first_key : key > last_key ? last_key : key;
         return (entries[(k >> shift) - (first_key >> shift)] + k) >> kCodeShift;

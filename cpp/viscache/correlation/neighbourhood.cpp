@@ -43,6 +43,7 @@ NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairW
       n_above_(rows.size()),
       inverse_spread_(rows.size()),
       kind_(rows.size()) {
+    // On the whole sphere, rows are used as they are.
     if (rows.domain != PairDomain::kSphere) {
         visible_.emplace(rows.size(), rows.words * kWordBits);
         above_.emplace(rows.size(), rows.words * kWordBits);
@@ -52,6 +53,7 @@ NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairW
         if (above_) {
             rows.visible(i, visible_->row(i));
             rows.above(i, above_->row(i));
+            // |u ∩ u| = |u|: the kernel counts single rows, too.
             n_above_[i] = both(above_->row(i), above_->row(i));
         }
         n1_[i] = both(visible(i), visible(i));
@@ -70,6 +72,8 @@ void NearRows::resolve(size_t i, size_t j, int32_t& cell, int32_t& biased) const
             cell, biased);
     } else if (kind_[i] == RowKind::kDefined && kind_[j] == RowKind::kDefined) {
         const int32_t n11 = both(rows_.row(i), rows_.row(j));
+        // The common case in integers: the numerator is below 2³¹ for the number of directions that is
+        // allowed.
         const int32_t numerator = phi_numerator(n11, n1_[i], n1_[j], rows_.n_directions);
         biased = biased_rho(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
     } else {
@@ -78,6 +82,7 @@ void NearRows::resolve(size_t i, size_t j, int32_t& cell, int32_t& biased) const
 }
 
 /// Runs work(cell, worker) over all cells of the grid.
+/// Progress counts points, since cells differ in size.
 template <class Work>
 void over_cells(const PointGrid& grid, int threads, Control& control, Work work) {
     constexpr size_t kChunk = 32;
@@ -102,18 +107,22 @@ PairTable near_pairs(const PairRows& rows, const BinEdges& distances, const BinE
     const PointGrid grid(rows.position, d_near);
     const size_t stride = size_t(binning.stride()), cells = size_t(binning.cells());
     auto count = [&](size_t i, size_t j, PairTable& table) {
+        // The bins come first: most pairs of neighbouring cells lie outside, and need no bits.
         int32_t cell = near.cell(i, j), biased = 0;
         const size_t d = size_t(cell) % stride, t = size_t(cell) / stride;
         if (d == 0 || d > table.n_distances || t == 0 || t > table.n_angles) return;
         near.resolve(i, j, cell, biased);
+        // A pair of groups has one order.
         const auto [g, h] = std::minmax(rows.group[i], rows.group[j]);
         const size_t to = table.cell(group_pair(size_t(g), size_t(h), rows.n_groups), d - 1, t - 1);
+        // Cells of pairs without ρ follow those of pairs with one.
         if (size_t(cell) >= cells)
             ++table.n_undefined[to];
         else
             table.add(to, 1, biased - kRhoOne, uint64_t((biased - kRhoOne) * (biased - kRhoOne)));
     };
 
+    // One table per thread that gets work; integers make the order of their sum irrelevant.
     std::vector<std::optional<PairTable>> tables(size_t(resolve_threads(work.threads)));
     over_cells(grid, work.threads, control, [&](size_t c, int worker) {
         std::optional<PairTable>& own = tables[size_t(worker)];
@@ -122,6 +131,7 @@ PairTable near_pairs(const PairRows& rows, const BinEdges& distances, const BinE
             control.check();
             grid.around(c, [&](std::span<const uint32_t> others) {
                 for (uint32_t j : others)
+                    // Each pair once, although both points find each other
                     if (i < j) count(i, j, *own);
             });
         }
@@ -141,12 +151,14 @@ std::vector<float> spatial_map(const PairRows& rows, double d_max, double theta_
     const PairBinning binning = binning_of(rows, distances, angles);
     const NearRows near(rows, binning, work, control);
     const PointGrid grid(rows.position, d_max);
+    // One bin in each direction, and codes count from 1.
     const int32_t inside = binning.stride() + 1;
 
     std::vector<float> mean(rows.size(), std::nanf(""));
     over_cells(grid, work.threads, control, [&](size_t c, int) {
         for (uint32_t i : grid.members(c)) {
             control.check();
+            // Sums of integers: the mean does not depend on the order of points.
             int64_t n = 0, sum = 0;
             grid.around(c, [&](std::span<const uint32_t> others) {
                 for (uint32_t j : others) {

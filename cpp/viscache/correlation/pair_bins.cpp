@@ -11,6 +11,7 @@ typedef uint32_t U __attribute__((vector_size(64), aligned(4), may_alias));
 typedef uint64_t Pair __attribute__((vector_size(16), may_alias));
 
 namespace portable {
+// Position in `packed` → lane of the pair. Interleaving leaves lanes in the order of the instructions used.
 constexpr int kPackedLane[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 inline U gather(const uint32_t* table, I index) {
     U v;
@@ -19,6 +20,7 @@ inline U gather(const uint32_t* table, I index) {
 }
 inline void pack(I p, Pair* packed) {
     for (size_t l = 0; l < 16; ++l) {
+        // Both sums of a pair are one vector of 128 bits: one load, one add, one store per pair.
         const auto v = uint64_t(p[l]);
         packed[l] = Pair{PackedSums::kOne + v, v * v};
     }
@@ -30,6 +32,7 @@ inline void pack(I p, Pair* packed) {
 #pragma GCC push_options
 #pragma GCC target("avx2,bmi,bmi2,popcnt")
 namespace avx2 {
+// Four lanes at a time: unpacklo takes 0 and 2, unpackhi takes 1 and 3.
 constexpr int kPackedLane[16] = {0, 2, 1, 3, 4, 6, 5, 7, 8, 10, 9, 11, 12, 14, 13, 15};
 inline U gather(const uint32_t* table, I index) {
     const auto* i = reinterpret_cast<const __m256i*>(&index);
@@ -41,6 +44,7 @@ inline U gather(const uint32_t* table, I index) {
     return v;
 }
 inline void pack(I p, Pair* packed) {
+    // The count and ρ share a word: adding 2⁴³ + p counts the pair and adds its ρ.
     const __m256i one = _mm256_set1_epi64x(int64_t{PackedSums::kOne});
     for (int h = 0; h < 4; ++h) {
         const __m256i v = _mm256_cvtepu32_epi64(_mm_loadu_si128(reinterpret_cast<const __m128i*>(&p) + h));
@@ -57,6 +61,7 @@ inline void pack(I p, Pair* packed) {
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")
 namespace avx512 {
+// As with AVX2, with eight lanes.
 constexpr int kPackedLane[16] = {0, 2, 4, 6, 1, 3, 5, 7, 8, 10, 12, 14, 9, 11, 13, 15};
 inline U gather(const uint32_t* table, I index) {
     return (U)_mm512_i32gather_epi32((__m512i)index, table, 4);
@@ -91,6 +96,7 @@ void resolve_row(const PairPoints& points, const PairBinning& binning, size_t ro
     const RowKind a = points.kind[row];
     for (size_t l = 0; l < kPanelRows; ++l) {
         const RowKind b = points.kind[first_column + l];
+        // A panel with itself: only pairs above the diagonal.
         const bool same_panel = row / kPanelRows == first_column / kPanelRows;
         if (a == RowKind::kPadding || b == RowKind::kPadding || (same_panel && first_column + l <= row))
             cells[l] = binning.no_pair();
@@ -101,6 +107,7 @@ void resolve_row(const PairPoints& points, const PairBinning& binning, size_t ro
 
 void resolve_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& biased) {
     if (a == RowKind::kDefined && b == RowKind::kDefined) return;
+    // Both see nothing, or both everything: alike by the rule that was chosen.
     if (binning.one_if_both && a == b)
         biased = int32_t(2 * kRhoOne);
     else
@@ -110,6 +117,7 @@ void resolve_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cel
 void TileBins::flush(PairTable& table, size_t group_pair) {
     constexpr uint64_t kSumMask = (uint64_t{1} << PackedSums::kCountShift) - 1;
     const int32_t stride = binning_.stride(), cells = binning_.cells();
+    // The border of cells, for pairs outside the edges, is left out: codes count from 1.
     for (int32_t d = 0; d < binning_.n_distances; ++d)
         for (int32_t t = 0; t < binning_.n_angles; ++t) {
             const PackedSums& s = sums_[size_t((t + 1) * stride + d + 1)];

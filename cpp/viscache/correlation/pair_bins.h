@@ -22,6 +22,7 @@ VISCACHE_INLINE F squared_length(F x, F y, F z) {
 }
 
 /// T·n11 − n1·n2; below 2³¹ for T <= kMaxDirections.
+/// Exact: T² < 2³¹. In float it would lose bits.
 template <class I>
 VISCACHE_INLINE I phi_numerator(I n11, I n1, I n2, I n_directions) {
     return n_directions * n11 - n1 * n2;
@@ -33,6 +34,7 @@ inline float inverse_spread(int32_t n1, int32_t n_directions) {
 }
 
 /// 1.5·2²³. Adding it to |x| < 2²² rounds x to the nearest integer, ties to even, in the low bits.
+/// At 1.5·2²³ floats are one apart, for sums in [2²³, 2²⁴).
 constexpr float kRoundBySum = 12582912.f;
 constexpr int32_t kRoundBySumBits = 0x4b400000;
 
@@ -40,6 +42,8 @@ constexpr int32_t kRoundBySumBits = 0x4b400000;
 /// their rows of bits: (T·n11 − n1·n2) / (√(n1 (T − n1)) √(n2 (T − n2))).
 template <class F>
 VISCACHE_INLINE F pearson(F numerator, F inverse_spread_1, F inverse_spread_2) {
+    // Each inverse spread is at least 2/T, so their product stays in the range of float; taken first, it
+    // makes ρ symmetric in the two points.
     return numerator * (inverse_spread_1 * inverse_spread_2);
 }
 /// p = 2²⁰ + round(2²⁰·ρ), in [0, 2²¹]. |ρ| exceeds 1 only by rounding errors, which never move p out of its
@@ -87,6 +91,7 @@ struct PairBinning {
 
 /// Packed sums of a cell over at most `kMaxPairs` pairs. With p = q + 2²⁰ >= 0 they are count·2⁴³ + Σp, and
 /// Σp².
+/// Both fit into 64 bits: p <= 2²¹ and less than 2²¹ pairs give Σp < 2⁴² and Σp² < 2⁶³.
 struct alignas(16) PackedSums {
     static constexpr int kCountShift = 43;
     static constexpr uint64_t kOne = uint64_t{1} << kCountShift;

@@ -21,6 +21,7 @@ struct Portable {
             for (size_t w = k; w < k + kUnitWords; ++w)
                 for (size_t r = 0; r < kQuadRows; ++r)
                     for (size_t c = 0; c < kPanelRows; ++c)
+                        // One bit-and per word of 64 directions
                         counts[r * kPanelRows + c] +=
                             std::popcount(rows[w * kPanelRows + r] & columns[w * kPanelRows + c]);
         });
@@ -37,6 +38,7 @@ struct Portable {
 struct Avx2 {
     /// Number of set bits in every byte, from a table over nibbles.
     VISCACHE_TARGET_AVX2 static inline __m256i bytes(__m256i v) {
+        // Counts of the nibbles 0 ... 15, once per 128-bit lane
         const __m256i table = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1,
                                                2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
         const __m256i nibble = _mm256_set1_epi8(15);
@@ -62,6 +64,7 @@ struct Avx2 {
                         part[r] = _mm256_add_epi8(part[r], bytes(_mm256_and_si256(a, b)));
                     }
                 }
+            // Sums of bytes: four 64-bit sums per vector, one per column.
             for (size_t r = 0; r < 2; ++r) sum[r] = _mm256_add_epi64(sum[r], _mm256_sad_epu8(part[r], zero));
         }
         for (size_t r = 0; r < 2; ++r) {
@@ -74,6 +77,7 @@ struct Avx2 {
                                           size_t live_words, int32_t* counts) {
         uint32_t units[kMaxLiveWords * kWordBits];
         size_t n = 0;
+        // The units are the same for all eight blocks of rows and columns: their numbers are listed once.
         for_each_unit(live, live_words, [&](size_t k) { units[n++] = uint32_t(k); });
         for (size_t r = 0; r < kQuadRows; r += 2)
             for (size_t c = 0; c < kPanelRows; c += 4)
@@ -92,6 +96,13 @@ struct Avx512 {
     /// alone. Three ternary operations, a popcount and an add replace two times and + popcount + add.
     VISCACHE_TARGET_AVX512 static void quad(const Word* rows, const Word* columns, const Word* live,
                                             size_t live_words, int32_t* counts) {
+        // Truth tables over (o, x, y), with the value at bit 4o + 2x + y: o ^ (x & y), and the carry as a
+        // function of (o, s, t):
+        //
+        //     o s t    a0 b0 = o ^ s    a1 b1 = s ^ t    carry
+        //     0 1 0         1                1             1
+        //     1 0 *         1                *             1
+        //     1 1 0         0                1             1        all others 0
         constexpr int kXorAnd = 0x78, kCarry = 0x74;
         __m512i ones[kQuadRows][2], twos[kQuadRows][2];
         for (size_t r = 0; r < kQuadRows; ++r)
@@ -119,6 +130,7 @@ struct Avx512 {
             }
         for (size_t r = 0; r < kQuadRows; ++r)
             for (size_t h = 0; h < 2; ++h) {
+                // Twice the carries, and what is left of weight 1
                 const __m512i n =
                     _mm512_add_epi64(_mm512_slli_epi64(twos[r][h], 1), _mm512_popcnt_epi64(ones[r][h]));
                 _mm256_storeu_si256(reinterpret_cast<__m256i*>(counts + r * kPanelRows + h * 8),
@@ -128,6 +140,7 @@ struct Avx512 {
     VISCACHE_TARGET_AVX512 static uint32_t dot(const Word* a, const Word* b, size_t words) {
         __m512i sum = _mm512_setzero_si512();
         for (size_t w = 0; w < words; w += 8) {
+            // The last load is partial: lanes outside read zeros.
             const __mmask8 in = words - w >= 8 ? 0xff : __mmask8((1u << (words - w)) - 1);
             const __m512i both =
                 _mm512_and_si512(_mm512_maskz_loadu_epi64(in, a + w), _mm512_maskz_loadu_epi64(in, b + w));
@@ -138,6 +151,7 @@ struct Avx512 {
 };
 
 VISCACHE_TARGET_AVX512 uint64_t and_popcount_add_avx512(size_t steps) {
+    // Sixteen independent sums hide the latency of each.
     constexpr size_t kSums = 16;
     __m512i sum[kSums], a = _mm512_set1_epi64(0x5555), b = _mm512_set1_epi64(0x3333);
     for (__m512i& s : sum) s = _mm512_setzero_si512();
@@ -171,6 +185,7 @@ void count_panels(const PairKernel& kernel, const BitPanels& a, size_t pa, const
                   int32_t* counts) {
     const size_t live_words = a.live_words();
     const Word* columns_live = b.live_panel(pb);
+    // Units without a bit on one side give nothing: rows and columns must both be live.
     for (size_t first = 0; first < kPanelRows; first += kQuadRows) {
         const Word* rows_live = a.live_quad((pa * kPanelRows + first) / kQuadRows);
         Word live[kMaxLiveWords];

@@ -16,6 +16,7 @@ void check_points(const PairRows& rows) {
     for (size_t i = 0; i < rows.size(); ++i) {
         if (!is_finite(rows.position[i]))
             refuse("positions must be finite, row " + std::to_string(i) + " is not");
+        // Normals need not be exact: chords are compared in bins.
         if (!(std::fabs(length2(rows.normal[i]) - 1) < 1e-3f))
             refuse("normals must be unit vectors, row " + std::to_string(i) + " has length " +
                    std::to_string(length(rows.normal[i])));
@@ -33,6 +34,7 @@ void check_bits(const PairRows& rows) {
                std::to_string(rows.words));
     for (size_t i = 0; i < rows.size(); ++i)
         for (size_t w = full; w < rows.words; ++w)
+            // In the last word, bits from `rest` on; in words past it, all.
             if (rows.row(i)[w] & (w == full ? ~Word{0} << rest : ~Word{0}))
                 refuse("bits past n_directions must be 0, row " + std::to_string(i) + " has some set");
 }
@@ -53,6 +55,7 @@ void PairRows::check() const {
 
 void PairRows::above(size_t i, Word* row) const {
     for (size_t k = 0; k < direction.size(); ++k)
+        // Strictly above: a direction in the tangent plane meets no bit of the row.
         if (dot(normal[i], direction[k]) > 0) set_bit(row, k);
 }
 
@@ -81,6 +84,7 @@ PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const Bi
 DomainCounts domain_counts(PairDomain domain, int32_t vv, int32_t vu, int32_t uv, int32_t uu, int32_t v1,
                            int32_t v2, int32_t u1_and_u2) {
     // All directions that a point sees are above its own plane, so the union contains all of them
+    // |u₁ ∪ u₂| = |u₁| + |u₂| − |u₁ ∩ u₂|
     if (domain == PairDomain::kUnion) return {u1_and_u2 - uu, v1, v2, vv};
     return {uu, vu, uv, vv};
 }
@@ -89,6 +93,8 @@ void resolve_counts(const PairRows& rows, const PairBinning& binning, const Doma
                     int32_t& biased) {
     const RowKind kind1 = rows.kind(c.n1, c.of), kind2 = rows.kind(c.n2, c.of);
     if (kind1 == RowKind::kDefined && kind2 == RowKind::kDefined) {
+        // Numbers of the domain differ from pair to pair, so nothing can be prepared per row. In 64 bits:
+        // exact.
         const auto of = int64_t(c.of), n1 = int64_t(c.n1), n2 = int64_t(c.n2);
         const double spread = std::sqrt(double(n1 * (of - n1))) * std::sqrt(double(n2 * (of - n2)));
         biased = biased_rho(float(double(of * c.n11 - n1 * n2) / spread));

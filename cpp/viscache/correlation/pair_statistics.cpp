@@ -16,10 +16,16 @@ constexpr size_t kStripPanels = 16;
 
 /// Calls visit(pa, pb) for the panels [a0, a1) × [b0, b1), strip by strip. For a block with itself only
 /// those with pa <= pb.
+///
+///         b0 ............ b1
+///     a0  | strip: 16 rows of panels stay in the cache,
+///         | while each column of panels passes once
+///     a1  |
 template <class Visit>
 void for_each_panel_pair(size_t a0, size_t a1, size_t b0, size_t b1, Visit visit) {
     for (size_t strip = a0; strip < a1; strip += kStripPanels) {
         const size_t end = std::min(a1, strip + kStripPanels);
+        // A block with itself: columns begin at the strip, and rows end at the column.
         for (size_t pb = a0 == b0 ? strip : b0; pb < b1; ++pb)
             for (size_t pa = strip; pa < (a0 == b0 ? std::min(end, pb + 1) : end); ++pa) visit(pa, pb);
     }
@@ -36,13 +42,17 @@ struct Packed {
 
 Packed::Packed(const PairRows& rows, const PairTiles& tiles, std::span<const uint64_t> chosen) {
     std::vector<char> needed(tiles.blocks.size());
+    // Only blocks of chosen tiles are packed: a sample of tiles needs a part of the memory.
     for (uint64_t t : chosen) needed[tiles.tiles[t].a] = needed[tiles.tiles[t].b] = 1;
     for (size_t b = 0; b < tiles.blocks.size(); ++b) {
         first_panel.push_back(order.size() / kPanelRows);
         if (!needed[b]) continue;
         const PointBlock& block = tiles.blocks[b];
+        // Along the Morton curve of the normals: a panel has similar normals, so it shares dead units and few
+        // bins of angle.
         for (uint32_t i : morton_order(rows.normal.subspan(block.first, block.size())))
             order.push_back(uint32_t(block.first) + i);
+        // Panels never mix blocks.
         order.resize((order.size() + kPanelRows - 1) / kPanelRows * kPanelRows, kNoPoint);
     }
     first_panel.push_back(order.size() / kPanelRows);
@@ -82,6 +92,7 @@ public:
         count_rows();
     }
 
+    // Sums are packed in one thread, and flushed before a count could overflow and at the end of the tile.
     void tile(const PairTile& tile, TileBins& bins, PairTable& table, std::mutex& mutex) const {
         auto flush = [&] {
             const std::lock_guard lock(mutex);
@@ -126,8 +137,10 @@ void PairRun::count_rows() {
     };
     if (above_) n_above_.resize(packed_.order.size());
     for (size_t k = 0; k < packed_.order.size(); ++k) {
+        // Padding rows keep the kind kPadding.
         if (packed_.order[k] == kNoPoint) continue;
         p.n1[k] = count(visible_, k);
+        // What the statistics need of a row, once per row and not per pair
         p.kind[k] = rows_.kind(p.n1[k], rows_.n_directions);
         p.inverse_spread[k] =
             p.kind[k] == RowKind::kDefined ? inverse_spread(p.n1[k], rows_.n_directions) : 0.f;
@@ -146,6 +159,7 @@ void PairRun::panels(size_t pa, size_t pb, TileBins& bins) const {
 }
 
 void PairRun::domain_panels(size_t pa, size_t pb, const int32_t* vv, TileBins& bins) const {
+    // A domain that differs from pair to pair needs four intersections instead of one.
     int32_t vu[kPanelRows * kPanelRows], uv[kPanelRows * kPanelRows], uu[kPanelRows * kPanelRows];
     count_panels(kernel_, visible_, pa, *above_, pb, vu);
     count_panels(kernel_, *above_, pa, visible_, pb, uv);
@@ -180,6 +194,7 @@ PairTable pair_statistics(const PairRows& rows, const PairTiles& tiles, std::spa
                           const BinEdges& distances, const BinEdges& angles, const PairWork& work,
                           Control& control) {
     rows.check();
+    // Checked before anything is packed
     for (uint64_t t : chosen) {
         if (t >= tiles.tiles.size())
             throw std::invalid_argument("tiles must lie in [0, " + std::to_string(tiles.tiles.size()) +
@@ -206,6 +221,7 @@ void intersections(const Word* a, size_t n_a, const Word* b, size_t n_b, size_t 
     const PairKernel& kernel = pair_kernel(work.isa);
     parallel_for(pa.panels(), work.threads, [&](size_t i, int) {
         int32_t counts[kPanelRows * kPanelRows];
+        // Padding rows and columns are not copied.
         const size_t rows = std::min(kPanelRows, n_a - i * kPanelRows);
         for (size_t j = 0; j < pb.panels(); ++j) {
             control.check();

@@ -11,6 +11,11 @@ constexpr int kRhoBits = 20;
 constexpr int64_t kRhoOne = int64_t{1} << kRhoBits;
 
 /// Index of a pair of groups g <= h among all such pairs, row by row.
+///
+///       h  0  1  2        row g begins at g n − g (g − 1) / 2, and its first column is h = g:
+///       0    0  1  2        hence g n − g (g + 1) / 2 + h
+///       1       3  4
+///       2          5
 inline size_t group_pair(size_t g, size_t h, size_t n_groups) { return g * n_groups - g * (g + 1) / 2 + h; }
 inline size_t group_pairs(size_t n_groups) { return n_groups * (n_groups + 1) / 2; }
 
@@ -29,6 +34,7 @@ struct PairTable {
     void add(size_t cell, int64_t count, int64_t sum, uint64_t squares) {
         n[cell] += count;
         sum_q[cell] += sum;
+        // 128 bits in two parts. The low one stays below 2³², so that both fit signed arrays of Python.
         const uint64_t low = uint64_t(sum_q2_low[cell]) + (squares & 0xffffffffu);
         sum_q2_low[cell] = int64_t(low & 0xffffffffu);
         sum_q2_high[cell] += int64_t((squares >> 32) + (low >> 32));

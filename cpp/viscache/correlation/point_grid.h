@@ -22,6 +22,7 @@ public:
     template <class Visit>
     void around(size_t cell, Visit visit) const {
         for (uint64_t dz : {0, 1, 2})
+            // Nine rows of three cells
             for (uint64_t dy : {0, 1, 2}) {
                 // Three cells along x have consecutive keys. Coordinates start at 1, so no key wraps around
                 const uint64_t middle = keys_[cell] + ((dz - 1) << (2 * kAxisBits)) + ((dy - 1) << kAxisBits);
@@ -51,6 +52,7 @@ inline PointGrid::PointGrid(std::span<const Vec3> points, double size) {
     const double width = std::max(size * (1 + 1e-5), extent / double((1 << kAxisBits) - 4));
     auto key = [&](Vec3 p) {
         uint64_t k = 0;
+        // x is lowest, so that three cells along x are one range of keys.
         for (int axis : {2, 1, 0}) {
             const double at = width > 0 ? (p[axis] - low[axis]) / width : 0;
             k = k << kAxisBits | (uint64_t(at) + 1);
@@ -61,6 +63,7 @@ inline PointGrid::PointGrid(std::span<const Vec3> points, double size) {
     for (size_t i = 0; i < points.size(); ++i) point_keys[i] = key(points[i]);
     order_.resize(points.size());
     std::iota(order_.begin(), order_.end(), 0u);
+    // By index inside a cell: the order is the same everywhere.
     std::sort(order_.begin(), order_.end(), [&](uint32_t a, uint32_t b) {
         return point_keys[a] != point_keys[b] ? point_keys[a] < point_keys[b] : a < b;
     });

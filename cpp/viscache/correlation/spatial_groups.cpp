@@ -24,11 +24,13 @@ void halve(std::span<uint32_t> members, int first, int count, std::span<const Ve
     }
     Bounds box;
     for (uint32_t i : members) box.add(points[i]);
+    // The longest axis: groups stay compact, and points of different groups are far apart.
     const int axis = longest_axis(box);
     const size_t half = members.size() / 2;
     std::nth_element(members.begin(), members.begin() + ptrdiff_t(half), members.end(),
                      [&](uint32_t a, uint32_t b) {
                          const float va = points[a][axis], vb = points[b][axis];
+                         // The index breaks ties, so groups do not depend on the library.
                          return va < vb || (va == vb && a < b);
                      });
     halve(members.first(half), first, count / 2, points, group);

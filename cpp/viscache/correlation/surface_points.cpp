@@ -51,6 +51,8 @@ struct Candidates {
 };
 
 /// Increases the number of strata until there are n candidates: propose(strata) → Candidates.
+/// Strata without a point (sky, holes) make the needed number unknown beforehand. Each attempt starts anew,
+/// so the result is that of its number of strata alone.
 template <class Propose>
 Candidates at_least(size_t n, const char* what, Propose propose) {
     const double most = double(n) / kLeastShare;
@@ -61,11 +63,13 @@ Candidates at_least(size_t n, const char* what, Propose propose) {
         if (strata >= most)
             throw std::invalid_argument(std::string(what) + ", got " + std::to_string(found) +
                                         " points from " + std::to_string(c.strata()) + " strata");
+        // By the share that was found, and 2 % more: the next attempt is mostly the last.
         const double growth = found ? 1.02 * double(n) / double(found) : 32.0;
         strata = std::min(most, strata * std::max(1.02, growth) + 1);
     }
 }
 
+/// Keyed by the stratum: the same for any number of threads and any order of points.
 uint64_t random_key(uint64_t seed, uint32_t stratum, Pass pass) {
     Rng rng(seed, Purpose::kSurfacePoint, stratum, pass);
     const uint64_t high = rng.next_u32();
@@ -76,8 +80,10 @@ uint64_t random_key(uint64_t seed, uint32_t stratum, Pass pass) {
 void thin(std::vector<Candidate>& points, size_t n, uint64_t seed) {
     using Keyed = std::pair<uint64_t, uint32_t>;
     std::vector<Keyed> keys(points.size());
+    // The n smallest keys are a uniform choice without replacement.
     for (uint32_t i = 0; i < points.size(); ++i) keys[i] = {random_key(seed, points[i].stratum, kThin), i};
     if (n < keys.size()) std::nth_element(keys.begin(), keys.begin() + ptrdiff_t(n), keys.end());
+    // Back to the order of the strata
     std::sort(keys.begin(), keys.begin() + ptrdiff_t(n),
               [](Keyed a, Keyed b) { return a.second < b.second; });
     for (size_t i = 0; i < n; ++i) points[i] = points[keys[i].second];
@@ -91,6 +97,7 @@ SurfacePoints arrange(Candidates found, size_t n, uint64_t seed) {
     std::vector<Vec3> position(n);
     for (size_t i = 0; i < n; ++i) position[i] = points[i].position;
     const std::vector<int32_t> group = spatial_groups(position);
+    // Random within a group, so that any part of a group is a fair sample of it.
     std::vector<std::tuple<int32_t, uint64_t, uint32_t>> order(n);
     for (uint32_t i = 0; i < n; ++i) order[i] = {group[i], random_key(seed, points[i].stratum, kShuffle), i};
     std::sort(order.begin(), order.end());
@@ -119,6 +126,7 @@ public:
 
     Candidates hits(size_t strata, int threads, const Control& control) const {
         Candidates all;
+        // Strata as square as the image allows
         all.height = uint32_t(std::max(1.0, std::sqrt(double(strata) * film_.height / film_.width)));
         all.width = uint32_t((strata + all.height - 1) / all.height);
         const size_t n = all.strata(), chunks = (n + kRaysPerChunk - 1) / kRaysPerChunk;
@@ -129,6 +137,7 @@ public:
             part[c].height = all.height;
             trace(c * kRaysPerChunk, std::min(n, (c + 1) * kRaysPerChunk), part[c]);
         });
+        // In the order of strata, whichever thread was first
         for (const Candidates& p : part) all.append(p);
         return all;
     }
@@ -140,6 +149,7 @@ private:
         const float step_x = float(film_.width) / float(out.width),
                     step_y = float(film_.height) / float(out.height);
         for (size_t i = first; i < last; ++i) {
+            // One random position per stratum, of its own stream
             const Vec2 jitter = Rng(seed_, Purpose::kSurfacePoint, i, kPlace).next2();
             const float x = (float(i % out.width) + jitter.x) * step_x,
                         y = (float(i / out.width) + jitter.y) * step_y;
@@ -153,6 +163,7 @@ private:
                 continue;
             }
             const int instance = h.instance == kNoHit ? -1 : int(h.instance);
+            // Normals are turned to the camera.
             out.add(scene_.surface(h.mesh, h.triangle, instance, h.u, h.v), uint32_t(i), -rays[i - first].d);
         }
     }
@@ -164,6 +175,9 @@ private:
 };
 
 /// All placed triangles in sequence, as a line along which every position is a surface point.
+///
+///     |---- triangle 0 ----|- 1 -|------ 2 ------|- 3 -| ...     lengths are areas
+///     |     *   | *       |      *  |   *     |   *   | ...      one point per stratum
 class AreaStrata {
 public:
     AreaStrata(const Scene& scene, uint64_t seed, const Control& control)
@@ -183,12 +197,14 @@ public:
         Rng rng = random(next);
         double target = place(next, strata, rng);
         for_each_triangle([&](double area, uint32_t mesh, uint32_t triangle, int instance) {
+            // All strata whose position lies on this triangle. Both sequences ascend, so one pass is enough.
             for (; next < strata && target < before + area; target = place(next, strata, rng)) {
                 const Vec2 b = square_to_triangle(rng.next2());
                 if (scene_.solid_at(mesh, triangle, b.x, b.y))
                     out.add(scene_.surface(mesh, triangle, instance, b.x, b.y), next, {});
                 else
                     ++out.misses;
+                // Every stratum has its own stream, so adding strata elsewhere does not change its point.
                 rng = random(++next);
             }
             before += area;
@@ -205,6 +221,7 @@ private:
     template <class Visit>
     void for_each_triangle(Visit visit) const {
         for (uint32_t m = 0; m < scene_.described_meshes(); ++m)
+            // Meshes that only instances use are not in the world themselves.
             if (scene_.meshes()[m].in_world) for_each_triangle_of(m, -1, visit);
         const std::vector<Instance>& instances = scene_.description().instances;
         for (size_t i = 0; i < instances.size(); ++i)
@@ -221,6 +238,7 @@ private:
             Vec3 p[3] = {mesh.vertices[v.x], mesh.vertices[v.y], mesh.vertices[v.z]};
             if (to_world)
                 for (Vec3& q : p) q = to_world->point(q);
+            // Tiny triangles have normals whose squares leave the range of float.
             visit(0.5 * double(any_length(cross(p[1] - p[0], p[2] - p[0]))), index, t, instance);
         }
     }

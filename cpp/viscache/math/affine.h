@@ -43,6 +43,8 @@ private:
 };
 
 inline Vec3 Affine::normal(Vec3 n) const {
+    // The determinant itself is left out, since the result is not normalised; its sign decides the side for
+    // mirrored instances.
     const double sign = determinant() < 0 ? -1 : 1;
     double r[3];
     for (int i = 0; i < 3; ++i) {

@@ -17,6 +17,7 @@ struct ScaledVector {
 inline ScaledVector in_range(Vec3 a) {
     const float l = length(a);
     const float most = std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)});
+    // Squares of such lengths are normal floats.
     const bool fits = l > 1e-18f && l < 1e18f;
     if (fits || !(most > 0) || !std::isfinite(most)) return {a, 1};
     return {a / most, most};

@@ -14,6 +14,11 @@ uint16_t column16(const BitMatrix& m, size_t first_row, size_t k) {
 namespace {
 
 /// Transposes an 8×8 bit block stored in one word; byte i is row i (Hacker's Delight, 7-3).
+///
+///     1 × 1 blocks:  a b  ->  a c        then 2 × 2 blocks, then 4 × 4 blocks: each step exchanges the
+///                    c d      b d        two blocks beside the diagonal, in all places at once.
+///
+/// t marks the bits in which two partners differ; flipping both exchanges them.
 Word transpose8(Word x) {
     Word t = (x ^ (x >> 7)) & 0x00AA00AA00AA00AAull;
     x ^= t ^ (t << 7);
@@ -25,6 +30,7 @@ Word transpose8(Word x) {
 
 }  // namespace
 
+// Byte by byte: 8 × 8 bits of the rows 0 ... 7, and of the rows 8 ... 15.
 void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]) {
     const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));
     Word rows[16] = {};
@@ -42,6 +48,7 @@ void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[
     }
 }
 
+// A transposition is its own inverse.
 void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t columns[64]) {
     const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));
     Word rows[16] = {};

@@ -28,6 +28,7 @@ inline size_t row_words_for(size_t columns) {
 }
 /// The bits of word w that are in [first, last).
 inline Word range_bits(size_t w, size_t first, size_t last) {
+    // Bits of the word below position k
     const auto below = [w](size_t k) {
         if (k <= w * kWordBits) return Word{0};
         return k >= (w + 1) * kWordBits ? ~Word{0} : (Word{1} << (k % kWordBits)) - 1;
@@ -58,6 +59,7 @@ public:
             data_.reset(static_cast<Word*>(::operator new[](words * sizeof(Word), std::align_val_t{64})));
             capacity_ = words;
         }
+        // All of it, so that padding bits are 0 (see the top of this file).
         if (words) std::memset(data_.get(), 0, words * sizeof(Word));
     }
     size_t rows() const { return rows_; }

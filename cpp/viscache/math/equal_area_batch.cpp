@@ -9,6 +9,7 @@ namespace {
 inline __attribute__((always_inline)) void to_directions(const float* __restrict u, const float* __restrict v,
                                                          size_t n, float* __restrict x, float* __restrict y,
                                                          float* __restrict z) {
+    // Inner loops of a fixed length are vectorised.
     for (size_t first = 0; first < n; first += kEqualAreaLanes)
         for (size_t i = first; i < first + kEqualAreaLanes; ++i) {
             const Vec3 d = equal_area_to_direction({u[i], v[i]});

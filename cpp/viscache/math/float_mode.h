@@ -23,6 +23,7 @@ public:
     ~DefaultFloats() { _mm_setcsr(before_); }
 
 private:
+    // MXCSR as the processor starts: all exceptions masked, rounding to nearest, no flushing of denormals.
     static constexpr unsigned kDefault = 0x1f80;
     unsigned before_;
 #else

@@ -13,6 +13,7 @@ struct Frame3 {
 
 /// Right-handed frame whose z axis is the unit vector `n`.
 inline Frame3 frame_around(Vec3 n) {
+    // With the sign of z, the denominator s + n.z is never below 1 in size: no branch near the pole −z.
     const float s = std::copysign(1.f, n.z);
     const float a = -1.f / (s + n.z);
     const float b = n.x * n.y * a;

@@ -10,6 +10,7 @@ namespace viscache {
 template <auto kBody>
 struct IsaVariants;
 
+// The attributes belong to the copies; the body is inlined into each and compiled for its instruction set.
 template <class Result, class... Args, Result (*kBody)(Args...)>
 struct IsaVariants<kBody> {
     static Result portable(Args... args) { return kBody(args...); }
@@ -34,6 +35,7 @@ constexpr auto variant_of([[maybe_unused]] Isa isa) {
 /// What `kMake(isa)` gives: tables of such copies.
 template <auto kMake>
 const auto& table_of(Isa isa) {
+    // Where a CPU lacks the sets, all three are the portable copy.
     static constexpr std::array tables{kMake(Isa::kPortable), kMake(Isa::kAvx2), kMake(Isa::kAvx512)};
     return tables[size_t(isa)];
 }

@@ -13,6 +13,8 @@ namespace viscache {
 /// Spreads the lowest 10 bits to every third bit.
 inline uint32_t spread3(uint32_t v) {
     v &= 0x3ffu;
+    // Each step splits groups of bits in two and moves the upper half away, until single bits are three
+    // apart: abcd, then ab....cd, then a..b..c..d.
     v = (v | v << 16) & 0x030000ffu;
     v = (v | v << 8) & 0x0300f00fu;
     v = (v | v << 4) & 0x030c30c3u;
@@ -56,6 +58,7 @@ inline std::vector<uint32_t> morton_order(std::span<const Vec3> points) {
         hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
     }
     const auto cell = [](float v, float low, float high) {
+        // A flat box has one cell along its flat axis.
         const float share = high > low ? (v - low) / (high - low) : 0.f;
         return share >= 0 ? uint32_t(std::min(1023.f, share * 1024.f)) : 0u;
     };

@@ -17,8 +17,10 @@ T sign_not_zero(T v) {
 template <class T>
 std::array<T, 2> octahedral_square(Vec3 d) {
     const T dx = d.x, dy = d.y, dz = d.z;
+    // The smallest positive number instead of 0: the zero vector maps to the centre.
     const T l = std::max(std::fabs(dx) + std::fabs(dy) + std::fabs(dz), std::numeric_limits<T>::min());
     T x = dx / l, y = dy / l;
+    // The lower half: the four outer triangles of the square, folded outwards over the edges of the diamond.
     if (dz < 0) {
         const T fold = (1 - std::fabs(y)) * sign_not_zero(x);
         y = (1 - std::fabs(x)) * sign_not_zero(y);
@@ -86,8 +88,11 @@ inline double quadrant_share(double x, double y) {
 /// angles.
 inline Vec3 equal_area_to_direction(Vec2 p) {
     const double u = 2.0 * p.x - 1, v = 2.0 * p.y - 1, au = std::abs(u), av = std::abs(v);
+    // Distance from the diamond |u| + |v| = 1, which is the equator; positive inside, on the upper half.
     const double signed_distance = 1 - (au + av), r = 1 - std::abs(signed_distance);
+    // The position along the diamond's side is the angle, measured from its middle.
     const auto [cosine, sine] = cos_sin_from_eighth((av - au) / (r == 0 ? 1 : r) * M_PI_4);
+    // 1 − r² in height: equal areas of the square are equal areas on the sphere.
     const double z = std::copysign(1 - r * r, signed_distance);
     const double s = r * std::sqrt(std::max(0.0, 2 - r * r));
     return {float(std::copysign(cosine * s, u)), float(std::copysign(sine * s, v)), float(z)};
@@ -97,6 +102,7 @@ inline Vec2 direction_to_equal_area(Vec3 d) {
     const double x = std::abs(double(d.x)), y = std::abs(double(d.y)), z = std::abs(double(d.z));
     // r = √(1 − |z|), computed from the sine to stay accurate near the poles
     const double r = std::min(1.0, std::sqrt((x * x + y * y) / (1 + z)));
+    // The angle is the share of r that belongs to v.
     const double near_v = quadrant_share(x, y) * r, near_u = r - near_v;
     const double u = std::copysign(d.z < 0 ? 1 - near_v : near_u, double(d.x));
     const double v = std::copysign(d.z < 0 ? 1 - near_u : near_v, double(d.y));
@@ -109,6 +115,8 @@ struct MapCell {
 };
 /// Folds a cell outside the map back into it, across the border as the octahedral map continues there.
 inline MapCell folded(MapCell c, int size) {
+    // Beyond the left border the map continues with itself, turned upside down: cell (−1, y) is (0, size − 1
+    // − y).
     while (c.x < 0 || c.x >= size) c = {c.x < 0 ? -1 - c.x : 2 * size - 1 - c.x, size - 1 - c.y};
     while (c.y < 0 || c.y >= size) c = {size - 1 - c.x, c.y < 0 ? -1 - c.y : 2 * size - 1 - c.y};
     return c;

@@ -42,14 +42,17 @@ inline int resolve_threads(int wish) { return wish > 0 ? wish : hardware_threads
 /// the first exception no more chunks start; the exception is rethrown here.
 template <class Work>
 void parallel_for(size_t chunks, int threads, Work work) {
+    // No more threads than chunks
     threads = int(std::min<size_t>(size_t(resolve_threads(threads)), std::max<size_t>(1, chunks)));
     std::atomic<size_t> next{0};
     std::exception_ptr error;
     std::mutex error_mutex;
     auto run = [&](int worker) {
         try {
+            // Chunks differ in cost, so threads take the next one when they are done.
             for (size_t c; (c = next.fetch_add(1)) < chunks;) work(c, worker);
         } catch (...) {
+            // No further chunks are given out; those that run come to their own end.
             next.store(chunks);
             const std::lock_guard lock(error_mutex);
             if (!error) error = std::current_exception();
@@ -57,6 +60,7 @@ void parallel_for(size_t chunks, int threads, Work work) {
     };
     std::vector<std::thread> helpers;
     for (int w = 1; w < threads; ++w) helpers.emplace_back(run, w);
+    // The calling thread works, too.
     run(0);
     for (std::thread& t : helpers) t.join();
     if (error) std::rethrow_exception(error);

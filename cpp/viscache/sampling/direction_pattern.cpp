@@ -19,6 +19,8 @@ constexpr float kMargin =
     1e-3f;  // margin in cells, so that rounding cannot move a direction into the next cell
 
 /// Several places represent the same direction across the borders; returns the one nearest to `to`.
+// The point itself, and the places where it appears when the square is continued across its left, right,
+// upper and lower side. The map is glued to itself there, turned by 180°.
 Vec2 unfolded(Vec2 p, Vec2 to) {
     const std::array<Vec2, 5> places{p, Vec2{-p.x, 1 - p.y}, Vec2{2 - p.x, 1 - p.y}, Vec2{1 - p.x, -p.y},
                                      Vec2{1 - p.x, 2 - p.y}};
@@ -33,6 +35,7 @@ Vec2 unfolded(Vec2 p, Vec2 to) {
 class Lloyd {
 public:
     Lloyd(int size, std::vector<Vec3> directions) : size_(size), directions_(std::move(directions)) {
+        // Centres of 8 × 8 sub-cells; all stand for the same solid angle, since the map is equal-area.
         const float step = 1.f / float(size * kSubCells);
         for (size_t i = 0; i < directions_.size() * kSamples; ++i) {
             const int cell = int(i / kSamples), sub = int(i % kSamples);
@@ -49,6 +52,7 @@ public:
 
 private:
     /// One Lloyd step: moves every direction towards the centroid of the samples nearest to it.
+    /// All samples are assigned before any direction moves.
     void iterate() {
         sum_.assign(directions_.size(), {});
         for (int y = 0; y < size_; ++y)
@@ -62,6 +66,7 @@ private:
         size_t n = 0;
         for (int dy = -kReach; dy <= kReach; ++dy)
             for (int dx = -kReach; dx <= kReach; ++dx) {
+                // Neighbours on the sphere, across the border of the square, too.
                 const MapCell c = folded({cell.x + dx, cell.y + dy}, size_);
                 near[n++] = c.y * size_ + c.x;
             }
@@ -80,10 +85,13 @@ private:
 
     void move(int index, MapCell cell) {
         const Vec3 middle = normalize(sum_[size_t(index)]);
+        // No sample is nearest to this direction: it stays.
         if (middle == Vec3{}) return;
         const float n = float(size_);
         const Vec2 centre{(float(cell.x) + 0.5f) / n, (float(cell.y) + 0.5f) / n};
         const Vec2 p = unfolded(direction_to_equal_area(middle), centre);
+        // A direction stays in its cell: the pattern remains stratified, and bits keep their place in the
+        // quadtree.
         const float half = (0.5f - kMargin) / n;
         directions_[size_t(index)] =
             equal_area_to_direction({std::clamp(p.x, centre.x - half, centre.x + half),
@@ -102,6 +110,7 @@ std::vector<Vec3> direction_pattern(int map_size, PatternKind kind, uint64_t see
     for (int y = 0; y < map_size; ++y)
         for (int x = 0; x < map_size; ++x) {
             Vec2 in{0.5f, 0.5f};
+            // Centres need no random numbers.
             if (kind != PatternKind::kCentres) {
                 in = Rng(seed, Purpose::kDirectionPattern, uint64_t(directions.size()), 0).next2();
                 in = {kMargin + (1 - 2 * kMargin) * in.x, kMargin + (1 - 2 * kMargin) * in.y};

@@ -30,6 +30,9 @@ struct SummedWeights {
     /// First guide entry that `sample(u)` reads.
     size_t guide_cell(double u) const { return std::min(size_t(u * double(size())), size() - 1); }
     /// The index that u in [0, 1) chooses. Indices of weight zero are never returned.
+    ///
+    ///     sums   0 .... s1 . s2 ......... s3 .. total       u·total lies between two sums: the index
+    ///     guide  |    0    |    1    |    2    |             n equal parts of [0, total): where to begin
     size_t find(double u) const {
         const double x = u * total();
         // The guide narrows the search to a few entries: one lookup replaces a walk through a large table
@@ -59,6 +62,7 @@ struct SummedWeights {
 inline void fill_guide(std::span<const double> sums, std::span<uint32_t> guide) {
     const size_t n = sums.size() - 1;
     if (!(sums[n] > 0)) return;
+    // Both indices only rise: one pass over both.
     for (size_t j = 0, i = 0; j <= n; ++j) {
         while (i + 1 < n && sums[i + 1] <= sums[n] * (double(j) / double(n))) ++i;
         guide[j] = uint32_t(i);

@@ -49,6 +49,9 @@ public:
     template <class Numbers, class Block, class Weight>
     void sample(size_t n, Numbers numbers, Block block, Weight weight, Cell* cells) const {
         double second[kBatch];
+        // Four passes over the batch, each of which reads what the one before has prefetched:
+        //
+        //     row of each cell     ->  guide of the row  ->  running sums  ->  weights of the block
         for (size_t i = 0; i < n; ++i) {
             const auto [first, u] = numbers(i);
             const Pick row = rows_.sample(first);
@@ -76,6 +79,7 @@ public:
             // branches, which would be mispredicted
             const double most = x < total ? x : std::nextafter(total, 0.0);
             double sums[kBlock + 1] = {blocks.sums[c.column / kBlock]};
+            // The block's weights are added again in the order of the constructor, so the sums are the same.
             const auto* values = block(c.row, c.column);
             size_t at = 0;
             for (size_t k = 0; k < kBlock; ++k) {

@@ -44,10 +44,13 @@ inline uint64_t mix64(uint64_t x) {
 class Rng {
 public:
     Rng(uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) {
+        // Each part of the key has a constant of its own, so that exchanged values give different streams.
         uint64_t k = mix64(seed + 0x9E3779B97F4A7C15ull);
         k = mix64(k ^ mix64(uint64_t(purpose) + 0xD1B54A32D192ED03ull));
         k = mix64(k ^ mix64(pixel + 0x8CB92BA72F3D8DD7ull));
         state_ = mix64(k ^ mix64(pass + 0xABC98388FB8FAC03ull));
+        // Odd, so that the sequence visits all 2⁶⁴ states. With one step for all, streams would be parts of
+        // one sequence.
         step_ = mix64(state_ ^ 0x2545F4914F6CDD1Dull) | 1;
     }
     uint64_t next_u64() { return mix64(state_ += step_); }

@@ -11,6 +11,8 @@ inline __attribute__((always_inline)) void fill_sphere(uint32_t sx, uint32_t sy,
                                                        float* x, float* y, float* z) {
     for (size_t i = 0; i < n; ++i) {
         const Vec2 u = sobol02(first + uint32_t(i), sx, sy);
+        // The first coordinate decides the hemisphere and is stretched back to [0, 1): both halves stay
+        // evenly filled.
         const bool below = u.x >= 0.5f;
         const Vec3 w = square_to_uniform_hemisphere({below ? 2 * u.x - 1 : 2 * u.x, u.y});
         x[i] = w.x;

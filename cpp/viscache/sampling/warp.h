@@ -22,7 +22,9 @@ inline float cos_eighth(float a) {
 inline Vec2 square_to_disk_concentric(Vec2 u) {
     const float x = 2 * u.x - 1, y = 2 * u.y - 1;
     const bool wide = std::fabs(x) > std::fabs(y);
+    // The larger coordinate is the radius, the ratio of both is the angle in [−π/4, π/4].
     const float r = wide ? x : y, other = wide ? y : x;
+    // At the centre the angle does not matter, but 0 / 0 must not occur.
     const float a = (kPi / 4) * (other / (r == 0 ? 1 : r)), c = cos_eighth(a), s = sin_eighth(a);
     return {r * (wide ? c : s), r * (wide ? s : c)};
 }
@@ -45,6 +47,7 @@ inline float pdf_uniform_hemisphere() { return 1 / (2 * kPi); }
 
 /// Uniform on the sphere; density 1/(4π) per solid angle.
 inline Vec3 square_to_uniform_sphere(Vec2 u) {
+    // sin θ for cos θ = 1 − 2u, without the cancellation of 1 − cos² θ
     const float r = 2 * std::sqrt(u.x * (1 - u.x)), phi = 2 * kPi * u.y;
     return {r * std::cos(phi), r * std::sin(phi), 1 - 2 * u.x};
 }
@@ -53,6 +56,7 @@ inline float pdf_uniform_sphere() { return 1 / (4 * kPi); }
 /// Uniform in a triangle: barycentric weights of vertices 1 and 2; vertex 0 has the rest. Density 1/area per
 /// area.
 inline Vec2 square_to_triangle(Vec2 u) {
+    // The part of the triangle beyond the weight 1 − s is a fraction s² of its area: hence the root.
     const float s = std::sqrt(1 - u.x);
     return {1 - s, u.y * s};
 }
@@ -84,11 +88,13 @@ inline std::optional<SphereLightSample> sample_sphere_light(Vec3 center, float r
     // γ is the angle at the sphere between its normal and the direction back; α is the angle at the centre
     // between the axis and the point
     const double cos_gamma = std::sqrt(std::max(0.0, 1 - sin2_theta / sin2_max));
+    // α = γ − θ, where sin γ = sin θ / sin θ_max by the law of sines
     const double cos_alpha = std::min(1.0, sin2_theta / sin_max + cos_theta * cos_gamma);
     const double sin_alpha = std::sqrt(1 - cos_alpha * cos_alpha), phi = 2 * M_PI * u.y;
     const Frame3 frame = frame_around({float(-x / d), float(-y / d), float(-z / d)});
     const Vec3 n = normalize(frame.to_world(
         {float(sin_alpha * std::cos(phi)), float(sin_alpha * std::sin(phi)), float(cos_alpha)}));
+    // The near and the far intersection have the product d² − r². Divided by the far one, nothing cancels.
     const double distance = (d - r) * (d + r) / (d * cos_theta + r * cos_gamma);
     const double pdf = 1 / (2 * M_PI * cone);
     return SphereLightSample{center + n * radius, n, float(pdf),
@@ -117,12 +123,15 @@ inline float smith_g2(float cos_i, float cos_o, float alpha) {
 
 /// Microfacet normal visible from wo, wo.z > 0 (Heitz 2018); density `pdf_ggx_vndf` per solid angle of h.
 inline Vec3 sample_ggx_vndf(Vec3 wo, float alpha, Vec2 u) {
+    // Stretch the surface to a hemisphere, where the visible part is that of a sphere seen from v.
     const Vec3 v = normalize({alpha * wo.x, alpha * wo.y, wo.z});
     const float l2 = v.x * v.x + v.y * v.y;
     const Vec3 t1 = l2 > 0 ? Vec3{-v.y, v.x, 0} / std::sqrt(l2) : Vec3{1, 0, 0}, t2 = cross(v, t1);
+    // A uniform point of the disk; s shifts it to the part of the projected hemisphere that v sees.
     const float r = std::sqrt(u.x), phi = 2 * kPi * u.y, a = r * std::cos(phi), s = 0.5f * (1 + v.z);
     const float b = (1 - s) * std::sqrt(std::max(0.f, 1 - a * a)) + s * r * std::sin(phi);
     const Vec3 h = t1 * a + t2 * b + v * std::sqrt(std::max(0.f, 1 - a * a - b * b));
+    // Unstretch: normals transform by the inverse transpose.
     return normalize({alpha * h.x, alpha * h.y, std::max(0.f, h.z)});
 }
 inline float pdf_ggx_vndf(Vec3 wo, Vec3 h, float alpha) {

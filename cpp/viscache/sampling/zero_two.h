@@ -26,12 +26,14 @@ public:
         scramble_x_ = rng.next_u32();
         scramble_y_ = rng.next_u32();
         key_ = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
+        // Blocks are shuffled as a whole: the points of a block stay together.
         first_ = shuffled_sample(sample, rng.next_u32()) * points;
     }
     /// Point i of the block.
     Point2 at(uint32_t i) const {
         i += first_;
         constexpr uint64_t kWeyl = 0x9E3779B97F4A7C15ull;
+        // Two numbers per point: one for each coordinate, or the digits past the 32nd of both.
         const uint64_t a = mix64(key_ + (2 * uint64_t(i) + 1) * kWeyl);
         if (set_ == PointSet::kIndependent) {
             const uint64_t b = mix64(key_ + (2 * uint64_t(i) + 2) * kWeyl);

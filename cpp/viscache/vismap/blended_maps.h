@@ -9,6 +9,12 @@ constexpr int kMaxBlended = 8;  ///< maximum number of records blended at one po
 
 /// The records used at one point and their weights: Ṽ = Σ β_i V_i. Maps are 2^m × 2^m cells of the
 /// equal-area octahedral map along the Morton curve: cell z is bit z % 64 of word z / 64.
+///
+///      0  1 |  4  5        Morton curve: the bits of x and y alternate, x lowest. A word is a block
+///      2  3 |  6  7        of 8 × 8 cells; the children of a quadtree node are four successive cells.
+///     ------+------
+///      8  9 | 12 13
+///     10 11 | 14 15
 struct BlendedMaps {
     int m = 5;
     uint32_t id[kMaxBlended]{};     ///< ids of the records

@@ -47,6 +47,7 @@ constexpr double kMostAlpha = 1.5;
 constexpr double kPriorSamples = 4;
 
 /// Sums over samples of (z, w), both minus μ_W, for the regression of Z on W.
+// Minus μ_W, which is known exactly: differences of nearly equal sums of squares would lose their digits.
 struct AlphaSums {
     double n = 0, z = 0, w = 0, zw = 0, ww = 0;
 
@@ -64,6 +65,7 @@ struct AlphaSums {
         zw += b.zw;
         ww += b.ww;
     }
+    /// The sums without one sample, for an α that does not depend on it (leave one out).
     AlphaSums without(double zc, double wc) const {
         return {n - 1, z - zc, w - wc, zw - zc * wc, ww - wc * wc};
     }
@@ -73,6 +75,8 @@ struct AlphaSums {
 /// pulls α towards one while there are few samples.
 inline double regressed_alpha(const AlphaSums& s, double var_w) {
     if (!(var_w > kLeastVariance)) return 0;
+    // Regression over n samples, plus a prior of kPriorSamples samples in which Z = W. The exact Var(W) keeps
+    // the quotient finite when the samples agree by chance.
     const double prior = kPriorSamples * var_w, mean = s.n > 0 ? 1 / s.n : 0;
     const double c = s.zw - s.z * s.w * mean, q = std::max(0.0, s.ww - s.w * s.w * mean);
     return std::clamp((c + prior) / (q + prior), 0.0, kMostAlpha);

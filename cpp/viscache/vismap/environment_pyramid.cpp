@@ -18,6 +18,7 @@ void sum_up(Levels& levels) {
         levels[l].resize(size_t{1} << (2 * l));
         const std::vector<double>& below = levels[l + 1];
         for (size_t z = 0; z < levels[l].size(); ++z)
+            // In pairs: rounding errors of a sum grow with its depth, and 4^12 texels have only 12 levels.
             levels[l][z] = (below[4 * z] + below[4 * z + 1]) + (below[4 * z + 2] + below[4 * z + 3]);
     }
 }
@@ -33,10 +34,13 @@ EnvironmentPyramid::EnvironmentPyramid(std::span<const Rgb> pixels, int resoluti
         throw std::invalid_argument(
             "an environment map must have N × N pixels with N a power of two in [1, 4096], got " +
             std::to_string(pixels.size()) + " pixels, N = " + std::to_string(resolution));
+    // log2 of the resolution
     const int own = std::countr_zero(unsigned(resolution));
     levels_ = std::max(own, kLeastLevels);
+    // Coordinates are shifted by this to repeat texels.
     const int repeat = levels_ - own;
     const size_t texels = size_t{1} << (2 * levels_), deepest = size_t{1} << (2 * kColourLevel);
+    // The map is equal-area: all texels have the same solid angle.
     const double solid_angle = 4 * M_PI / double(texels);
     radiance_.resize(texels);
     sums_.resize(size_t(levels_) + 1);
@@ -45,6 +49,7 @@ EnvironmentPyramid::EnvironmentPyramid(std::span<const Rgb> pixels, int resoluti
         channel.resize(kColourLevel + 1);
         channel.back().resize(deepest);
     }
+    // Colours are summed from texels in groups, so that the deepest levels need no memory for three channels.
     const size_t per_node = texels / deepest;
     for (size_t node = 0; node < deepest; ++node) {
         double r = 0, g = 0, b = 0;

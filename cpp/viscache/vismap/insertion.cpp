@@ -8,6 +8,7 @@ namespace viscache {
 
 namespace {
 
+// Successive points are neighbours in the image, so a chunk profits from one NeighbourList.
 constexpr size_t kPointsPerChunk = 64;
 
 /// Calls work(first, last) over [0, n) in chunks, in parallel.
@@ -44,10 +45,12 @@ Added add_records(MapCache& cache, const RecordTracer& tracer, std::span<const C
         positions.push_back(points[i].position);
         normals.push_back(points[i].normal);
     }
+    // All rays of the round in one call: threads share them, whatever the number of records.
     const RecordTracer::Traced traced = tracer.trace(positions, normals, threads, control);
     Added added{{}, traced.rays};
     for (size_t k = 0; k < chosen.size(); ++k) {
         const CachePoint& point = points[chosen[k]];
+        // Two chosen points may coincide. The check sees records that this loop has added.
         if (cache.has_duplicate(point)) continue;
         cache.add({positions[k], normals[k], 0, 0, frame}, traced.bits(k),
                   clipped(traced.ambient[k], point.footprint));
@@ -72,10 +75,12 @@ public:
           cos_theta_max_(std::cos(cache.parameters().theta_max_rad())) {}
 
     void run(std::span<const uint32_t> usable) {
+        // Smaller batches see records of earlier ones sooner; larger ones give threads more to do.
         const size_t most = cache_.parameters().batch;
         for (size_t first = 0; first < usable.size(); first += most) {
             const auto batch = usable.subspan(first, std::min(most, usable.size() - first));
             std::vector<uint32_t> pending(batch.begin(), batch.end());
+            // Of each round, the first point that wants a record gets it, so the rounds come to an end.
             while (!pending.empty()) pending = round(pending);
             control_.done += batch.size();
         }
@@ -84,6 +89,7 @@ public:
 private:
     /// One round. Returns the points to look up again.
     std::vector<uint32_t> round(std::span<const uint32_t> pending) {
+        // Nothing changes during the look-ups, so their order is free.
         in_chunks(pending.size(), threads_, control_, [&](size_t first, size_t last) {
             NeighbourList around;
             for (size_t i = first; i < last; ++i) {
@@ -93,14 +99,18 @@ private:
         });
         stats_.lookups += pending.size();
         std::vector<uint32_t> accepted, again;
+        // Decisions are made by one thread, in the order of the points: they depend on neither threads nor
+        // timing.
         for (uint32_t i : pending) {
             if (!wants_record(verdicts_[i])) continue;
+            // The cache is full, and this point stays without a record (`refused`).
             if (cache_.size() + accepted.size() >= cache_.parameters().max_records) continue;
             if (in_reach_of_any(i, accepted)) {
                 again.push_back(i);
                 continue;
             }
             count_inserted(verdicts_[i], stats_);
+            // Its own record will serve it.
             verdicts_[i] = Verdict::kServed;
             accepted.push_back(i);
         }
@@ -109,6 +119,7 @@ private:
         return again;
     }
     /// True if a record at one of the other points would be a candidate for the point.
+    /// The tests are those of MapCache::candidates.
     bool in_reach_of_any(uint32_t point, std::span<const uint32_t> others) const {
         const CachePoint& p = points_[point];
         const float reach2 = p.d_max * p.d_max;
@@ -139,6 +150,7 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
         NeighbourList around;
         for (uint32_t i : usable.subspan(first, last - first)) {
             const CachePoint& point = points[i];
+            // Both judgements use the list of one thread, which notices when the tree has changed.
             const auto judge = [&] { verdicts[i] = cache.judge(point, cache.select(point, around)); };
             {
                 const std::shared_lock lock(cache.mutex());
@@ -157,6 +169,7 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
             count_inserted(verdicts[i], own);
             verdicts[i] = Verdict::kServed;
         }
+        // Locked once per chunk, not for each point
         const std::lock_guard lock(stats_mutex);
         stats.lookups += last - first;
         stats.rays += own.rays;
@@ -181,6 +194,7 @@ std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
     std::vector<TreePoint> added;
     for (uint32_t id = first_new; id < cache.size(); ++id)
         added.push_back({cache.records().head(id).position, cache.records().head(id).normal, id});
+    // A tree of the new records alone: one of them in reach is enough, so the search stops at the nearest.
     KdTree tree;
     tree.build(std::move(added));
     // With the filter after the search, records of any normal can displace others
@@ -215,6 +229,8 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
     stats.points = points.size();
     stats.unusable = points.size() - usable.size();
     std::vector<Verdict> verdicts(points.size(), Verdict::kServed);
+    // The first pass looks up all points, each later one those that a new record may concern. A new record
+    // can raise a point's mean difference, so passes repeat until one adds nothing.
     for (std::vector<uint32_t> pending = usable; !pending.empty();) {
         const auto first_new = uint32_t(cache.size());
         ++stats.passes;
@@ -224,6 +240,7 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
             Batches(cache, tracer, points, frame, threads, control, stats, verdicts).run(pending);
         else
             insert_locked(cache, tracer, points, pending, frame, threads, control, stats, verdicts);
+        // One pass is the paper's insertion.
         if (!parameters.repeat_passes || cache.size() == first_new) break;
         pending = touched_points(cache, first_new, points, usable, threads, control);
     }
@@ -241,6 +258,7 @@ BootstrapStatistics bootstrap(MapCache& cache, const RecordTracer& tracer, std::
     std::vector<uint32_t> usable = usable_points(points);
     stats.unusable = points.size() - usable.size();
     const auto first_id = uint32_t(cache.size());
+    // Start-up records beyond the limit are not traced at all.
     usable.resize(std::min<size_t>(usable.size(), cache.parameters().max_records - first_id));
     const Added added = add_records(cache, tracer, points, usable, frame, threads, control);
     stats.rays = added.rays;
@@ -251,6 +269,8 @@ BootstrapStatistics bootstrap(MapCache& cache, const RecordTracer& tracer, std::
     in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
         NeighbourList around;
         for (size_t i = first; i < last; ++i) {
+            // Without its own record, each start-up point shows what the cache would have said there. Users
+            // can choose w_min and delta_max by these statistics.
             const Selection s = cache.select(points[usable[i]], around, first_id + uint32_t(i));
             stats.tested[i] = s.tested;
             stats.difference[i] =

@@ -13,6 +13,7 @@ int depth_limit(size_t n) { return 2 * int(std::bit_width(n)) + 8; }
 
 }  // namespace
 
+/// The version survives, so that lists made from the old tree know that they are outdated.
 void KdTree::clear() {
     const uint64_t version = version_;
     *this = {};
@@ -27,6 +28,7 @@ bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
         hi = max(hi, p.position);
     }
     const Vec3 extent = hi - lo;
+    // The longest side: cells stay compact, and a ball of radius d_max meets few of them.
     cut.axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
     const auto coordinate = [&](const TreePoint& p) { return p.position[cut.axis]; };
     if (!(hi[cut.axis] > lo[cut.axis])) return false;
@@ -45,6 +47,7 @@ bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
 
 void KdTree::fill_leaf(uint32_t node, std::span<const TreePoint> points) {
     nodes_[node].axis = kLeaf;
+    // A leaf that grows keeps its blocks, which are written over.
     if (nodes_[node].first == 0) {  // a new leaf; block 0 stays unused
         nodes_[node].first = uint32_t(blocks_.size());
         blocks_.emplace_back();
@@ -52,6 +55,7 @@ void KdTree::fill_leaf(uint32_t node, std::span<const TreePoint> points) {
     oversized_ += points.size() > kLeafSize;
     uint32_t block = nodes_[node].first;
     for (size_t i = 0; i < points.size(); ++i) {
+        // Full: go on in the next block, which may exist from before.
         if (i && i % kLeafSize == 0) {
             if (blocks_[block].next == kNone) {
                 blocks_[block].next = uint32_t(blocks_.size());
@@ -65,6 +69,7 @@ void KdTree::fill_leaf(uint32_t node, std::span<const TreePoint> points) {
 }
 
 void KdTree::build_node(uint32_t node, std::span<TreePoint> points, int depth) {
+    // The deepest leaf counts, since searches descend to leaves.
     depth_ = std::max(depth_, depth);
     Cut cut;
     if (points.size() <= kLeafSize || !find_cut(points, cut)) {
@@ -74,6 +79,7 @@ void KdTree::build_node(uint32_t node, std::span<TreePoint> points, int depth) {
     const auto middle = std::partition(points.begin(), points.end(),
                                        [&](const TreePoint& p) { return p.position[cut.axis] < cut.split; });
     const auto left = size_t(middle - points.begin());
+    // Siblings lie side by side, so one index names both.
     const uint32_t children = uint32_t(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
     nodes_[node] = {cut.split, cut.axis, children};
@@ -103,13 +109,17 @@ std::vector<TreePoint> KdTree::leaf_points(uint32_t node) const {
 std::vector<TreePoint> KdTree::all_points() const {
     std::vector<TreePoint> points;
     points.reserve(size_ + 1);
+    // Blocks that no leaf uses any more have count 0.
     for (const Block& b : blocks_) points.insert(points.end(), b.points.begin(), b.points.begin() + b.count);
     return points;
 }
 
 void KdTree::insert(const TreePoint& point) {
     // An occasional rebuild includes the new point
+    // Each rebuild comes after half as many insertions again, so n insertions cost O(n log n) in total.
     const bool grown = size_ + 1 > kSmall && 2 * (size_ + 1) >= 3 * built_size_;
+    // Coincident coordinates may leave even a new tree deep. It is rebuilt only if it has grown by 8 levels
+    // since.
     const bool deep = depth_ > std::max(depth_limit(size_), built_depth_ + 8);
     if (!size_ || grown || deep) {
         std::vector<TreePoint> points = all_points();
@@ -120,9 +130,11 @@ void KdTree::insert(const TreePoint& point) {
     ++version_;
     uint32_t node = 0;
     int depth = 0;
+    // A coordinate equal to the split goes right, as in the partition.
     for (; nodes_[node].axis != kLeaf; ++depth)
         node = nodes_[node].first + (point.position[nodes_[node].axis] >= nodes_[node].split);
     std::vector<TreePoint> points = leaf_points(node);
+    // Counted again by `fill_leaf` if the leaf stays too large.
     oversized_ -= points.size() > kLeafSize;
     points.push_back(point);
     ++size_;
@@ -135,6 +147,7 @@ void KdTree::insert(const TreePoint& point) {
                                        [&](const TreePoint& p) { return p.position[cut.axis] < cut.split; });
     const auto left = size_t(middle - points.begin());
     const uint32_t children = uint32_t(nodes_.size()), old_blocks = nodes_[node].first;
+    // The left child takes over the blocks, which must be empty before they are filled again.
     for (uint32_t b = old_blocks; b != kNone; b = blocks_[b].next) blocks_[b].count = 0;
     nodes_.resize(nodes_.size() + 2);
     nodes_[children].first = old_blocks;

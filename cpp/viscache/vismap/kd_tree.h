@@ -40,6 +40,7 @@ public:
     }
 
 private:
+    // 12 bytes: siblings mostly share a cache line.
     struct Node {
         float split = 0;
         int axis = kLeaf;
@@ -79,6 +80,7 @@ private:
         const float beyond = x[node.axis] - node.split;
         const uint32_t near = node.first + (beyond >= 0);
         search(near, x, accept, nearest);
+        // The sibling of `near`: both indices add up to 2 · first + 1.
         if (beyond * beyond <= nearest.reach2()) search(2 * node.first + 1 - near, x, accept, nearest);
     }
 

@@ -33,6 +33,7 @@ void MapCache::set_thresholds(double w_min, double delta_max) {
 
 std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point, NearestSet& set,
                                                         NeighbourList& around) const {
+    // Cosines are compared, without an arc cosine per record.
     const auto similar = [&](Vec3 normal) { return dot(point.normal, normal) > cos_theta_max_; };
     if (parameters_.filter == SearchFilter::kDuring) {
         around.search(tree_, point.position, [&](const TreePoint& p) { return similar(p.normal); }, set);
@@ -49,11 +50,13 @@ float MapCache::tested_weight(const NearestSet::Found& f, float raw, float norma
                          : parameters_.weight_test == WeightTest::kNormalized ? normalized
                                                                               : raw;
     if (parameters_.criterion == Criterion::kVisibility) return weight;
+    // For ambient occlusion, a record serves points nearer than its nearest hit: more records near surfaces.
     const float reach = records_.ambient(f.id()).nearest_hit;
     return weight * std::max(0.f, 1 - std::sqrt(f.distance2()) / reach);
 }
 
 Selection MapCache::select(const CachePoint& point, NeighbourList& around, uint32_t without) const {
+    // Room for the record itself, which is left out afterwards.
     NearestSet set(parameters_.m_nearest + (without != kNoRecord), point.d_max);
     Selection s;
     for (const NearestSet::Found& f : candidates(point, set, around)) {
@@ -64,6 +67,7 @@ Selection MapCache::select(const CachePoint& point, NeighbourList& around, uint3
         const float normalized = normalized_(raw);
         const float full = normalized * geometric_weight(point.normal, f.point->position - point.position,
                                                          distance, point.d_max);
+        // Candidates come nearest first.
         if (!s.candidates++) s.nearest = distance;
         s.tested = std::max(s.tested, tested_weight(f, raw, normalized, full));
         // Insert into the list of the best. Nearer records came before and win ties
@@ -84,10 +88,13 @@ float MapCache::mean_difference(const Selection& s) const {
         for (int j = i + 1; j < s.count; ++j)
             sum += map_difference(parameters_.m, records_.bits(s.best[size_t(i)].id),
                                   records_.bits(s.best[size_t(j)].id), count_differences_);
+    // Mean over the pairs
     return sum / float(s.count * (s.count - 1) / 2);
 }
 
 Verdict MapCache::judge(const CachePoint& point, const Selection& s) const {
+    // The order of the tests decides the reason that is counted: nothing in reach, too far away, or maps that
+    // differ.
     if (!s.candidates) return Verdict::kNoCandidate;
     // Another record at the same place cannot help
     const auto unless_duplicate = [&](Verdict verdict) {
@@ -109,8 +116,10 @@ BlendedMaps MapCache::blend(const Selection& s) const {
     float sum = 0;
     for (int i = 0; i < s.count; ++i) sum += s.best[size_t(i)].weight;
     if (!(sum > kLeastWeightSum)) return maps;
+    // Weights descend: the first 0 ends the list.
     for (int i = 0; i < s.count && s.best[size_t(i)].weight > 0; ++i) {
         const uint32_t id = s.best[size_t(i)].id;
+        // Eq. 8: β_i = w_i / Σ w
         maps.beta[i] = s.best[size_t(i)].weight / sum;
         maps.id[i] = id;
         maps.bits[i] = records_.bits(id);
@@ -123,6 +132,7 @@ BlendedMaps MapCache::blend(const Selection& s) const {
 }
 
 bool MapCache::has_duplicate(const CachePoint& point) const {
+    // The radius scales with the pixel: what no pixel can tell apart is the same point.
     NearestSet set(1, kCoincident * point.d_max);
     tree_.search(
         point.position, [&](const TreePoint& p) { return length(p.normal - point.normal) < kCoincident; },
@@ -137,6 +147,7 @@ uint32_t MapCache::add(const RecordHead& head, const Word* bits, const AmbientRe
 }
 
 void MapCache::keep(const std::vector<uint32_t>& ids) {
+    // Ids are positions in the pool, so the tree is built anew with the new ones.
     records_.keep(ids);
     std::vector<TreePoint> points;
     for (uint32_t id = 0; id < records_.size(); ++id)

@@ -21,6 +21,7 @@ VISCACHE_TARGET_AVX2 uint32_t differing_avx2(const Word* a, const Word* b, size_
 VISCACHE_TARGET_AVX512 uint32_t differing_avx512(const Word* a, const Word* b, size_t words) {
     __m512i sum = _mm512_setzero_si512();
     for (size_t w = 0; w < words; w += 8) {
+        // Maps of m = 4 have only four words; lanes outside read zeros and differ nowhere.
         const __mmask8 in = words - w >= 8 ? 0xff : __mmask8((1u << (words - w)) - 1);
         const __m512i differ =
             _mm512_xor_si512(_mm512_maskz_loadu_epi64(in, a + w), _mm512_maskz_loadu_epi64(in, b + w));

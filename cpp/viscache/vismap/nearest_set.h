@@ -35,12 +35,15 @@ public:
     void clear() { size_ = 0; }
     /// `point` must outlive the set.
     void offer(float distance2, const TreePoint& point) {
+        // Strictly, as in Sec. 5.1: records within d_max. NaN fails, too.
         if (!(distance2 < radius2_)) return;
+        // Distance in the high bits, id in the low ones: one comparison orders both.
         const uint64_t key = uint64_t(std::bit_cast<uint32_t>(distance2)) << 32 | point.id;
         if (size_ == m_) {
             if (key >= found_[size_t(m_ - 1)].key) return;
             --size_;
         }
+        // Insertion sort: m is small, and most points that pass the first test belong near the end.
         int place = size_++;
         for (; place > 0 && found_[size_t(place - 1)].key > key; --place)
             found_[size_t(place)] = found_[size_t(place - 1)];

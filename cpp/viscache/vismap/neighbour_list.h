@@ -16,12 +16,22 @@ public:
     /// accept(TreePoint).
     template <class Accept>
     void search(const KdTree& tree, Vec3 x, Accept accept, NearestSet& nearest) {
+        // Of the tree, the list has everything within `radius` of the centre, so everything within `known` of
+        // x:
+        //
+        //     centre *---- moved ----* x
+        //     |<---------- radius ---------->|
+        //                            |<known>|
+        //
+        // A set that is complete within `known` is that of the tree. Otherwise the tree is searched.
         if (version_ != tree.version()) forget(tree);
         const Vec3 before = asked_;
         asked_ = x;
         const float moved = length(x - centre_);
         if (!entries_.empty() && search_entries(x, moved, accept, nearest)) {
             ++answered_;
+            // Every answer repays a part of what the list has cost, up to a limit: a good past must not pay
+            // for long for lists that no longer help.
             balance_ = std::min(balance_ + 1, kMaxBalance);
             return;
         }
@@ -32,6 +42,7 @@ public:
         const float reach2 = nearest.reach2();
         if (!(length2(x - before) < kNear * kNear * reach2)) return;
         if (balance_ < 0 && ++unlisted_ < kSeldom) return;
+        // Twice the reach: about that far queries may move before the list is useless.
         fill(tree, x, kMargin * std::sqrt(reach2));
         balance_ -= kCost;
         unlisted_ = 0;
@@ -71,11 +82,13 @@ private:
         const float known = radius_ * (1 - kRounding) - moved * (1 + kRounding);
         if (!(known > 0)) return false;
         for (const Entry& e : entries_) {
+            // Triangle inequality: how near to x this entry and all later ones can be.
             const float least = e.distance * (1 - kRounding) - moved * (1 + kRounding);
             if (least > 0 && least * least > nearest.reach2()) break;
             const float d2 = length2(e.point.position - x);
             if (d2 <= nearest.reach2() && accept(e.point)) nearest.offer(d2, e.point);
         }
+        // A set that is not full has the radius of the search as its reach, and must be known up to there.
         return nearest.reach2() < known * known;
     }
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kLast = kDeepestLevel + kSampleLevels;
 
+/// Direction of a point inside a node; at_x and at_y are in [0, 1].
 Vec3 direction(uint32_t code, int level, float at_x, float at_y) {
     const float cells = float(1 << level);
     return equal_area_to_direction(
@@ -35,6 +36,7 @@ DirectionTable centres(int level) {
 /// Largest angle between the centre and sample points of the border, enlarged by 10 % for the points between
 /// them.
 std::vector<float> radius_sines(int level) {
+    // The border of a node is curved on the sphere; four steps per side sample it.
     constexpr int kSteps = 4;
     std::vector<float> sines(size_t{1} << (2 * level));
     for (size_t i = 0; i < sines.size(); ++i) {
@@ -52,6 +54,7 @@ std::vector<float> radius_sines(int level) {
 
 }  // namespace
 
+// Tables are made at the first use and then only read, so threads share them without a lock.
 const DirectionTable& node_centres(int level) {
     static const std::array tables = [] {
         std::array<DirectionTable, kLast - kBaseLevel + 1> t;

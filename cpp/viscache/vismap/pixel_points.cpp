@@ -9,6 +9,7 @@ namespace viscache {
 
 namespace {
 
+/// Traces camera rays and measures the pixel at what they hit.
 class FirstHitFinder {
 public:
     FirstHitFinder(const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
@@ -29,6 +30,7 @@ public:
 
 private:
     CachePoint point(const Ray& ray, const Hit& hit, PixelPoints& out) const {
+        // Sphere lights have no surface on which a record could lie.
         if (!hit.valid() || scene_.sphere_light_of(hit.mesh) >= 0) {
             ++out.misses;
             return {};
@@ -36,6 +38,7 @@ private:
         const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
         const SurfacePoint s = scene_.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
         const float cos_surface = std::fabs(dot(s.ng, ray.d));
+        // A normal is a unit vector, or zero for a degenerate triangle.
         if (!(length2(s.ng) > 0.5f) || !is_finite(s.ng) || !is_finite(s.position)) {
             ++out.bad_normals;
             return {};
@@ -43,10 +46,13 @@ private:
         const float cos_film = dot(ray.d, film_.camera.forward);
         // A pinhole: distance × √(solid angle of the pixel)
         const float across = film_.pixel_area_at(cos_film, 1) / std::max(cos_surface, rules_.least_cos);
+        // A pixel's beam widens with distance only in perspective.
         const float spread = film_.camera.is_orthographic() ? 1.f : hit.t;
         const float footprint = spread * std::sqrt(across);
+        // reach × image width: d_max is given in pixels and turned into a length at the point.
         const float d_max = std::min(rules_.reach * float(film_.width) * footprint,
                                      rules_.most_reach * scene_.offset_extent());
+        // Records belong to the side that the camera sees.
         return {s.position, dot(s.ng, ray.d) > 0 ? -s.ng : s.ng, d_max, footprint};
     }
 
@@ -62,6 +68,7 @@ PixelPoints points_of_pixels(const FirstHitFinder& finder, int width, int height
                              const Control& control) {
     PixelPoints all;
     all.points.resize(size_t(width) * size_t(height));
+    // One set of counters per row, so that rows need no lock.
     std::vector<PixelPoints> rows(static_cast<size_t>(height));
     parallel_for(size_t(height), threads, [&](size_t y, int) {
         control.check();
@@ -75,6 +82,7 @@ PixelPoints points_of_pixels(const FirstHitFinder& finder, int width, int height
                   all.points.begin() + std::ptrdiff_t(y * size_t(width)));
         rows[y].points.clear();
     });
+    // Integers: the sums do not depend on the order of rows.
     for (const PixelPoints& row : rows) {
         all.misses += row.misses;
         all.bad_normals += row.bad_normals;
@@ -103,10 +111,12 @@ PixelPoints startup_points(const Scene& scene, const RayCaster& caster, const Ca
                            const Control& control) {
     control.check();
     // Cells as square as their number allows; cell k of n is in row k / columns
+    // n ≈ rows · columns with rows / columns ≈ height / width
     const auto rows = size_t(std::max(1.0, std::round(std::sqrt(double(n) * height / width))));
     const size_t columns = (n + rows - 1) / rows, used_rows = (n + columns - 1) / columns;
     std::vector<Vec2> places;
     for (size_t k = 0; k < n; ++k) {
+        // The last row may have fewer cells; they are wider, so that every cell lies in the image.
         const size_t row = k / columns, in_row = std::min(columns, n - row * columns);
         const Vec2 jitter = Rng(seed, Purpose::kMapStartup, k, 0).next2();
         places.push_back({(float(k % columns) + jitter.x) * float(width) / float(in_row),

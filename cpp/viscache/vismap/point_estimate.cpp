@@ -4,8 +4,10 @@ namespace viscache {
 
 namespace {
 
+/// Rec. 709, in double: `luminance_in_double` for channels that are already doubles.
 double luminance_of(const Rgbd& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
+/// With fewer samples, regression without one of them means nothing, and α is 1.
 constexpr size_t kLeastForLeaveOneOut = 4;
 
 }  // namespace
@@ -19,6 +21,7 @@ void PointEstimate::begin(const EnvironmentPyramid& light, const Reflection& ref
 }
 
 void PointEstimate::look(const BlendedMaps& maps, bool with_dilated) {
+    // A density belongs to the maps that have shaped it.
     tree_.unguide();
     has_maps_ = maps.count > 0 && !dark();
     integrals_ = has_maps_ ? integrate_maps(tree_, maps, with_dilated, cells_) : MapIntegrals{};
@@ -37,15 +40,22 @@ bool PointEstimate::guide(double eta, bool apply) {
 void PointEstimate::measure(double w2) {
     moments_ = {.l_ns = tree_.total(), .j = integrals_.j_colour};
     if (!has_maps_) return;
+    // Samples take W as a luminance of colours (`complete`), and so must its mean. The second moment uses the
+    // masses of luminance, as the density does; both agree where light and reflection each have one colour.
     moments_.mean_w = luminance_of(integrals_.j_colour) / moments_.l_ns;
+    // Var W = E[W²] − μ_W², exact over the cells. Rounding may make it slightly negative.
     const double mean = integrals_.j / moments_.l_ns;
     moments_.variance_w = std::max(0.0, w2 / moments_.l_ns - mean * mean);
 }
 
+/// Eq. 3 per channel. With λ = Y · Δω, luminance times solid angle, a texel has the probability λ·b·D/L_ns;
+/// so f = L·B·Δω / probability = L_ns · (L_c / Y) · (B_c / b) / D.
 DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) const {
     DirectionSample out;
     out.wi = s.wi;
     out.texel = s.texel;
+    // D, B̃ and Ṽ come from the tables that made the density. Unbiasedness needs exactly the same numbers
+    // here.
     out.d = density(s.texel);
     const Rgb light = light_->radiance(s.texel);
     // Light and B̃ cancel in luminance; their chromaticity remains
@@ -60,16 +70,19 @@ DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) con
     }
     out.z = luminance_of(out.f) / l_ns;
     out.w = luminance_of(out.g) / l_ns;
+    // If no channel of f is positive, the ray is not needed: visible or not, the contribution is 0.
     out.matters = out.f[0] != 0 || out.f[1] != 0 || out.f[2] != 0;
     return out;
 }
 
 std::optional<double> alpha_of_pass(const PointMoments& point, const AlphaChoice& choice,
                                     const AlphaSums& earlier) {
+    // W is constant over the cells, and so cannot explain any variance.
     if (!(point.variance_w > kLeastVariance)) return 0;
     switch (choice.mode) {
         case AlphaMode::kFixed: return choice.value;
         case AlphaMode::kPreviousPass:
+            // The first pass has no past.
             return earlier.n > 0 ? regressed_alpha(earlier, point.variance_w) : choice.value;
         case AlphaMode::kLeaveOneOut: return std::nullopt;
     }
@@ -84,6 +97,7 @@ Rgbd leave_one_out(const PointMoments& point, std::span<const DirectionSample> s
     const double n = double(samples.size());
     Rgbd sum{};
     for (size_t i = 0; i < samples.size(); ++i) {
+        // n = 1: every sample has its own α, and the estimates of single samples are averaged.
         const DirectionSample& s = samples[i];
         const double z = visible[i] ? s.z : 0,
                      alpha = samples.size() < kLeastForLeaveOneOut
@@ -98,6 +112,10 @@ Rgbd leave_one_out(const PointMoments& point, std::span<const DirectionSample> s
 
 }  // namespace
 
+///
+///     α from earlier passes  ->  estimate of this pass  ->  this pass joins the earlier ones
+///
+/// In this order α never depends on the samples to which it is applied, and the estimate stays unbiased.
 Rgbd finish_pass(const PointMoments& point, std::span<const DirectionSample> samples,
                  std::span<const uint8_t> visible, const AlphaChoice& choice, AlphaSums& earlier) {
     AlphaSums now;
@@ -108,6 +126,7 @@ Rgbd finish_pass(const PointMoments& point, std::span<const DirectionSample> sam
             f[c] += visible[i] ? s.f[c] : 0;
             g[c] += s.g[c];
         }
+        // Regression is of luminances: one α for all channels.
         now.add((visible[i] ? s.z : 0) - point.mean_w, s.w - point.mean_w);
     }
     Rgbd estimate{};

@@ -82,6 +82,8 @@ public:
     DirectionSample complete(const ProductTree::Sample& s, Rgb b) const;
 
 private:
+    // By bits of the code, never by projecting the direction again: rounding could find the neighbouring
+    // cell.
     uint32_t cell(uint32_t texel) const { return texel >> (2 * (light_->levels() - tree_.map_level())); }
     void measure(double w2);
 

@@ -9,11 +9,14 @@ namespace {
 
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
+// A cone of sine s around ω reaches above the plane of n if n·ω > −s. Both planes must be reached: B is 0
+// below either.
 VISCACHE_INLINE void above_body(const LobeConstants& k, const float* x, const float* y, const float* z,
                                 const float* sine, uint8_t* above, size_t n) {
     for (size_t i = 0; i < n; ++i) {
         const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
         const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        // Without branches, so that the loop is vectorised.
         above[i] = uint8_t(int(c > -sine[i]) & int(g > -sine[i]));
     }
 }
@@ -22,6 +25,7 @@ VISCACHE_INLINE float mean_of_four(const float* v) { return ((v[0] + v[1]) + (v[
 VISCACHE_INLINE float least_of(float a, float b) { return a < b ? a : b; }
 VISCACHE_INLINE float most_of(float a, float b) { return a > b ? a : b; }
 
+// Sixteen samples along the Morton curve are four leaves of four.
 VISCACHE_INLINE float gather_body(const RgbBlock& s, float* r, float* g, float* b, float* lum,
                                   float* spread) {
     float samples[16], greatest = 0;
@@ -32,6 +36,7 @@ VISCACHE_INLINE float gather_body(const RgbBlock& s, float* r, float* g, float* 
         g[i] = mean_of_four(&s.g[4 * i]);
         b[i] = mean_of_four(&s.b[4 * i]);
         lum[i] = (0.2126f * r[i] + 0.7152f * g[i]) + 0.0722f * b[i];
+        // The error of a constant: the range of its samples.
         spread[i] = most_of(most_of(v[0], v[1]), most_of(v[2], v[3])) -
                     least_of(least_of(v[0], v[1]), least_of(v[2], v[3]));
         greatest = most_of(greatest, lum[i]);
@@ -39,6 +44,7 @@ VISCACHE_INLINE float gather_body(const RgbBlock& s, float* r, float* g, float* 
     return greatest;
 }
 
+// The weights of luminance add up to one, so the same amount for all channels raises it by this amount.
 VISCACHE_INLINE void raise_body(const uint8_t* touched, float floor, float* r, float* g, float* b, float* lum,
                                 size_t n) {
     for (size_t i = 0; i < n; ++i) {
@@ -51,6 +57,7 @@ VISCACHE_INLINE void raise_body(const uint8_t* touched, float floor, float* r, f
     }
 }
 
+// Eight partial sums, added in pairs at the end: one order of additions for every variant.
 VISCACHE_INLINE double weigh_body(const float* b, const double* light, size_t n) {
     double lane[8]{};
     for (size_t i = 0; i < n; i += 8)
@@ -63,6 +70,7 @@ VISCACHE_INLINE void flag_body(const float* spread, const double* light, double 
     for (size_t i = 0; i < n; ++i) flags[i] = uint8_t(double(spread[i]) * light[i] > threshold);
 }
 
+// With a constant span, the inner loop becomes a vector operation.
 template <size_t kSpan>
 VISCACHE_INLINE void scale_by(const float* b, const double* light, double* out, size_t n) {
     for (size_t i = 0; i < n; ++i)
@@ -75,6 +83,7 @@ VISCACHE_INLINE void scale_body(const float* b, const double* light, double* out
 }
 
 VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) {
+    // Along the Morton curve, the four children of a node are neighbours.
     for (size_t i = 0; i < n; ++i) parents[i] = (c[4 * i] + c[4 * i + 1]) + (c[4 * i + 2] + c[4 * i + 3]);
 }
 

@@ -94,6 +94,7 @@ private:
     int m_ = 5, dense_ = 5, leaves_ = 0;
     bool guided_ = false;
     float greatest_ = 0;
+    // Buffers keep their size from point to point: building allocates only at first.
     std::vector<uint8_t> touched_;
     // Leaves of the base level as arrays, and deeper leaves in groups of four
     std::vector<float> b_, red_, green_, blue_, spread_;

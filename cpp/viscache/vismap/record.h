@@ -13,6 +13,11 @@ constexpr size_t kRecordHeadBytes = 36;
 constexpr size_t map_cells(int m) { return size_t{1} << (2 * m); }
 constexpr size_t map_words(int m) { return map_cells(m) / kWordBits; }
 /// Number of nodes above a level of the quadtree; the root is level 0.
+/// The levels of a map of m = 5, 42 bits in one word:
+///
+///     level 0    1 node  of 32 × 32 cells        codes     0
+///     level 1    4 nodes of 16 × 16              codes     1 ...  4
+///     level 2   16 nodes of  8 × 8 = words       codes     5 ... 20
 constexpr size_t nodes_above(int level) { return ((size_t{1} << (2 * level)) - 1) / 3; }
 /// Number of nodes with a stored code: levels 0 to m − 3.
 constexpr size_t hierarchy_nodes(int m) { return nodes_above(m - 2); }
@@ -38,6 +43,7 @@ inline NodeCode node_code(int m, const Word* bits, const Word* hierarchy, int le
     // Below the level of words, a node is a run of 1, 4 or 16 bits
     const size_t cells = size_t{1} << (2 * edge_log2), first = index * cells;
     const Word all = (Word{1} << cells) - 1;
+    // 1, 4 or 16 bits: such a run never crosses a word.
     const Word part = bits[first / kWordBits] >> (first % kWordBits) & all;
     return part == 0 ? kBlocked : part == all ? kFree : kPartial;
 }
@@ -51,6 +57,7 @@ inline void build_hierarchy(int m, const Word* bits, Word* hierarchy) {
         hierarchy[bit / kWordBits] |= Word{code} << (bit % kWordBits);
     };
     for (uint32_t w = 0; w < map_words(m); ++w)
+        // A node of the last stored level is one word.
         store(m - 3, w, bits[w] == 0 ? kBlocked : bits[w] == ~Word{0} ? kFree : kPartial);
     for (int level = m - 4; level >= 0; --level)
         for (uint32_t i = 0; i < uint32_t(1) << (2 * level); ++i) {
@@ -58,6 +65,7 @@ inline void build_hierarchy(int m, const Word* bits, Word* hierarchy) {
             for (uint32_t child = 4 * i; child < 4 * i + 4; ++child) {
                 const unsigned code = stored_code(hierarchy, level + 1, child);
                 any |= code;
+                // Bit 0 says "any", bit 1 says "all": the parent's bits are OR and AND of the children's.
                 all &= code;
             }
             store(level, i, (any & 1) | (all & 2));

@@ -3,6 +3,7 @@
 namespace viscache {
 
 RecordPool::RecordPool(int m) : m_(m) {
+    // Row of a record: [map] [V¹] [V²] [V³, for m ≥ 6] [hierarchy]. One look-up touches one place of memory.
     size_t words = map_words(m);
     for (int level = 1; level <= dilations(m); ++level) {
         dilated_[level - 1] = words;
@@ -18,6 +19,7 @@ size_t RecordPool::extra_bytes_per_record() const {
 
 uint32_t RecordPool::add(const RecordHead& head, const Word* bits, const AmbientRecord& ambient) {
     const auto id = uint32_t(size());
+    // A new chunk; the old ones stay where they are.
     if (id / kChunk == chunks_.size())
         chunks_.push_back(std::make_unique<BitMatrix>(kChunk, row_words_ * kWordBits));
     heads_.push_back(head);
@@ -30,6 +32,7 @@ uint32_t RecordPool::add(const RecordHead& head, const Word* bits, const Ambient
 }
 
 void RecordPool::keep(const std::vector<uint32_t>& ids) {
+    // Ids ascend, so a record never moves to the right of one that still has to move.
     for (uint32_t to = 0; to < ids.size(); ++to) {
         const uint32_t from = ids[to];
         if (from == to) continue;

@@ -46,6 +46,7 @@ public:
     size_t extra_bytes_per_record() const;
 
 private:
+    // Records per block of memory
     static constexpr size_t kChunk = 256;
     Word* row(uint32_t id) const { return chunks_[id / kChunk]->row(id % kChunk); }
 

@@ -23,6 +23,7 @@ struct RecordTally {
 
     explicit RecordTally(size_t records = 0) : rays(records), misses(records), used(records) {}
     /// Weight of a ray.
+    // The limit keeps sums below 2^64 for millions of rays.
     static uint64_t weight(double d) { return uint64_t(std::min(double(kRay) / d + 0.5, 0x1p40)); }
     /// A record of a blend gave `bit`; the exact ray gave `visible`.
     void compare(uint32_t id, bool bit, bool visible, uint64_t weight = kRay) {

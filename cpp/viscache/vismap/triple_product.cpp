@@ -8,6 +8,7 @@ namespace viscache {
 MapIntegrals integrate_maps(const ProductTree& tree, const BlendedMaps& maps, bool with_dilated,
                             CellTables& cells, Isa isa) {
     const size_t n = map_cells(maps.m);
+    // Dilated maps serve the guided density only.
     const int dilations = with_dilated ? viscache::dilations(maps.m) : 0;
     cells.visible.resize(n);
     double* dilated[3]{};
@@ -35,14 +36,18 @@ struct Walk {
     const BlendedMaps& maps;
     WalkIntegrals sums{};
 
+    // Records that are free in the whole node have added their weight to v. A node without undecided records
+    // is done: Ṽ is constant in it.
     void visit(int level, uint32_t node, unsigned undecided, double v) {
         const double p = tree.masses(level)[node];
         ++sums.nodes;
+        // No light or no reflection here
         if (p == 0) return;
         unsigned partial = 0;
         for (int i = 0; i < maps.count; ++i) {
             if (!(undecided >> i & 1)) continue;
             const NodeCode code = node_code(maps.m, maps.bits[i], maps.hierarchy[i], level, node);
+            // v is a copy: siblings do not see it.
             if (code == kFree) v += double(maps.beta[i]);
             if (code == kPartial) partial |= 1u << i;
         }

@@ -11,6 +11,7 @@ inline float normal_angle(Vec3 a, Vec3 b) {
 }
 
 /// [VisMap Eq. 9] w(d, θ) with t = d / d_max. Its slope over t is −1 at first and flattens towards the end.
+/// (1 − θ/π) is 0 for opposite normals; the second factor falls from 1 to λ/(1 + λ) at t = 1.
 inline float record_weight(float t, float theta, float lambda) {
     return (1 - theta / kPi) * (1 - t / (1 + lambda * t));
 }
@@ -21,6 +22,7 @@ public:
     NormalizedWeight(float theta_max_rad, float lambda)
         : lambda_(lambda), least_(record_weight(1, theta_max_rad, lambda)) {}
     float least() const { return least_; }
+    // At the limits, rounding could give less than 0.
     float operator()(float weight) const { return std::max(0.f, (weight - least_) / (1 - least_)); }
     float operator()(float t, float theta) const { return (*this)(record_weight(t, theta, lambda_)); }
 
@@ -33,6 +35,7 @@ private:
 constexpr float kCoincident = 1e-6f;
 inline float geometric_weight(Vec3 normal, Vec3 to_record, float distance, float d_max) {
     if (distance < kCoincident * d_max) return 1;
+    // 0 for a record straight above the point, 1 for one in its tangent plane.
     return std::max(0.f, 1 - std::fabs(dot(normal, to_record)) / distance);
 }
 

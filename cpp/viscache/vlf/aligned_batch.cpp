@@ -12,8 +12,12 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
     const TraceAxis trace = trace_axis_kernel(isa);
     if (input.origin.empty()) return {};
     const PointPackets points(triangles_.placement, input.origin, input.normal, control, input.order);
+    // Triangles and points are placed, so the length of rays must be, too. The scale is a power of two:
+    // nothing is rounded.
     const float reach = input.t_max * triangles_.placement.scale;
     threads = resolve_threads(threads);
+    // One state per thread. Rotated packets and the tree over them are scratch data that every axis
+    // overwrites.
     std::vector<AxisState> states;
     for (int t = 0; t < threads; ++t) states.emplace_back(std::min(points.packets, kPacketsAtOnce));
     rows_by_axis(input.axes.size(), kPacketsAtOnce, points.order, rows, threads, control,
@@ -56,6 +60,7 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
                  AlignedOrder order, int width, std::optional<Coherence> flag, int threads,
                  Control& control) {
     if (input.origin.empty() || input.axes.empty()) return;
+    // Embree traces in the space of the scene, so the points are not placed. Packets give only their order.
     const PointPackets points(Placement{}, input.origin, input.normal, control, input.order);
     if (order == AlignedOrder::kByAxis) {
         const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
@@ -64,11 +69,15 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
         rows_by_axis(input.axes.size(), points.packets, points.order, rows, threads, control,
                      [&](size_t axis, PacketRange, int, uint16_t* free) {
                          caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, plan);
+                         // `blocked_along` gives the blocked lanes. Free are the requested lanes that are
+                         // left.
                          for (size_t p = 0; p < points.packets; ++p)
                              free[p] = uint16_t(points.asked[p] & ~free[p]);
                      });
         return;
     }
+    // By point: the rays of one point along all axes. They spread over its hemisphere, so by default Embree
+    // is not promised coherent rays.
     const AxisArrays axes(input.axes);
     const AxisLanes lanes{axes.x.data(), axes.y.data(), axes.z.data(), input.axes.size(), axes.x.size()};
     const size_t words = words_for(lanes.count), tail = lanes.count % kWordBits;
@@ -77,12 +86,15 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
     const auto trace = [&](size_t i) {
         Word* row = &rows[i * words];
         caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, plan);
+        // Embree finds blocked rays, rows contain free ones. Padding bits, which the inversion has set,
+        // become 0 again.
         for (size_t w = 0; w < words; ++w) row[w] = ~row[w];
         if (tail) row[words - 1] &= (Word{1} << tail) - 1;
     };
     const size_t chunks = (points.points + kPointsPerChunk - 1) / kPointsPerChunk;
     parallel_for(chunks, threads, [&](size_t chunk, int) {
         control.check();
+        // In the order of packets, the rays of successive points descend the same parts of Embree's tree.
         const size_t first = chunk * kPointsPerChunk, last = std::min(points.points, first + kPointsPerChunk);
         for (size_t p = first; p < last; ++p) trace(points.order[p]);
     });

@@ -13,6 +13,7 @@ namespace viscache {
 
 /// Points, and the axes along which all of them look.
 struct AlignedInput {
+    // The three spans describe the rays: one per origin and axis.
     std::span<const Vec3> origin;  ///< already offset from the surface (`spawn`)
     std::span<const Vec3> normal;  ///< unit vectors, one per origin
     std::span<const Frame3> axes;  ///< orthonormal; rays run along z or against it
@@ -53,6 +54,8 @@ private:
 
 /// The same with Embree, in packets of 8 or 16. Without a flag, the packets get the one that suits their
 /// width. In robust scenes the bits depend only on the input.
+/// By axis, a packet holds the parallel rays of neighbouring points; by point, it holds the rays of one point
+/// along successive axes.
 void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
                  AlignedOrder order, int width, std::optional<Coherence> flag, int threads, Control& control);
 

@@ -21,9 +21,11 @@ constexpr size_t kGroupsPerCheck = 16;  ///< groups between two checks for cance
 /// scene is large, and products of three coordinates still fit into a float.
 constexpr float kFarthest = 1e9f;
 
+/// Number of runs of 16 that n elements fill. The last one may need padding.
 inline size_t in_lanes(size_t n) { return (n + kLanes - 1) / kLanes; }
 
 /// An array of floats aligned to 64 bytes.
+/// A cache line, and the widest vector: no load of 16 floats crosses a line.
 class LaneArray {
 public:
     /// Resizes the array; the contents are lost.
@@ -87,6 +89,7 @@ struct TriangleBlocks {
         const TriangleSource& s = masked[lane - first_masked * kLanes];
         return scene->solid_at(s.mesh, s.triangle, u, v);
     }
+    /// Nine coordinates per lane.
     uint64_t bytes() const { return uint64_t{9} * blocks * kLanes * sizeof(float); }
 
 private:
@@ -116,6 +119,15 @@ struct PacketRange {
 /// Bounding boxes of the nodes of one level along an axis. Across the axis they bound the points. Along it
 /// they bound the starts of the rays: of upward rays between `from_up` and `to_up`, of downward rays between
 /// `from_down` (the higher one) and `to_down`.
+///
+///     z                                from_down  ---  highest start
+///     ^   to_up    ---                             |  rays run down
+///     |   from_up  ---  lowest start   to_down    ---
+///     |      rays run up
+///
+/// Something between the depths `low` and `high` may block an upward ray of the node only if high > from_up,
+/// and a downward one only if low < from_down. A node without upward rays has from_up = ∞ and to_up = −∞, so
+/// that no comparison finds any; downward rays likewise.
 struct BoxLevel {
     size_t nodes = 0;
     LaneArray x0, x1, y0, y1, from_up, to_up, from_down, to_down;
@@ -140,6 +152,7 @@ struct AlignedCounts {
 };
 
 /// A packet rotated to the axis: x and y across it, z along it.
+/// Three cache lines of coordinates and one of masks.
 struct alignas(64) TurnedPacket {
     float x[kLanes], y[kLanes], z[kLanes];
     uint16_t up;    ///< lanes whose ray runs along the axis; the others run against it

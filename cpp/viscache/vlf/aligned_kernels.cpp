@@ -9,14 +9,21 @@
 namespace viscache {
 
 ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bool up, float reach) {
+    // A product of two floats has at most 48 bits and is exact in double. The difference of two exact numbers
+    // is rounded, but its sign is right: the edge functions decide exactly, with 0 only for points on an
+    // edge.
     const auto product = [](float x, float y) { return double(x) * double(y); };
     const double ea = product(b[0], c[1]) - product(b[1], c[0]);
     const double eb = product(c[0], a[1]) - product(c[1], a[0]);
     const double ec = product(a[0], b[1]) - product(a[1], b[0]);
+    // Counter-clockwise around the point, or clockwise
     const bool left = ea >= 0 && eb >= 0 && ec >= 0, right = ea <= 0 && eb <= 0 && ec <= 0;
     if (left == right) return {};  // outside, or edge-on
+    // Depth of the triangle at the point, times its signed double area `det`: no division, so no rounding of
+    // one.
     const double t = (ea * double(a[2]) + eb * double(b[2])) + ec * double(c[2]);
     const double det = std::fabs((ea + eb) + ec);
+    // Divided by a negative `det` (clockwise corners), the depth has the other sign
     const bool hit =
         (left == up ? t > 0 : t < 0) && (reach == kInfinity || std::fabs(t) <= double(reach) * det);
     return {hit, float(std::fabs(eb) / det), float(std::fabs(ec) / det)};
@@ -24,10 +31,12 @@ ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bo
 
 namespace {
 
+// Vectors of four floats as the compiler gives them on any CPU. It is the reference for the other variants.
 namespace portable {
 typedef float Part __attribute__((vector_size(16), may_alias));
 constexpr size_t kPartLanes = 4;
 inline Part all(float v) { return Part{v, v, v, v}; }
+// Comparisons set lanes to 0 or −1 (all bits), so bit i of lane i becomes bit i of the mask.
 inline uint32_t lanes_of(decltype(Part{} > Part{}) m) {
     return uint32_t((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
 }
@@ -42,10 +51,14 @@ inline Part select(uint32_t lanes, Part a, Part b) {
     const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
     return chosen ? a : b;
 }
+// Packs the chosen lanes to the left; the order stays:
+//
+//     from  a b c d e f g h     lanes 01101001 (a is the lowest bit)     to  a d f g
 template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
     for (uint32_t m = lanes; m; m &= m - 1) *to++ = from[__builtin_ctz(m)];
 }
+/// The same for the bits of a mask.
 inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) {
     uint32_t r = 0, n = 0;
     for (uint32_t m = lanes; m; m &= m - 1) r |= (bits >> __builtin_ctz(m) & 1) << n++;
@@ -56,6 +69,7 @@ inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) {
 
 #if VISCACHE_X86
 #pragma GCC push_options
+// No variant may fuse a product with a sum: CMakeLists.txt turns contraction off, for equal bits.
 #pragma GCC target("avx2,bmi,bmi2,popcnt")
 namespace avx2 {
 typedef float Part __attribute__((vector_size(32), may_alias));
@@ -80,6 +94,7 @@ inline float largest(Part a) {
     return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, 1)));
 }
 inline Part select(uint32_t lanes, Part a, Part b) {
+    // Bit i of the mask decides lane i: each lane compares its own bit.
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
     return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
@@ -88,6 +103,12 @@ template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
     for (size_t i = 0; i < kLanes; i += kPartLanes) {
         const uint32_t m = lanes >> i & 0xff;
+        // No instruction of AVX2 compacts lanes, but BMI2 compacts bits. `pdep` spreads the mask over eight
+        // bytes (00 or ff); `pext` gathers from the numbers 7...0 the bytes of the lanes that stay:
+        //
+        //     m = 01101001     bytes = 00ffff00ff0000ff     order = 06 05 03 00
+        //
+        // The permutation by these numbers moves the chosen lanes to the front.
         const uint64_t bytes = _pdep_u64(m, 0x0101010101010101u) * 0xff;  // bytes of the lanes that stay
         const __m128i order = _mm_cvtsi64_si128(int64_t(_pext_u64(0x0706050403020100u, bytes)));
         const __m256i v = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i));
@@ -102,6 +123,7 @@ inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits
 #pragma GCC pop_options
 
 #pragma GCC push_options
+// Without prefer-vector-width, the compiler splits some vectors of sixteen into two of eight.
 #pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")
 namespace avx512 {
 typedef float Part __attribute__((vector_size(64), may_alias));
@@ -116,6 +138,8 @@ inline float largest(Part a) { return _mm512_reduce_max_ps(a); }
 inline Part select(uint32_t lanes, Part a, Part b) { return _mm512_mask_blend_ps(__mmask16(lanes), b, a); }
 template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
+    // Compacted in a register and stored whole: the instruction that compacts into memory is slow on some
+    // CPUs.
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(__mmask16(lanes), _mm512_loadu_si512(from)));
 }
 inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits, lanes); }

@@ -10,6 +10,7 @@ void AlignedOracle::watch(const Control& control) {
 }
 
 Answer AlignedOracle::block(const BlockAsk& ask, Counters& counters) {
+    // Local lights have no common direction; only skies and distant lights suit the batch.
     BitMatrix* bits = is_direction(ask.lights.semantic) ? by_batch(ask, counters) : nullptr;
     return {.bits = bits ? bits : exact_.block(ask, counters).bits};
 }
@@ -18,8 +19,11 @@ Answer AlignedOracle::block(const BlockAsk& ask, Counters& counters) {
 BitMatrix* AlignedOracle::by_batch(const BlockAsk& ask, Counters& counters) {
     const FarEnds& lights = ask.lights;
     const uint64_t rays = count_bits(ask.wanted);
+    // Counts the rays of directions, whoever traces them, so that `report` can say which share the batch
+    // took.
     counters.direction_rays += rays;
     if (rays == 0 || lights.count == 0) return nullptr;
+    // Cheap refusals come first: DirectionBlock sorts the points, and `choose` traces along some axes.
     if (choose_ && is_hopeless(*batch_.triangles().scene, ask.eyes.size(), lights.t_max)) return nullptr;
     if (!fits_batch(batch_, ask.eyes.origin)) return nullptr;
     DirectionBlock block(batch_, ask.eyes, lights, ask.wanted, 1, control());

@@ -10,6 +10,7 @@ namespace viscache {
 
 namespace {
 
+/// One ray in this many is traced for the estimate.
 constexpr uint64_t kRaysPerSampled = 256;
 /// Points of a run. Long runs show how neighbouring points share work; short ones leave more to choose from.
 constexpr size_t kLongRun = 4096, kShortRun = 1024;
@@ -18,6 +19,8 @@ constexpr uint64_t kFewPasses = 4, kMostPasses = 64;
 /// this as many blocks as one run. From the measurements of `viscache bench aligned`.
 constexpr double kBlocksOfRuns = 0.6;
 /// Steps of the additive sequences for runs and axes, times 2³²: two numbers that share no short period.
+/// Inverses of the golden ratio and of the plastic number. Together they spread pairs of a run and an axis
+/// evenly over the plane (R2 sequence), for any number of passes.
 constexpr uint64_t kRunStep = 2654435769u, kAxisStep = 3242174889u;
 
 /// Element i of an additive sequence over n numbers.
@@ -26,6 +29,7 @@ size_t spread(uint64_t i, uint64_t step, size_t n) {
     return size_t((part * n) >> 32);
 }
 
+/// What a pass of the sample did and found.
 struct Pass {
     AlignedCounts work;
     uint64_t rays = 0, free = 0;
@@ -39,6 +43,7 @@ Pass trace_pass(const AlignedBatch& batch, const AlignedInput& input, std::span<
         origin.push_back(input.origin[i]);
         normal.push_back(input.normal[i]);
     }
+    // The run is already in kd-order: packets take the points as they come.
     std::vector<uint32_t> as_given(run.size());
     std::iota(as_given.begin(), as_given.end(), 0u);
     const TriangleBlocks& triangles = batch.triangles();
@@ -70,10 +75,12 @@ AlignedWork sampled_work(const AlignedBatch& batch, const AlignedInput& input, i
         input.order.empty() ? kd_order(input.origin, control) : std::vector<uint32_t>{};
     const std::span<const uint32_t> order = input.order.empty() ? std::span(sorted) : input.order;
     const uint64_t wanted = uint64_t(n) * axes / kRaysPerSampled;
+    // Few passes would see only a few places of the scene; shorter runs give four times as many.
     const size_t run = wanted < kFewPasses * kLongRun ? kShortRun : kLongRun, runs = (n + run - 1) / run;
     const uint64_t passes = std::clamp<uint64_t>(wanted / run, 1, kMostPasses);
     std::vector<Pass> found(passes);
     parallel_for(passes, threads, [&](size_t i, int) {
+        // Runs start at multiples of `run`, as the nodes of the kd-order do, so each is compact.
         const size_t first = spread(i, kRunStep, runs) * run;
         found[i] = trace_pass(batch, input, order.subspan(first, std::min(run, n - first)),
                               spread(i, kAxisStep, axes), control, isa);

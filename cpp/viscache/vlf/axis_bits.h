@@ -18,6 +18,13 @@ void rows_by_axis(size_t axes, size_t packets_at_once, std::span<const uint32_t>
                   int threads, Control& control, Trace trace) {
     const size_t packets = in_lanes(order.size()), row_words = words_for(axes);
     const size_t ranges = (packets + packets_at_once - 1) / packets_at_once;
+    // `lanes` has one row per axis and 16 bits per packet. The rows of the result have one bit per axis:
+    //
+    //     axis 0    [packet 0][packet 1] ...              point a   0 1 2 ... axes
+    //     axis 1    [packet 0][packet 1] ...     --->     point b   0 1 2 ...
+    //
+    // Threads write whole entries of `lanes`, and afterwards whole words of rows: no two of them share a
+    // word.
     std::vector<uint16_t> lanes(packets * std::min(axes, kAxesPerWave));
     for (size_t first = 0; first < axes; first += kAxesPerWave) {
         const size_t n = std::min(axes - first, kAxesPerWave), words = words_for(n);
@@ -28,12 +35,14 @@ void rows_by_axis(size_t axes, size_t packets_at_once, std::span<const uint32_t>
             const PacketRange range{from, std::min(packets - from, packets_at_once)};
             trace(first + k, range, worker, &lanes[k * packets + from]);
             control.check();
+            // Progress counts axes, each one when its last range is done.
             if (i / n + 1 == ranges) ++control.done;
         });
         constexpr size_t kPacketsPerChunk = 256;
         parallel_for((packets + kPacketsPerChunk - 1) / kPacketsPerChunk, threads, [&](size_t chunk, int) {
             const size_t last = std::min(packets, (chunk + 1) * kPacketsPerChunk);
             for (size_t p = chunk * kPacketsPerChunk; p < last; ++p)
+                // Transposes 64 axes × 16 points: one word for each point.
                 for (size_t w = 0; w < words; ++w) {
                     Word word[kLanes] = {};
                     for (size_t j = 0; j < std::min(kWordBits, n - w * kWordBits); ++j) {

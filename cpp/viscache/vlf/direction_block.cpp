@@ -63,6 +63,12 @@ void DirectionBlock::for_packets(Work work) const {
 }
 
 /// Converts rows of requested bits in the caller's order to columns in the order of the packets.
+///
+///     rows      one word per point: 64 directions          columns   16 bits per direction and packet
+///     point 0   d d d d d d ...                            d 0       [16 lanes of packet 0] [packet 1] ...
+///     point 1   d d d d d d ...                 -->        d 1       [16 lanes of packet 0] [packet 1] ...
+///
+/// The kernel traces one direction at a time and wants the lanes of a packet in one mask.
 void DirectionBlock::take(const BitMatrix& wanted) {
     rays_ = count_bits(wanted);
     columns_.assign(words_for(directions_) * kWordBits * points_.packets, 0);
@@ -73,8 +79,10 @@ void DirectionBlock::take(const BitMatrix& wanted) {
             for (size_t p = first; p < last; ++p) {
                 for (size_t i = 0; i < kLanes; ++i) {
                     const size_t lane = p * kLanes + i;
+                    // Padding lanes request nothing.
                     rows.row(i)[0] = lane < points_.points ? wanted.row(points_.order[lane])[w] : 0;
                 }
+                // Transposes 16 points × 64 directions at a time.
                 columns16(rows, 0, 0, turned);
                 for (size_t j = 0; j < kWordBits; ++j) column(w * kWordBits + j)[p] = turned[j];
             }
@@ -103,12 +111,15 @@ void DirectionBlock::trace_axis(const SharedAxis& axis, TraceAxis kernel, Worker
                                 uint16_t* against) const {
     const float reach = t_max_ * axis.length * batch_.triangles().placement.scale;
     AxisState& s = worker.state;
+    // Requested lanes that run along the axis, for all packets; nullptr would take the side of the normal.
     const auto trace = [&](const uint16_t* up) {
         s.up = up;
         s.asked = worker.asked.data();
         kernel(batch_.triangles(), points_, {0, points_.packets}, axis.frame, reach, s, control_);
         control_.check();
     };
+    // One pass serves both directions: lanes that request `along` run up, all others down. This halves the
+    // work where points see a whole sphere of directions, each point on one side of its surface.
     uint16_t any = 0, both = 0;
     for (size_t p = 0; p < points_.packets; ++p) {
         const uint16_t down = against ? against[p] : uint16_t{0};
@@ -121,10 +132,13 @@ void DirectionBlock::trace_axis(const SharedAxis& axis, TraceAxis kernel, Worker
     std::vector<uint16_t> twice;
     for (size_t p = 0; p < points_.packets; ++p) {
         if (both) twice.push_back(uint16_t(along[p] & against[p]));
+        // First `against`, which needs the requested lanes of `along`; these are overwritten in the next
+        // line.
         if (against) against[p] = uint16_t(against[p] & ~along[p] & s.free[p]);
         along[p] &= s.free[p];
     }
     if (!both) return;
+    // The second pass serves lanes that request both. None runs up, so all run against the axis.
     const std::vector<uint16_t> none(points_.packets);
     worker.asked = twice;
     trace(none.data());
@@ -134,6 +148,7 @@ void DirectionBlock::trace_axis(const SharedAxis& axis, TraceAxis kernel, Worker
 AlignedCounts DirectionBlock::trace(BitMatrix& visible, Isa isa) {
     if (points_.points == 0 || axes_.empty()) return {};
     const TraceAxis kernel = trace_axis_kernel(isa);
+    // More threads than axes would have nothing to do.
     std::vector<Worker> workers;
     for (size_t t = 0; t < std::min(size_t(threads_), axes_.size()); ++t) workers.emplace_back(points_);
     parallel_for(axes_.size(), threads_, [&](size_t a, int worker) {
@@ -163,6 +178,7 @@ EngineChoice DirectionBlock::choose(Isa isa) const {
     parallel_for(some.size(), threads_, [&](size_t i, int) {
         const SharedAxis& axis = axes_[some[i]];
         Worker worker(points_);
+        // `trace_axis` replaces requested lanes by visible ones, so a probe works on copies.
         const auto copy = [&](uint32_t direction) {
             std::vector<uint16_t> lanes(points_.packets);
             if (direction != SharedAxis::kNone)
@@ -180,7 +196,9 @@ EngineChoice DirectionBlock::choose(Isa isa) const {
     const uint64_t traced = std::accumulate(rays.begin(), rays.end(), uint64_t{0});
     const uint64_t free = std::accumulate(seen.begin(), seen.end(), uint64_t{0});
     const AlignedOrder order = embree_order(batch_.triangles().triangles, points_.points);
+    // Length of rays over the diameter of the scene
     const float length = t_max_ / (2 * batch_.triangles().scene->radius());
+    // The prediction is of rays that cover every point and axis; blocks differ by measured factors.
     EngineChoice costs = predicted_costs(AlignedWork::of(all, traced, free), order, length, isa);
     costs.batch_ns *= kTurningBits;
     costs.embree_ns *= kEmbreeAtBlocks;

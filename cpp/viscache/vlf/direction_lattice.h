@@ -33,11 +33,13 @@ public:
     template <class Visit>
     void around(uint32_t index, int reach, Visit visit) const {
         const auto [i, j] = places_[index];
+        // Height of the axis's vertex. It is a coordinate like i and j: neighbours are near in all three.
         const int k = n_ - std::abs(i) - std::abs(j);
         for (int a = i - reach; a <= i + reach; ++a)
             for (int b = j - reach; b <= j + reach; ++b) {
                 const int c = n_ - std::abs(a) - std::abs(b);
                 if (c >= 0 && std::abs(c - k) <= reach) visit(axis_at(a, b), kept(a, b) ? 1.0 : -1.0);
+                // (a, b, −c), in the lower half, is the antipode of (−a, −b, c).
                 if (c > 0 && std::abs(c + k) <= reach) visit(axis_at(-a, -b), -1.0);
             }
     }

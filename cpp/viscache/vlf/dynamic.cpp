@@ -16,9 +16,11 @@ DynamicField::DynamicField(std::shared_ptr<const Scene> scene, const FieldSettin
       directions_(directions_of(settings_.n_directions)),
       shape_(settings_.shape()),
       scene_triangles_(triangles_.size()) {
+    // The box follows from the triangles that a subfield is built of, and these change.
     if (settings_.fit == FieldFit::kBox)
         throw std::invalid_argument("fit must be \"sphere\" where objects move, got \"psf_box\"");
     const int builders = check_budget(triangles_, settings_, threads, control);
+    // Subfields are built as those of a field that does not change. Then each mode takes them over.
     SubfieldStore store(directions_, shape_);
     store.build_all(triangles_.in_ball(), builders, control);
     for (uint32_t i = 0; i < directions_.size(); ++i) {
@@ -49,6 +51,8 @@ void DynamicField::require_inside(std::span<const FlatTriangle> triangles) const
 }
 
 /// Reserves `count` consecutive ids; returns the first.
+/// The triangles of an object have consecutive ids, so that an overlay's list is ascending. Ranges of deleted
+/// objects are used again, the first that is large enough.
 uint32_t DynamicField::take_ids(uint32_t count) {
     for (Range& free : free_ids_)
         if (free.count >= count) {
@@ -64,6 +68,8 @@ uint32_t DynamicField::take_ids(uint32_t count) {
 }
 
 /// Calls visit(tile, entry) for the tiles that the triangles of an object touch at their current place.
+/// Rasterizes the stored floats with the same grid and frame as before, so removal finds exactly the tiles
+/// and depths of the insertion.
 template <class Visit>
 void DynamicField::for_touches(size_t direction, const Object& object, Visit visit) const {
     for (uint32_t id = object.first; id < object.first + object.count; ++id)
@@ -78,6 +84,7 @@ void DynamicField::remove_lists(size_t direction, uint32_t number, const Object&
         for_touches(direction, object,
                     [&](size_t tile, const TileEntry& entry) { editable_[direction].remove(tile, entry); });
     } else {
+        // Layers hold pointers into the overlays: the pointer goes first.
         const auto overlay = overlays_[direction].find(number);
         std::erase(layers_[direction], &overlay->second);
         overlays_[direction].erase(overlay);
@@ -92,13 +99,17 @@ void DynamicField::insert_lists(size_t direction, uint32_t number, const Object&
     } else {
         std::vector<uint32_t> ids(object.count);
         for (uint32_t i = 0; i < object.count; ++i) ids[i] = object.first + i;
+        // Tight: an overlay covers only the rectangle of tiles that its object touches.
         Subfield overlay = builder.build(triangles_.in_ball().subspan(object.first, object.count), ids,
                                          directions_.frames()[direction], true);
+        // Elements of a map never move, so the pointer stays valid when other objects come and go.
         layers_[direction].push_back(
             &overlays_[direction].insert_or_assign(number, std::move(overlay)).first->second);
     }
 }
 
+/// Order matters: the lists lose the triangles at the old place, which they must still find there; then the
+/// triangles change; then the lists gain them at the new one. Directions are independent of each other.
 template <class Change>
 void DynamicField::update(uint32_t number, const Object& object, bool out, bool in, int threads,
                           Change change) {
@@ -134,8 +145,10 @@ void DynamicField::remove(uint32_t number, int threads) {
 void DynamicField::transform(uint32_t number, const Affine& place, int threads) {
     const Object& moved = object(number);
     std::vector<FlatTriangle> there;
+    // From the triangles as inserted, not as last placed: errors of repeated moves do not add up.
     for (const FlatTriangle& t : moved.inserted)
         there.push_back({place.point(t.a), place.point(t.b), place.point(t.c)});
+    // Checked before anything changes: a refused move leaves the object where it was.
     require_inside(there);
     update(number, moved, true, true, threads, [&] {
         for (uint32_t i = 0; i < moved.count; ++i) triangles_.set(moved.first + i, there[i]);
@@ -146,6 +159,8 @@ DynamicHit DynamicField::nearest(const Ray& ray) const {
     if (ray.d == Vec3{}) return {};
     const uint32_t direction = directions_.nearest(ray.d);
     const Frame3& frame = directions_.frames()[direction];
+    // One layer where lists change in place; the scene's and one per object otherwise. The same walk serves
+    // both.
     NearestHit best{ray.t_max};
     if (mode_ == UpdateMode::kInPlace) {
         const EditableSubfield* const layers[] = {&editable_[direction]};
@@ -155,6 +170,7 @@ DynamicHit DynamicField::nearest(const Ray& ray) const {
             nearest_hit<Subfield>(triangles_, layers_[direction], frame, TileFit{}, settings_, ray, nullptr);
     }
     if (best.id == kNoHit) return {};
+    // Ids past those of the scene belong to objects.
     if (best.id >= scene_triangles_) {
         const uint32_t number = owner_[best.id - scene_triangles_];
         return {best.t, number, best.id - objects_.at(number).first, best.u, best.v};
@@ -215,6 +231,8 @@ std::vector<std::pair<uint32_t, uint32_t>> DynamicField::listed(uint32_t directi
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> DynamicField::listed_anew(uint32_t direction) const {
+    // What `listed` must give after any sequence of changes. The ids are those in use, so lists can be
+    // compared.
     std::vector<FlatTriangle> triangles(triangles_.in_ball().begin(),
                                         triangles_.in_ball().begin() + ptrdiff_t(scene_triangles_));
     std::vector<uint32_t> ids(scene_triangles_);

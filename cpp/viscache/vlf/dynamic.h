@@ -61,6 +61,7 @@ public:
 private:
     struct Object {
         uint32_t first, count;  ///< ids of its triangles
+        // As inserted; `transform` starts from them.
         std::vector<FlatTriangle> inserted;
     };
     struct Range {

@@ -42,10 +42,12 @@ public:
     }
 
 private:
+    // `slabs` divides the depth into leaves and never changes; `occupied` bounds what is listed.
     struct Tile {
         uint32_t first_leaf, leaves;
         Subfield::Range slabs, occupied;
     };
+    // `room` entries from `first` on, `count` of them in use.
     struct List {
         uint32_t first, count, room;
     };

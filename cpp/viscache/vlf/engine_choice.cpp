@@ -48,6 +48,7 @@ AlignedOrder embree_order(uint64_t triangles, uint64_t points) {
 
 std::vector<size_t> probed_axes(size_t axes, size_t n) {
     std::vector<size_t> some;
+    // The middles of n equal parts
     for (size_t i = 0; i < n; ++i) some.push_back((2 * i + 1) * axes / (2 * n));
     return some;
 }
@@ -55,10 +56,12 @@ std::vector<size_t> probed_axes(size_t axes, size_t n) {
 EngineChoice predicted_costs(const AlignedWork& work, AlignedOrder order, float length, Isa isa) {
     const BatchPrices& b = kBatchPrices;
     const EmbreePrices& e = order == AlignedOrder::kByAxis ? kByAxisPrices : kByPointPrices;
+    // As fitted: the cost of free rays grows with the fourth root of their length.
     const double reach = std::sqrt(std::sqrt(std::clamp(double(length), 0., 1.)));
     EngineChoice choice;
     choice.batch_ns = slowness(isa) * (b.ray + b.block * work.blocks + b.node * work.nodes +
                                        b.pair * work.pairs + b.test * work.tests + b.exact * work.exact);
+    // Narrow tests are of several points near one triangle: packets of neighbouring points share them.
     const double narrow = work.tests - work.wide, free_length = work.free * reach;
     choice.embree_ns = e.ray + (e.narrow + e.narrow_length * free_length) * narrow +
                        (e.wide + e.wide_length * free_length) * work.wide + e.exact * work.exact +
@@ -77,16 +80,19 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
     if (input.origin.empty() || input.axes.empty()) return {};
     const AlignedOrder order = embree_order(batch.triangles().triangles, input.origin.size());
     const float length = input.t_max / (2 * batch.triangles().scene->radius());
+    // First step: a small sample. Second step, only if the batch has a chance: whole axes.
     const EngineChoice sampled =
         predicted_costs(sampled_work(batch, input, threads, control, isa), order, length, isa);
     const std::vector<size_t> probed =
         probed_axes(input.axes.size(), std::min(input.axes.size() / kAxesPerProbe, kProbedAxes));
+    // No whole axis is affordable, so the sample alone decides and must be clearer.
     if (probed.empty()) return decided(sampled, kClearShare);
     if (sampled.batch_ns > kHope * sampled.embree_ns) return decided(sampled, kShare);
     std::vector<Frame3> some;
     for (const size_t axis : probed) some.push_back(input.axes[axis]);
     AlignedInput probe = input;
     probe.axes = some;
+    // One word per point has room for all probed axes.
     std::vector<Word> rows(input.origin.size());
     static_assert(kProbedAxes <= kWordBits);
     const AlignedCounts counts = batch.rows(probe, rows, threads, control, isa);

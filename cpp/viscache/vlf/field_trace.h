@@ -11,11 +11,14 @@ template <class Layer>
 NearestHit nearest_hit(const FieldTriangles& triangles, std::span<const Layer* const> layers,
                        const Frame3& frame, const TileFit& fit, const FieldSettings& settings, const Ray& ray,
                        FieldSteps* steps) {
+    // Three forms of one ray: in the unit ball, in double, for the walk; near the scene, in float, for the
+    // triangles; and rotated to the direction, clipped to the cube, for tiles and depths.
     const FieldRay in_ball(ray, triangles.space());
     const LocalRay local = triangles.to_local(ray, in_ball);
     const CanonicalRay canonical(in_ball, frame, ray.t_min, ray.t_max, fit);
     NearestHit best = triangles.with_kernel(local.ray, [&](const auto& kernel) {
         NearestHit nearest{local.ray.t_max};
+        // The walk works with t of the caller, the kernels with local t.
         walk_field(layers, canonical, settings.n_tiles, settings.walk, ray.t_max, steps,
                    [&](std::span<const uint32_t> ids, double) {
                        triangles.nearest(kernel, ids, nearest);
@@ -23,6 +26,7 @@ NearestHit nearest_hit(const FieldTriangles& triangles, std::span<const Layer* c
                    });
         return nearest;
     });
+    // Most rays are not moved, and their t keeps its bits.
     if (local.shift != 0) best.t = float(best.t + local.shift);
     return best;
 }
@@ -38,6 +42,7 @@ bool any_hit(const FieldTriangles& triangles, std::span<const Layer* const> laye
         walk_field(layers, canonical, settings.n_tiles, settings.walk, ray.t_max, steps,
                    [&](std::span<const uint32_t> ids, double limit) {
                        found = triangles.any(kernel, ids, local.ray.t_max);
+                       // Below every t: the walk ends at once.
                        return found ? -double(kInfinity) : limit;
                    });
         return found;

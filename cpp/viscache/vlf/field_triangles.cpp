@@ -24,6 +24,7 @@ FieldTriangles::FieldTriangles(std::shared_ptr<const Scene> scene, TriangleKerne
     grow(flat.triangles.size());
     for (uint32_t id = 0; id < flat.triangles.size(); ++id) set(id, flat.triangles[id]);
     sources_ = std::move(flat.sources);
+    // One test per scene spares the alpha look-up in all others.
     for (uint32_t m = 0; m < scene_->meshes().size(); ++m) cutouts_ |= scene_->has_cutout(m);
 }
 
@@ -31,6 +32,7 @@ FieldTriangles::FieldTriangles(std::shared_ptr<const Scene> scene, TriangleKerne
 // the bounding sphere is the unit ball.
 void FieldTriangles::fit(const std::vector<FlatTriangle>& triangles, const Bounds& bounds, double head_room) {
     if (bounds.empty()) return;
+    // In double: a scene far from the origin loses no bits of its size.
     for (int i = 0; i < 3; ++i) space_.center[i] = 0.5 * (double(bounds.lo[i]) + bounds.hi[i]);
     double farthest = 0;
     for (const FlatTriangle& t : triangles)
@@ -40,6 +42,7 @@ void FieldTriangles::fit(const std::vector<FlatTriangle>& triangles, const Bound
             farthest = std::max(farthest, sum);
         }
     if (farthest > 0) space_.radius = std::sqrt(farthest) * kFit * head_room;
+    // The kernels work relative to this point (0 unless the scene is far from the origin).
     origin_ = exact_origin(bounds);
 }
 
@@ -49,6 +52,7 @@ Vec3 FieldTriangles::to_ball(Vec3 p) const {
 }
 
 bool FieldTriangles::holds(const FlatTriangle& t) const {
+    // Projected corners of such a triangle lie on the tiles of every direction.
     const auto inside = [&](Vec3 p) { return length2(to_ball(p)) <= 1; };
     return inside(t.a) && inside(t.b) && inside(t.c);
 }
@@ -57,6 +61,7 @@ void FieldTriangles::grow(size_t count) {
     const size_t n = in_ball_.size() + count;
     if (n >= kNoHit) throw std::length_error("a field holds at most 2^32 - 2 triangles");
     in_ball_.resize(n);
+    // Triangles of objects have no source in the scene; `solid` takes them as opaque.
     sources_.resize(n, {kNoHit, kNoHit, kNoHit});
     if (kernel_ == TriangleKernel::kWald)
         wald_.resize(n);
@@ -65,6 +70,7 @@ void FieldTriangles::grow(size_t count) {
 }
 
 void FieldTriangles::set(uint32_t id, const FlatTriangle& t) {
+    // Two copies: in the unit ball, for lists; relative to the origin, in scene units, for the kernel.
     in_ball_[id] = {to_ball(t.a), to_ball(t.b), to_ball(t.c)};
     const Vec3 a = t.a - origin_, b = t.b - origin_, c = t.c - origin_;
     if (kernel_ == TriangleKernel::kWald)
@@ -74,18 +80,26 @@ void FieldTriangles::set(uint32_t id, const FlatTriangle& t) {
 }
 
 uint64_t FieldTriangles::bytes() const {
+    // Records of both kernels have the same size.
     return size() * (sizeof(TriangleSource) + sizeof(FlatTriangle) + sizeof(WaldTriangle));
 }
 
 LocalRay FieldTriangles::to_local(const Ray& ray, const FieldRay& in_ball) const {
     const double *o = in_ball.o, *d = in_ball.d;
     const double from2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2];
+    // Near rays stay as they are: their answers have the bits of the kernel in scene space.
     if (from2 <= kNear * kNear) return {{ray.o - origin_, ray.t_min, ray.d, ray.t_max}, 0};
     const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    // Closest approach to the centre, and its squared distance. The ray then starts where it enters the
+    // sphere of radius kEntry, or at the closest approach if it misses it:
+    //
+    //     o ------------ shift ----------->(-------- nearest        )
+    //                                      ^ entry of the sphere of radius kEntry
     const double nearest = -(o[0] * d[0] + o[1] * d[1] + o[2] * d[2]) / d2;
     double apart2 = 0;
     for (int i = 0; i < 3; ++i) apart2 += (o[i] + nearest * d[i]) * (o[i] + nearest * d[i]);
     const double shift = nearest - std::sqrt(std::max(0.0, kEntry * kEntry - apart2) / d2);
+    // In double, and rounded once: the far origin and the shift nearly cancel.
     const auto moved = [&](float origin, float direction, float local) {
         return float(double(origin) + shift * direction - local);
     };

@@ -38,6 +38,7 @@ public:
     void nearest(const Kernel& kernel, std::span<const uint32_t> ids, NearestHit& best) const {
         for (const uint32_t id : ids) {
             TriangleHit hit;
+            // The alpha mask is looked up last, for hits that would win.
             if (kernel(id, best.t, hit) && best.nearer(hit, id) && (!cutouts_ || solid(id, hit)))
                 best.take(hit, id);
         }
@@ -58,6 +59,7 @@ public:
             return work([&](uint32_t id, float limit, TriangleHit& hit) {
                 return intersect_wald(wald_[id], local, limit, hit);
             });
+        // The shear depends only on the ray and serves all of its triangles.
         const ShearedRay sheared(local);
         return work([&](uint32_t id, float limit, TriangleHit& hit) {
             return intersect_watertight(corners_[id], sheared, limit, hit);

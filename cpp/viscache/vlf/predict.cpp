@@ -8,6 +8,7 @@ namespace viscache {
 
 namespace {
 
+// Subfields of a scene differ little in size, so a few of them speak for all.
 constexpr uint32_t kSamples = 8;
 
 /// Lower bound of the bytes of a field: its lists without division into leaves, and 16 bytes per tile.
@@ -18,6 +19,7 @@ double least_bytes(const FieldTriangles& triangles, const FieldSettings& s) {
 
 /// True if a field is predicted to fit. Settings that are far too large are rejected without a trial build.
 bool fits(const FieldTriangles& triangles, const FieldSettings& s, int threads, const Control& control) {
+    // Twice the budget: the estimate is of averages, and only clear excess is refused without a trial.
     if (least_bytes(triangles, s) > 2.0 * double(s.max_bytes)) return false;
     return predicted_peak(triangles, s, threads, control).peak() <= s.max_bytes;
 }
@@ -35,6 +37,7 @@ bool halve_tiles(FieldSettings& s) { return (s.n_tiles /= 2) >= 1; }
 bool less_depth(FieldSettings& s) { return --s.bsp_depth >= 0; }
 bool fewer_directions(FieldSettings& s) {
     if (s.n_directions == 1) return false;
+    // 2·4^k + 1 becomes 2·4^(k−1) + 1.
     s.n_directions = s.n_directions == 3 ? 1 : (s.n_directions - 1) / 4 + 1;
     return true;
 }
@@ -42,6 +45,7 @@ bool fewer_directions(FieldSettings& s) {
 std::string suggestions(const FieldTriangles& triangles, const FieldSettings& s, int threads,
                         const Control& control) {
     std::string text;
+    // Each suggestion changes one setting: users choose which one they give up.
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", or ") + part; };
     if (const auto fit = first_fit(triangles, s, threads, control, halve_tiles))
         add("n_tiles=" + std::to_string(fit->n_tiles));
@@ -56,11 +60,13 @@ std::string suggestions(const FieldTriangles& triangles, const FieldSettings& s,
 }  // namespace
 
 double expected_references(std::span<const FlatTriangle> triangles, int n_tiles) {
+    // Width of a tile
     const double c = 2.0 / n_tiles;
     double sum = 0;
     for (const FlatTriangle& t : triangles) {
         const Vec3 e[3] = {t.b - t.a, t.c - t.b, t.a - t.c};
         const double perimeter = double(length(e[0])) + length(e[1]) + length(e[2]);
+        // Half the cross product is the area A.
         sum += 0.5 * length(cross(e[0], e[1])) / (2 * c * c) + perimeter / (2 * c) + 1;
     }
     return sum;
@@ -73,6 +79,7 @@ PredictedBytes predicted_peak(const FieldTriangles& triangles, const FieldSettin
     std::vector<PredictedBytes> bytes(samples);
     parallel_for(samples, threads, [&](size_t i, int) {
         control.check();
+        // The middles of equal parts of the directions
         const size_t direction = (2 * i + 1) * directions.size() / (2 * samples);
         SubfieldBuilder builder(settings.shape());
         bytes[i].field = builder.build(triangles.in_ball(), {}, directions.frames()[direction]).bytes();
@@ -81,6 +88,7 @@ PredictedBytes predicted_peak(const FieldTriangles& triangles, const FieldSettin
     uint64_t sum = 0, builder = 0;
     for (const PredictedBytes& b : bytes) {
         sum += b.field;
+        // The buffers of a builder grow to those of its largest subfield.
         builder = std::max(builder, b.builder);
     }
     return {triangles.bytes() + uint64_t(double(sum) / samples * directions.size()), builder};
@@ -94,10 +102,12 @@ uint64_t predicted_bytes(const FieldTriangles& triangles, const FieldSettings& s
 int check_budget(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
                  const Control& control) {
     const double least = least_bytes(triangles, settings);
+    // Far beyond the budget, even a trial build could exhaust memory.
     const bool hopeless = least > 2.0 * double(settings.max_bytes);
     const PredictedBytes bytes =
         hopeless ? PredictedBytes{uint64_t(least), 0} : predicted_peak(triangles, settings, threads, control);
     if (bytes.peak() <= settings.max_bytes) {
+        // What the field leaves of the budget is divided among the builders.
         const uint64_t builders = (settings.max_bytes - bytes.field) / std::max<uint64_t>(1, bytes.builder);
         return int(std::min<uint64_t>(uint64_t(resolve_threads(threads)), builders));
     }

@@ -19,6 +19,7 @@ struct TileGrid {
 
     /// Tile of a coordinate along either axis. Coordinates beyond the border belong to the outermost tile.
     int tile_of(float x) const {
+        // Clamped before the conversion: an int from a large float or NaN is undefined.
         const float place = (x + 1) * (0.5f * float(n));
         return place > 0 ? std::min(n - 1, int(std::min(place, float(n)))) : 0;
     }
@@ -51,6 +52,7 @@ struct CutPolygon {
     struct Corner {
         float x, y, z;
     };
+    // Each of the four cuts adds at most one corner: 3 + 4 = 7.
     std::array<Corner, 8> corner;
     int size = 0;
 
@@ -65,6 +67,7 @@ struct CutPolygon {
         for (int i = 0; i < n; ++i) {
             const Corner &p = before[size_t(i)], &q = before[size_t(i + 1 == n ? 0 : i + 1)];
             const float dp = sign * (limit - p.*axis), dq = sign * (limit - q.*axis);
+            // A corner on the line stays, so a polygon that only touches the half plane is not lost.
             if (dp >= 0) corner[size_t(size++)] = p;
             if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
                 const float s = dp / (dp - dq);
@@ -99,12 +102,21 @@ void cover_tiles(const ProjectedTriangle& t, const TileGrid& grid, Visit visit) 
     const auto [y_low, y_high] = whole.range(&Corner::y);
     const auto [z_low, z_high] = whole.range(&Corner::z);
     const int first_row = grid.tile_of(y_low - e), last_row = grid.tile_of(y_high + e);
+    // Most triangles of a fine mesh lie in one tile and need no cut.
     if (first_row == last_row && grid.tile_of(x_low - e) == grid.tile_of(x_high + e)) {
         visit(grid.tile_of(x_low - e), first_row, z_low - e, z_high + e);
         return;
     }
+    // One strip per row of tiles. What a convex polygon has in a strip covers a run of tiles without gaps:
+    //
+    //      |    |    |    |
+    //     -+----+----+----+-
+    //      | ## | ## | ## |      strip of one row: tiles from `first` to `last`
+    //     -+----+----+----+-
+    //      |    |    |    |
     for (int row = first_row; row <= last_row; ++row) {
         CutPolygon strip = whole;
+        // The outermost rows and columns are not cut on the outer side: no part of the triangle lies beyond.
         if (row > first_row) strip.cut(&Corner::y, grid.border(row) - e, -1);
         if (row < last_row) strip.cut(&Corner::y, grid.border(row + 1) + e, 1);
         if (strip.size == 0) continue;  // touched only by rounding

@@ -9,10 +9,12 @@ namespace viscache {
 namespace {
 
 /// Largest scale of a box. The dilation of coverage is scaled as well.
+/// A scene that is flat across the beams has no width to divide by.
 constexpr float kMostScale = 64;
 
 /// Centre and scale that map [low, high], widened by `margin`, to [−1, 1].
 void fit_side(float low, float high, float margin, float& centre, float& scale) {
+    // The margin keeps the corners, dilated by the slack, on the tiles.
     centre = 0.5f * (low + high);
     scale = std::min(kMostScale, 1 / std::max(0.5f * (high - low) + margin, 1e-6f));
 }
@@ -41,6 +43,7 @@ void SubfieldBuilder::rasterize(std::span<const FlatTriangle> triangles, std::sp
                                 const Frame3& frame, const TileFit& fit) {
     touches_.clear();
     TileGrid grid = shape_.grid;
+    // The slack is a length in the unit ball; on enlarged tiles it grows by the larger of both scales.
     grid.slack *= fit.largest_scale();
     for (uint32_t i = 0; i < triangles.size(); ++i) {
         const uint32_t id = ids.empty() ? i : ids[i];
@@ -71,7 +74,9 @@ void SubfieldBuilder::sort_by_tile(const TileRect& rect) {
     for (const Touch& t : touches_) ++first_[tile(t) + 1];
     for (size_t i = 0; i < rect.size(); ++i) first_[i + 1] += first_[i];
     sorted_.resize(touches_.size());
+    // Filling advances each start to the start of the next tile ...
     for (const Touch& t : touches_) sorted_[first_[tile(t)]++] = t.entry;
+    // ... so shifting them by one restores them.
     for (size_t i = rect.size(); i > 0; --i) first_[i] = first_[i - 1];
     first_[0] = 0;
 }
@@ -82,6 +87,11 @@ void SubfieldBuilder::require_room(size_t words) const {
 }
 
 /// Appends the leaves of one tile to the pool.
+/// Layout in the pool, from `first` on; the index is present only if the tile is split at medians:
+///
+///     [index of borders] [ends of leaves 0 ... L-1] [triangles of leaf 0] [of leaf 1] ... [of leaf L-1]
+///
+/// Ends count from the first triangle. A triangle that straddles leaves is listed in each of them.
 Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
     if (entries.empty()) return {};
     TileBsp bsp;
@@ -93,6 +103,7 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
             bsp.z1 = std::max(bsp.z1, e.high);
         }
     }
+    // A power of two: the halvings of the paper, laid out as equal slabs.
     bsp.leaves = 1 << tile_depth(entries.size(), shape_.bsp_depth, shape_.leaf_target);
     const size_t leaves = size_t(bsp.leaves);
     require_room(leaves + 1);
@@ -105,6 +116,7 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
     }
     const size_t ends = pool_.size(), ids = ends + leaves;
     pool_.resize(ids);
+    // Count, add up, fill: the entries ascend, so the ids of every leaf do, too.
     for (const TileEntry& e : entries)
         for (int l = bsp.leaf_of(e.low), last = bsp.leaf_of(e.high); l <= last; ++l)
             ++pool_[ends + size_t(l)];
@@ -125,6 +137,7 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
 Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
                                 const Frame3& frame, bool tight) {
     Subfield made;
+    // Without a box, the tiles cover the square around the ball (the default of `TileFit`).
     if (shape_.fit_box) made.fit = box_of(triangles, frame, shape_.grid.slack);
     rasterize(triangles, ids, frame, made.fit);
     made.rect = tight ? touched_rect() : TileRect{0, 0, shape_.grid.n, shape_.grid.n};
@@ -135,6 +148,7 @@ Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::sp
     for (size_t tile = 0; tile < made.tiles(); ++tile)
         made.tiles_.push_back(
             add_tile(std::span(sorted_).subspan(first_[tile], first_[tile + 1] - first_[tile])));
+    // Copied with their exact size; the builder keeps its buffers for the next direction.
     made.pool_.assign(pool_.begin(), pool_.end());
     made.borders_.assign(borders_.begin(), borders_.end());
     return made;

@@ -49,6 +49,7 @@ public:
 
 private:
     struct Slot {
+        // `building` is held for as long as a build takes, `access` only for a copy of the pointer.
         std::mutex building, access;
         std::shared_ptr<const Subfield> field;  ///< guarded by access
         std::atomic<uint64_t> used{0};          ///< time of the last use

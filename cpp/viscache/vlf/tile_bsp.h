@@ -28,6 +28,7 @@ constexpr int kMostBspDepthOfTile = 12;
 inline int tile_depth(size_t count, int depth, int leaf_target) {
     if (leaf_target == 0) return count ? depth : 0;
     int d = 0;
+    // Each halving halves the polygons, if depths are evenly distributed and none straddles.
     while (d < depth && count > size_t(leaf_target) << d) ++d;
     return d;
 }
@@ -44,12 +45,15 @@ struct TileBsp {
     /// Leaf of a depth; the outermost leaf for depths beyond the range. Never decreases with z, despite
     /// rounding.
     int leaf_of(float z) const {
+        // A depth on a border belongs to the leaf that starts there.
         if (borders) return int(std::upper_bound(borders + 1, borders + leaves, z) - borders) - 1;
+        // Clamped before the conversion, as in TileGrid::tile_of.
         const float place = (z - z0) * (float(leaves) / (z1 - z0));
         return place > 0 ? std::min(leaves - 1, int(std::min(place, float(leaves)))) : 0;
     }
     /// Start of leaf l; l = `leaves` gives the end of the last one.
     float border(int l) const {
+        // Exact at both ends, where the quotient need not be.
         if (l == 0) return z0;
         if (l == leaves) return z1;
         return borders ? borders[l] : z0 + (z1 - z0) * (float(l) / float(leaves));
@@ -63,6 +67,7 @@ constexpr float kDepthSlack = 1e-6f;
 /// true. Returns whether it did.
 template <class Visit>
 bool walk_leaves(const TileBsp& bsp, float low, float high, bool upwards, Visit visit) {
+    // Widened, so that rounding of the ray's depths skips no leaf.
     const int first = bsp.leaf_of(low - kDepthSlack), last = bsp.leaf_of(high + kDepthSlack);
     if (upwards) {
         for (int l = first; l <= last; ++l)
@@ -81,8 +86,10 @@ bool walk_leaves_by_stack(const TileBsp& bsp, float low, float high, bool upward
     struct Node {
         int first, count;
     };
+    // One far half per halving at most
     Node stack[kMostBspDepthOfTile + 1];
     int entries = 0;
+    // A node is a run of leaves: the tree is implicit, with plane k between leaves k − 1 and k.
     Node node{0, bsp.leaves};
     low -= kDepthSlack;
     high += kDepthSlack;
@@ -96,6 +103,7 @@ bool walk_leaves_by_stack(const TileBsp& bsp, float low, float high, bool upward
             } else if (low > plane) {
                 node = above;
             } else {
+                // The segment meets both halves: the far one waits.
                 stack[entries++] = upwards ? above : below;
                 node = upwards ? below : above;
             }
@@ -119,6 +127,7 @@ inline void object_borders(std::span<const TileEntry> entries, int leaves, std::
     for (const TileEntry& e : entries) middles.push_back(0.5f * (e.low + e.high));
     std::sort(middles.begin(), middles.end());
     borders[0] = 0;
+    // Halfway between the two middle depths around each quantile
     for (int l = 1; l < leaves; ++l) {
         const size_t k = std::min(middles.size() - 1, middles.size() * size_t(l) / size_t(leaves));
         borders[l] = k ? 0.5f * (middles[k - 1] + middles[k]) : middles[0];

@@ -21,6 +21,7 @@ struct FieldRay {
     double o[3], d[3];
 
     FieldRay(const Ray& ray, const FieldSpace& space) {
+        // One division, then products: the direction keeps its length, so t is that of the scene.
         const double s = 1 / space.radius;
         const float from[3] = {ray.o.x, ray.o.y, ray.o.z}, along[3] = {ray.d.x, ray.d.y, ray.d.z};
         for (int i = 0; i < 3; ++i) {
@@ -45,10 +46,13 @@ struct CanonicalRay {
             g[i] = ray.d[0] * rows[i]->x + ray.d[1] * rows[i]->y + ray.d[2] * rows[i]->z;
         }
         length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        // Tiles of a box are scaled across the beams; depths are not. Scaling changes positions, never t.
         q[0] = (q[0] - fit.x) * fit.scale_x;
         g[0] *= fit.scale_x;
         q[1] = (q[1] - fit.y) * fit.scale_y;
         g[1] *= fit.scale_y;
+        // Clips to the slabs of the cube, one axis after the other. A ray parallel to a slab is inside for
+        // all t or for none.
         for (int i = 0; i < 3; ++i) {
             if (g[i] == 0) {
                 if (std::fabs(q[i]) > 1) t1 = -kInfinity;
@@ -74,12 +78,14 @@ void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
     int tile[2], step[2];
     double inverse[2], next[2];
     for (int i = 0; i < 2; ++i) {
+        // Clamped: rounding may put the entry point beyond the border.
         const double place = (ray.q[i] + ray.t0 * ray.g[i] + 1) * half;
         tile[i] = place > 0 ? int(std::min(place, double(n - 1))) : 0;
         step[i] = ray.g[i] > 0 ? 1 : -1;
         inverse[i] = std::fabs(ray.g[i]) > least ? 1 / ray.g[i] : 0;
     }
     const auto crossing = [&](int i) {
+        // The border ahead: the upper one if the ray moves upwards.
         if (inverse[i] == 0) return double(kInfinity);
         return ((tile[i] + (step[i] > 0)) * width - 1 - ray.q[i]) * inverse[i];
     };
@@ -87,7 +93,15 @@ void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
     next[1] = crossing(1);
     double in = ray.t0;
     for (;;) {
+        // Next is the nearer of the two borders ahead:
+        //
+        //      +------+------+
+        //      |      |   __/|      in: entry into the tile
+        //      +------+__/---+      out: exit, where the ray takes one step along x or y
+        //      |   __/|      |
+        //      +--/---+------+
         const int axis = next[0] < next[1] ? 0 : 1;
+        // Never before `in`: two crossings at a corner may come in the wrong order by rounding.
         const double out = std::max(in, std::min(next[axis], ray.t1));
         if (visit(tile[0], tile[1], in, out) || next[axis] >= ray.t1) return;
         tile[axis] += step[axis];

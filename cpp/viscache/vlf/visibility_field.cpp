@@ -20,6 +20,7 @@ VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const Field
         if (fixed > settings_.max_bytes)
             throw OverBudget("the visibility field's triangles alone take " + std::to_string(fixed) +
                              " bytes, max_bytes is " + std::to_string(settings_.max_bytes));
+        // What the triangles leave of the budget is for subfields.
         store_.be_lazy(triangles_.in_ball(), settings_.max_bytes - fixed);
     } else {
         const int builders = check_budget(triangles_, settings_, threads, control);
@@ -36,6 +37,7 @@ FieldStats VisibilityField::stats() const {
         const Subfield& f = *field;
         ++s.subfields;
         s.tiles += f.tiles();
+        // Counted from the lists themselves, for tests and reports; nothing is counted while rays run.
         for (size_t i = 0; i < f.tiles(); ++i) {
             const int leaves = f.bsp(i).leaves;
             s.leaves += uint64_t(leaves);
@@ -72,6 +74,7 @@ bool VisibilityField::any(const Ray& ray, uint32_t direction, FieldSteps* steps)
 Ray VisibilityField::aimed(const Ray& ray, uint32_t direction) const {
     if (!settings_.snap) return ray;
     const Vec3 axis = directions_.axes()[direction];
+    // Same length and side as before, so t stays comparable.
     return {ray.o, ray.t_min, axis * std::copysign(length(ray.d), dot(ray.d, axis)), ray.t_max};
 }
 
@@ -84,6 +87,7 @@ void VisibilityField::for_rays(std::span<const Ray> rays, Trace trace) const {
         for (size_t i = 0; i < rays.size(); ++i) {
             if (rays[i].d == Vec3{}) continue;
             const uint32_t direction = directions_.nearest(rays[i].d);
+            // Subfields of such a field are never evicted: no lease is needed.
             trace(i, View{*store_.get(direction).field, frames[direction]}, aimed(rays[i], direction));
         }
         return;
@@ -91,6 +95,7 @@ void VisibilityField::for_rays(std::span<const Ray> rays, Trace trace) const {
     std::vector<std::pair<uint32_t, size_t>> order;
     for (size_t i = 0; i < rays.size(); ++i)
         if (!(rays[i].d == Vec3{})) order.emplace_back(directions_.nearest(rays[i].d), i);
+    // By direction, then by index
     std::sort(order.begin(), order.end());
     SubfieldLease lease;
     for (size_t k = 0; k < order.size(); ++k) {
@@ -113,6 +118,7 @@ void VisibilityField::occluded(std::span<const Ray> rays, std::span<uint8_t> occ
 }
 
 uint16_t VisibilityField::occluded16(uint16_t mask, RayPacket16& p, Coherence) const {
+    // Rays of a packet mostly have different subfields or tiles, so they are traced one by one.
     Ray rays[16];
     for (uint32_t left = mask; left; left &= left - 1) {
         const int i = std::countr_zero(left);

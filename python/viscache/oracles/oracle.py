@@ -143,9 +143,10 @@ class Oracle:
             else (isinstance(use, Correct))
         )
         require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
-        for name, value in (("seed", seed), ("spp", spp)):
-            fits = is_whole(value) and 0 <= value < 1 << 64
-            require(fits, f"{name} must be a whole number in [0, 2^64)", value)
+        fits = is_whole(seed) and 0 <= seed < 1 << 64
+        require(fits, "seed must be a whole number in [0, 2^64)", seed)
+        fits = is_whole(spp) and 1 <= spp <= 1 << 20  # as of a frame
+        require(fits, "spp must be a whole number in [1, 2^20]", spp)
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):

@@ -479,7 +479,7 @@ class Scene:
             As in `viscache.render`.
         seed : int >= 0
             Seed of random methods.
-        spp : int >= 1
+        spp : int in [1, 2^20]
             Samples per pixel if the points are eye samples; decides whether refinement pays off.
         threads : int, optional
             All cores by default; the bits do not depend on it.

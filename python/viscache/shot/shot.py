@@ -111,7 +111,8 @@ class BareShot:
     @property
     def key(self) -> str:
         """Hex digest of `parts`."""
-        return content_key(self.parts)
+        key: str = self._made.get("key", lambda: content_key(self.parts))
+        return key
 
     def with_(self, **changes: Any) -> Self:
         """Another shot, with other arguments."""
