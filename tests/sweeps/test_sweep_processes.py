@@ -21,14 +21,14 @@ from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
 
 #: A sweep of POINTS values over the stand-in renderer; every frame begun is a line of the log.
 SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
-import fake_renderer as fake
+from sweeps import fake_renderer as fake
 from viscache.scenes import sources
 from viscache.settings import by_name
 from viscache.sweeps import work

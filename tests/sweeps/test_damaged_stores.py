@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from python.kept_formats import DIRECT, measured, swept
+from base.kept_formats import DIRECT, measured, swept
 from viscache import cli
 from viscache.base.array_digests import layer_digests
 from viscache.base.formats import FormatError
