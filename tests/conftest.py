@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 from mutants import run
+from sweeps.stand_in import fake_vc, finished, without_netcdf
+
+__all__ = ["fake_vc", "finished", "without_netcdf"]
 
 
 @pytest.fixture(scope="session")

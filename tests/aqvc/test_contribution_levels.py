@@ -85,12 +85,6 @@ def frames(room):
     return frame
 
 
-def test_a_weighed_frame_has_the_same_bytes_for_any_number_of_threads(frames):
-    setting = vc.Aqvc(c_e=8, by_contribution=True, level_step=2.0)
-    shas = {frames(setting, threads).sha256 for threads in (1, 2, 3)}
-    assert len(shas) == 1
-
-
 def test_a_weighed_frame_becomes_exact_as_c_e_falls(frames):
     """Every eye sample alone in its cell."""
     cached = frames(vc.Aqvc(c_e=1e-3, by_contribution=True, refinement="on"))

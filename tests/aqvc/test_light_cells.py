@@ -6,10 +6,8 @@ import pytest
 from aqvc import tiles
 from core import testing
 from reference import aqvc, aqvc_samples
+from reference.isas import AVAILABLE
 from viscache import _core
-
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 
 
 def cells(semantic, far, normal, density, **options):

@@ -151,20 +151,6 @@ def test_without_refinement_it_does_not_matter_how_samples_are_cut_into_calls(ki
         assert c["rays"] == counters["rays"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_asking_outwards_from_the_centres_is_no_worse_than_the_tables_order(kind):
-    """Wrong bits of samples and of the paper's table, at equal parameters."""
-    eyes = tiles.eye_points(64, 64)
-    rows, table = tiles.tile_run(eyes, c_e=8), tiles.tile_run(eyes, c_e=8, form="pairs")
-    queries, order, ends = ordered(rows, area_queries(eyes, per_eye=12, kind=kind))
-    exact = exact_of(rows, queries)
-    visible, counters = ask_samples(rows, queries, order, ends)
-    single, c = ask(table, queries)
-    wrong, base = (visible != exact).mean(), (single != exact).mean()
-    assert wrong == pytest.approx(base, rel=0.25) and wrong > 0.005
-    assert counters["rays"] == pytest.approx(c["rays"], rel=0.02)
-
-
 def test_groups_do_not_share_bits_and_may_alternate():
     """Area, environment, area again: the answers of the groups asked alone."""
     eyes = tiles.eye_points()

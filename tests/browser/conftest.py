@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
-import fake_renderer as fake
 from devtools import CHROMIUM, Browser
 from known_report import HEIGHT, WIDTH, Report
+
+from sweeps import fake_renderer as fake
 
 
 @pytest.fixture(scope="session")

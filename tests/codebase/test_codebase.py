@@ -90,6 +90,18 @@ def test_every_folder_of_the_core_has_tests() -> None:
     assert folders - python - set(re.findall(r'#include "viscache/(\w+)/', native)) == set()
 
 
+#: Folders of tests that are no room of the code: what they hold is of all rooms.
+NO_ROOMS = {"browser", "codebase", "core", "cpp", "distributed", "docs", "fuzz", "golden", "lab"}
+NO_ROOMS |= {"memory", "mutants", "notebooks", "reference", "unbiased"}
+
+
+def test_tests_lie_in_folders_named_as_the_rooms() -> None:
+    rooms = {PurePosixPath(path).parts[2] for path in paths(".h", ".cpp", under="cpp/viscache/")}
+    rooms |= {PurePosixPath(p).parts[2] for p in paths(".py", under="python/viscache/")}
+    found = {path.split("/")[1] for path in paths(".py", under="tests/")} - {"conftest.py"}
+    assert found - {room.removesuffix(".py") for room in rooms} == NO_ROOMS - {"cpp"}
+
+
 def test_the_version_is_the_same_everywhere() -> None:
     def find(path: str, pattern: str) -> str:
         match = re.search(pattern, text(path), re.M)

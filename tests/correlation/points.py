@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from reference import vismap as reference
 
-ISAS = ("portable", "avx2", "avx512")
 SUMS = ("n", "n_undefined", "sum_q")
 
 

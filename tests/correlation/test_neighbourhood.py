@@ -5,12 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from correlation.points import ISAS, SUMS, Points, random_points
+from correlation.points import SUMS, Points, random_points
 from correlation.test_pair_bins import assert_sums, expected
-from viscache import _core
+from reference.isas import AVAILABLE
 from viscache.correlation import pairs
-
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 
 
 def clustered(n: int, seed: int) -> Points:

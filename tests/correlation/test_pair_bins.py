@@ -5,12 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from correlation.points import ISAS, SUMS, Points, convex_points, random_points, unit
+from correlation.points import SUMS, Points, convex_points, random_points, unit
 from reference import vismap as reference
-from viscache import _core
+from reference.isas import AVAILABLE
 from viscache.correlation import pairs
 
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 D_EDGES = np.linspace(0.1, 1.3, 25)
 ANGLES = np.arange(0, 180.5, 2.0)
 

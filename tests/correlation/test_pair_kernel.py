@@ -5,12 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from correlation.points import ISAS
+from reference.isas import AVAILABLE
 from reference.vismap import packed
 from viscache import _core
 from viscache.correlation import pairs
-
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 
 
 def brute_force(a: np.ndarray, b: np.ndarray) -> np.ndarray:

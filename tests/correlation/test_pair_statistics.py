@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from correlation.points import ISAS, SUMS, Points, random_points
-from viscache import _core
+from correlation.points import SUMS, Points, random_points
+from reference.isas import AVAILABLE
 from viscache.correlation import pairs
 from viscache.correlation.pair_table import MAX_PAIRS
 
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 D_EDGES = np.linspace(0, 1.3, 14)
 ANGLES = np.arange(0, 181, 10.0)
 

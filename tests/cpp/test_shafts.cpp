@@ -1,5 +1,4 @@
-// Shafts: the order of packets, the trees, and sure answers against Embree's robust rays for rays through
-// edges, corners and ends.
+// Shafts: the order of packets, and the trees.
 #include <cstddef>
 #include <cstring>
 #include <functional>
@@ -7,11 +6,9 @@
 #include <set>
 
 #include "check.h"
-#include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/point_order.h"
 #include "viscache/visibility/segment_packets.h"
 #include "viscache/visibility/shadow_ray.h"
-#include "viscache/visibility/shaft_kernels.h"
 #include "viscache/visibility/shaft_scene.h"
 
 namespace viscache::test::shafts_tests {
@@ -153,147 +150,6 @@ void trees_are_the_same_for_any_number_of_threads() {
     check(stopped, "a build can be cancelled");
 }
 
-/// Keeps what is in doubt instead of tracing it.
-class Doubts final : public ShaftRays {
-public:
-    explicit Doubts(size_t packets) : lanes(packets, 0) {}
-    uint32_t occluded(size_t packet, uint32_t mask) override {
-        lanes[packet] |= uint16_t(mask);
-        return 0;
-    }
-    std::vector<uint16_t> lanes;
-};
-
-struct Tally {
-    uint64_t rays = 0, doubtful = 0, wrong = 0, blocked = 0;
-};
-
-/// Shadow rays from points to a light in free space, or segments between points of any kind.
-enum class Rays { kShadow, kSegments };
-
-ShaftEnds ends_of(Rays rays, Vec3 light, float extent, const ShaftScene& shafts, const ShaftEyes& eyes) {
-    if (rays == Rays::kShadow) {
-        const float offset = spawn_offset(light, extent) * shafts.scale();
-        return {offset, offset};
-    }
-    const float share = kSegmentUlps * kUlp, size = max_abs(light) * shafts.scale();
-    return {share * size, share * std::max(size, eyes.magnitude()), share};
-}
-
-/// All points towards one light: sure answers against Embree's.
-void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& caster,
-             const std::vector<Vec3>& points, Vec3 light, float bounds, Isa isa, Tally& tally,
-             Rays kind = Rays::kShadow) {
-    const ShaftScene shafts(scene);
-    const float scale = shafts.scale(), extent = scene->offset_extent();
-    const std::vector<uint32_t> order = packet_order(points);
-    const std::vector<Vec3> normals(points.size(), Vec3{0, 1, 0});
-    ShaftEyes eyes;
-    const bool shadow = kind == Rays::kShadow;
-    eyes.build(points, shadow ? std::span(normals) : std::span<const Vec3>(), order, scale);
-    BitMatrix wanted(points.size(), 1);
-    for (size_t i = 0; i < points.size(); ++i) wanted.set(i, 0);
-    ShaftColumns columns;
-    columns.read(wanted, 0, eyes);
-    ShaftMemory memory;
-    Doubts doubts(eyes.packets());
-    const Vec3 at = light * scale;
-    const ShaftLight asked{shafts.tree(1, Control{}),
-                           eyes,
-                           columns,
-                           0,
-                           {at.x, at.y, at.z},
-                           ends_of(kind, light, extent, shafts, eyes),
-                           4e-6f * 8,
-                           bounds,
-                           columns.wanted(0),
-                           columns.visible(0)};
-    shaft_kernel(isa)(asked, memory, doubts);
-    for (size_t i = 0; i < points.size(); ++i) {
-        ++tally.rays;
-        if (doubts.lanes[i / 16] >> (i % 16) & 1) {
-            ++tally.doubtful;
-            continue;
-        }
-        RayPacket16 packet;
-        const Vec3 from = points[order[i]];
-        set_lane(packet, 0, shadow ? segment_to_point(from, light, extent) : segment_between(from, light));
-        pad_lanes(packet, 1);
-        const Coherence flag = shadow ? Coherence::kCoherent : Coherence::kIncoherent;
-        const bool free = !(caster.occluded16(1, packet, flag) & 1);
-        tally.wrong += free != bool(columns.visible(0)[i / 16] >> (i % 16) & 1);
-        tally.blocked += !free;
-    }
-}
-
-/// Points whose rays to the light pass through corners, edges and the inside of triangles of the scene, or
-/// end near them.
-std::vector<Vec3> hard_points(const Scene& scene, Vec3 light, size_t count) {
-    const Mesh& mesh = scene.meshes()[0];
-    std::vector<Vec3> points;
-    while (points.size() < count) {
-        const Vec3u t = mesh.triangles[random() % mesh.triangles.size()];
-        const Vec3 a = mesh.vertices[t.x], b = mesh.vertices[t.y], c = mesh.vertices[t.z];
-        const float u = uniform(0, 1), v = uniform(0, 1 - u);
-        const Vec3 aims[] = {a, a + (b - a) * u, b + (c - b) * u, a + (b - a) * u + (c - a) * v};
-        const Vec3 aim = aims[random() % 4];
-        // Beyond the triangle, on it, or short of it
-        const float steps[] = {2, 1.3f, 1 + 1e-6f, 1, 1 - 1e-6f};
-        points.push_back(light + (aim - light) * steps[random() % 5]);
-    }
-    return points;
-}
-
-std::vector<Isa> isas() {
-    std::vector<Isa> all;
-    for (const Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
-        if (isa <= best_isa()) all.push_back(isa);
-    return all;
-}
-
-Tally hard_rays(float bounds, Isa isa, Rays kind = Rays::kShadow) {
-    random.seed(17);
-    Tally tally;
-    for (const auto& [triangles, size] :
-         {std::pair{1, 1.f}, {2, 1.f}, {12, 0.7f}, {300, 0.2f}, {2000, 0.05f}})
-        for (int turn = 0; turn < 6; ++turn) {
-            const auto scene = soup(triangles, size);
-            const EmbreeCaster caster(scene);
-            for (int k = 0; k < 8; ++k) {
-                const Mesh& mesh = scene->meshes()[0];
-                // In the open, near a corner, in the plane of a triangle, on a triangle
-                const Vec3 corner = mesh.vertices[random() % mesh.vertices.size()];
-                const Vec3 on = (mesh.vertices[0] + mesh.vertices[1] * 2 + mesh.vertices[2]) / 4;
-                const Vec3 lights[] = {in_cube() * 2, corner + in_cube() * 1e-6f,
-                                       mesh.vertices[0] * 2 - mesh.vertices[1],
-                                       kind == Rays::kSegments ? on : in_cube()};
-                const Vec3 light = lights[k % 4];
-                compare(scene, caster, hard_points(*scene, light, 200), light, bounds, isa, tally, kind);
-            }
-        }
-    return tally;
-}
-
-void sure_answers_of(Rays kind) {
-    for (const Isa isa : isas()) {
-        const Tally tally = hard_rays(1, isa, kind);
-        const std::string name(isa_name(isa));
-        check_equal(tally.wrong, uint64_t{0}, "wrong sure answers with " + name);
-        check(tally.rays > 40000 && tally.blocked > 1000, "rays of all kinds with " + name);
-        check(tally.doubtful < tally.rays, "some of these rays are sure with " + name);
-    }
-}
-
-void sure_answers_are_those_of_embree() { sure_answers_of(Rays::kShadow); }
-void sure_answers_of_segments_are_those_of_embree() { sure_answers_of(Rays::kSegments); }
-
-/// The negative control: without bounds, the same rays are answered differently.
-void without_bounds_answers_differ() {
-    for (const Isa isa : isas())
-        for (const Rays kind : {Rays::kShadow, Rays::kSegments})
-            check(hard_rays(0, isa, kind).wrong > 20, "hard rays need bounds");
-}
-
 /// Segments in lanes are the floats of single ones, also where two points are one.
 void segments_in_lanes_are_those_of_query() {
     random.seed(8);
@@ -314,31 +170,11 @@ void segments_in_lanes_are_those_of_query() {
     }
 }
 
-/// At random, few rays are in doubt.
-void random_rays_are_sure() {
-    random.seed(3);
-    const auto scene = soup(300, 0.3f);
-    const EmbreeCaster caster(scene);
-    Tally tally;
-    for (int k = 0; k < 40; ++k) {
-        std::vector<Vec3> points;
-        const Vec3 corner = in_cube();
-        for (int i = 0; i < 512; ++i) points.push_back(corner + Vec3{uniform(0, 0.1f), 0, uniform(0, 0.1f)});
-        compare(scene, caster, points, in_cube() * 2, 1, best_isa(), tally);
-    }
-    check_equal(tally.wrong, uint64_t{0}, "wrong sure answers");
-    check(tally.doubtful * 100 < tally.rays, "less than one ray of a hundred is in doubt");
-}
-
 const Suite suite{
     {"packets are compact, and rows return to their place", packets_are_compact},
     {"shaft trees hold every triangle in its boxes", trees_hold_every_triangle_in_its_boxes},
     {"shaft trees are the same for any number of threads", trees_are_the_same_for_any_number_of_threads},
-    {"sure answers of shafts are those of Embree", sure_answers_are_those_of_embree},
-    {"sure answers of shafts for segments are those of Embree", sure_answers_of_segments_are_those_of_embree},
     {"segments in lanes are those of single ones", segments_in_lanes_are_those_of_query},
-    {"without bounds the answers of shafts differ", without_bounds_answers_differ},
-    {"random rays are sure", random_rays_are_sure},
 };
 
 }  // namespace

@@ -22,8 +22,8 @@ LARGEST, ALL = 200_000, 3_000_000
 #: Mean difference of pictures in [0, 1] made by the same recipe: rounding, and text of another
 #: matplotlib. Pages in a browser show times as well.
 SAME, SAME_PAGE = 0.02, 0.06
-#: A minute of processor time and more each: these are made again before a release alone.
-LONG = {"how-environment", "how-passes", "how-report"}
+#: All others take more processor time: they are made again before a release alone.
+EACH_TIME = {"how-aqvc", "how-correlation", "how-sweep"}
 SHOWN = re.compile(r"!\[(.*?)\]\((\S+?)\)", re.S)
 
 
@@ -89,7 +89,7 @@ def test_pictures_are_small() -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.release if name in LONG else pytest.mark.slow)
+        pytest.param(name, marks=pytest.mark.slow if name in EACH_TIME else pytest.mark.release)
         for name in sorted(script().PICTURES)
     ],
 )

@@ -11,10 +11,10 @@ import numpy as np
 import OpenEXR
 
 import viscache as vc
+from base.kept_formats import KEPT, two_frames
 from fuzz.calls_render import checked, in_json
 from fuzz.make_corpus import CORPUS
 from fuzz.outcome import WrongError
-from python.kept_formats import KEPT, two_frames
 from viscache import _core as core
 from viscache.sweeps.flip_maps import kept
 

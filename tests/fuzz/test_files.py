@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from base.kept_formats import KEPT, WRONG, picture
 from fuzz import campaign, readers
 from fuzz.calls_render import checked
 from fuzz.make_corpus import CORPUS, pictures, scenes
 from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
 from fuzz.readers import READERS, Reader
-from python.kept_formats import KEPT, WRONG, picture
 from viscache.base.formats import FormatError
 
 MOST_BYTES = 1 << 20

@@ -12,7 +12,10 @@ import numpy as np
 
 import viscache as vc
 from reference.built import built
+from render import test_sky_lobes
+from render.strip_lights import strip_lights
 
+LOOKS = tuple(test_sky_lobes.LOOKS.values())
 SIZE = (48, 32)
 ROOM = "room?triangles=2000"
 
@@ -96,6 +99,33 @@ def swept() -> str:
     return digest(table["rel_l1"].values, np.asarray(table["rays"].values, dtype=np.int64))
 
 
+def lobes() -> str:
+    """Samples of lobes beside shared directions of the sky, a frame of each material."""
+    given: dict[str, Any] = {"rays": vc.Bsp()}
+    made = (test_sky_lobes.frame_of(test_sky_lobes.shared(2), look=look, **given) for look in LOOKS)
+    return digest(*(frame.image for frame in made))
+
+
+def strips() -> str:
+    """Lights that are chosen by the tree, one by one, and picked by eye points."""
+    scene = strip_lights(60, glossy=True)
+    ways = (vc.Direct(n_area=2), vc.Direct(n_area=16), vc.Whitted(pick=4, n_vpls=64, n_area=0))
+    made = (vc.render(scene, way, size=SIZE, spp=4, rays=vc.Bsp()) for way in ways)
+    return digest(*(frame.image for frame in made))
+
+
+def corrected_passes() -> str:
+    """Passes with learnt shares. 300 lights leave rows half empty."""
+    picture = vc.Progressive(
+        built(ROOM),
+        vc.Whitted(n_vpls=300),
+        visibility=vc.Aqvc(c_e=10),
+        size=SIZE,
+        rays=vc.Bsp(),
+    )
+    return digest(picture.passes(4).image)
+
+
 def cached(c_e: float, **given: Any) -> vc.Aqvc:
     """The quantized cache for all light groups."""
     return vc.Aqvc(c_e=c_e, exact_groups=(), **given)
@@ -148,5 +178,8 @@ def cases() -> dict[str, Callable[[], str]]:
         "correlation": correlation,
         "map records": map_records,
         "sweep": swept,
+        "lobes of a sky": lobes,
+        "strip lights": strips,
+        "corrected passes": corrected_passes,
     }
     return found

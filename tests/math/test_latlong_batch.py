@@ -5,10 +5,8 @@ import numpy.typing as npt
 import pytest
 
 from core import testing
-from viscache import _core
+from reference.isas import AVAILABLE
 
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 N = 1000
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from memory.cycles import STRUCTURES
 
-CYCLES = 300
+CYCLES = 150
 MOST = CYCLES << 10
 CONTROL = "leak of 2 kB"
 

@@ -69,14 +69,6 @@ def test_exact_answers_are_those_of_single_rays(room: vc.Scene, points: vc.EyePo
     assert answer.bits.shape == (len(points), 1)
 
 
-def test_vanishing_cells_give_the_exact_bits(room: vc.Scene, points: vc.EyePoints) -> None:
-    ends = lamps(room, 100)
-    exact = room.oracle(vc.Exact()).block(points, ends)
-    cached = room.oracle(vc.Aqvc(c_e=1e-3)).block(points, ends)
-    np.testing.assert_array_equal(exact.bits, cached.bits)
-    np.testing.assert_array_equal(exact.bits[:, 1] >> np.uint64(36), 0)  # unused bits
-
-
 def test_larger_cells_cost_fewer_rays_and_more_errors(room: vc.Scene, points: vc.EyePoints) -> None:
     ends = lamps(room)
     exact = room.oracle(vc.Exact()).block(points, ends).visible

@@ -11,7 +11,6 @@ import pytest
 
 import viscache as vc
 from reference.built import built
-from reference.every_isa import ISAS, printed_by
 from viscache.oracles.learned import GROUPS, unlearnt
 
 #: Contributions of the lights of one eye point, and their shares. Most are dim; the mean is near 2.
@@ -210,21 +209,3 @@ def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str)
     # Negative control: one class is never checked
     for one in np.unique(k[wrong]):
         assert z(np.where(k == one, seen, weight)) > 10
-
-
-def corrected_passes() -> str:
-    """Bytes and counters of passes with learnt shares. 300 lights leave rows half empty."""
-    picture = vc.Progressive(
-        built("room?triangles=3000"),
-        vc.Whitted(n_vpls=300),
-        visibility=vc.Aqvc(c_e=10),
-        size=(40, 24),
-    )
-    frame = picture.passes(4)
-    return f"{frame.sha256} {frame.counters['share_by_class']}"
-
-
-@pytest.mark.parametrize("isa", ISAS)
-def test_every_variant_draws_the_same_queries(isa: str) -> None:
-    found = printed_by(isa, __name__, "corrected_passes()")
-    assert found == corrected_passes()

@@ -113,23 +113,6 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
     assert set(frame.layers) == {"color", "emitted", "ambient", *FIRST_HITS}
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"n_samples": 0},
-        {"distribution": "sine"},
-        {"max_distance": -1.0},
-        {"max_distance": float("nan")},
-        {"max_distance": 0.0},
-        {"max_distance": "near"},
-    ],
-    ids=str,
-)
-def test_parameters_out_of_range_are_refused(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be"):
-        vc.AmbientOcclusion(**wrong)
-
-
 def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at() -> None:
     scene = vc.scenes.room(triangles=5000)
     diagonal = float(np.linalg.norm(scene.bounds[1].astype(float) - scene.bounds[0]))

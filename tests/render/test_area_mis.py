@@ -7,19 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from core import testing
-from reference.every_isa import ISAS, printed_by
 from render.mitsuba_frames import area_layers, assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, Part, box, quad
-from render.strip_lights import strip_lights
 from render.ztest import compare
 from viscache import _core
 
-Array = npt.NDArray[Any]
 SIZE = (48, 32)
 
 
@@ -75,7 +71,7 @@ def test_lamps_are_out_of_sight() -> None:
 
 @pytest.mark.mitsuba
 @pytest.mark.stat
-@pytest.mark.slow
+@pytest.mark.release
 def test_veachs_plates_are_mitsubas(mi: Any, tmp_path: Path) -> None:
     reference = theirs(mi, VEACH.to_mitsuba(mi, SIZE, tmp_path), spp=128)
     assert_same(ours(VEACH.to_viscache(), JITTERED, spp=32), reference, edge=4)
@@ -251,16 +247,3 @@ def test_caches_see_the_brdf_samples() -> None:
     exact = vc.render(scene, BOTH, size=SIZE)
     assert frames[16].counters["queries"] == exact.counters["queries"]
     assert vc.metrics.compare(frames[16], exact)["rel_l1"] < 0.05
-
-
-def digests() -> str:
-    """Frames whose lights are chosen by the tree and one by one, by the BSP of the package."""
-    scene = strip_lights(60, glossy=True)
-    frames = [vc.render(scene, vc.Direct(n_area=n), size=(32, 24), rays="bsp") for n in (2, 16)]
-    return " ".join(f.sha256 for f in frames)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("isa", ISAS)
-def test_every_instruction_set_gives_the_same_bytes(isa: str) -> None:
-    assert printed_by(isa, "render.test_area_mis", "digests()") == digests()

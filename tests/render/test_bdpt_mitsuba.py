@@ -54,9 +54,9 @@ def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path:
     ("model", "depth"),
     [
         pytest.param(scenes.CAUSTICS, 7, id="caustics"),
-        pytest.param(scenes.PLATES, 6, id="thin plate"),
-        pytest.param(scenes.GLOSSY, 5, id="glossy"),
-        pytest.param(scenes.SMOOTH, 5, id="interpolated normals"),
+        pytest.param(scenes.PLATES, 6, id="thin plate", marks=pytest.mark.release),
+        pytest.param(scenes.GLOSSY, 5, id="glossy", marks=pytest.mark.release),
+        pytest.param(scenes.SMOOTH, 5, id="interpolated normals", marks=pytest.mark.release),
         pytest.param(scenes.OPEN, 5, id="point, sun and sky"),
     ],
 )

@@ -180,10 +180,8 @@ def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
     assert vc.Aqvc(c_r=1.5).for_frame_table().c_r == 1.5
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", ["the closed room", pytest.param("the Cornell box", marks=pytest.mark.release)]
-)
+@pytest.mark.release
+@pytest.mark.parametrize("name", ["the closed room", "the Cornell box"])
 def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
     """The paper's figure for this renderer (Sec. 5), with the defaults."""
     scene = room() if name == "the closed room" else vc.scenes.cornell_box()

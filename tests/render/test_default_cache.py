@@ -16,6 +16,8 @@ from viscache.shot.exact_cost import OWN_SAMPLES, SHARED_LIGHTS
 
 SIZE = (320, 200)
 SCENES = ("living-room", "classroom", "sponza-dabrovic", "veach-ajar", "sanmiguel-part")
+#: Of them, a small and a large one.
+EACH_TIME = ("classroom", "sponza-dabrovic")
 LIGHTS = {"own": vc.Direct(), "1024 virtual": vc.Whitted(n_vpls=1024)}
 #: A scattered ray of an audit or of a cache costs so many exact ones (docs/aqvc.md).
 SCATTERED = 4.0
@@ -52,7 +54,10 @@ def load(folder: Path, name: str) -> vc.Scene:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lights", LIGHTS)
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(s, marks=() if s in EACH_TIME else pytest.mark.release) for s in SCENES],
+)
 def test_the_default_is_not_slower_than_exact_and_no_large_error_goes_unsaid(
     shared_scenes: Path, name: str, lights: str
 ) -> None:

@@ -116,17 +116,6 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     return made["layers"]["environment"]
 
 
-def test_the_bytes_do_not_depend_on_threads(scene: vc.Scene) -> None:
-    maps = vc.VisMaps(n_startup=60)
-    frames = [
-        vc.render(scene, direct(passes=2), visibility=maps, size=(70, 50), threads=t)
-        for t in (1, 2, 5)
-    ]
-    assert len({f.sha256 for f in frames}) == 1
-    counters = [{k: v for k, v in f.counters.items() if k != "sha256"} for f in frames]
-    assert counters[0] == counters[1] == counters[2]
-
-
 def test_an_empty_cache_reports_its_own_settings(scene: vc.Scene) -> None:
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=4, n_best=2))
     said = vc.VisMaps(cache=cache, m=6).parameters()
@@ -379,26 +368,6 @@ def test_a_scene_without_environment_is_refused() -> None:
     bare = vc.scenes.cube_on_plane()
     with pytest.raises(ValueError, match="scene must have an environment light"):
         vc.render(bare, vc.Direct(), visibility=vc.VisMaps(), size=SIZE)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"alpha": "best"}, "alpha must be one of"),
-        ({"alpha": "oracle"}, "viscache.vismap.simulation alone has"),
-        ({"first_alpha": "zero"}, 'first_alpha must be "pilot" or "one"'),
-        ({"alpha": float("nan")}, "alpha must be"),
-        ({"alpha": True}, "alpha must be"),
-        ({"eta": 0.0}, r"eta must be in \(0, 1\]"),
-        ({"sampling": "other"}, "sampling must be"),
-        ({"cache": 3}, "cache must be"),
-        ({"m": 8}, "m must be"),
-        ({"criterion": "ambient"}, "criterion must be"),
-    ],
-)
-def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        vc.VisMaps(**given)
 
 
 def test_a_cache_of_another_scene_is_refused(scene: vc.Scene) -> None:

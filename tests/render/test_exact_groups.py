@@ -153,13 +153,6 @@ def test_the_paper_form_caches_every_group_unless_one_is_named(
     assert all(count["rays"] < count["queries"] for count in counts.values())
 
 
-def test_threads_and_samples_per_pixel_change_nothing(scene: vc.Scene) -> None:
-    cache = vc.Aqvc(c_e=8, exact_groups=("vpl", "area"))
-    frames = [render(scene, cache, spp=4, threads=n) for n in (1, 3)]
-    assert frames[0].sha256 == frames[1].sha256
-    assert frames[0].counters == frames[1].counters
-
-
 def test_a_kept_table_holds_no_bits_of_named_groups(scene: vc.Scene) -> None:
     found = {}
     for named in ((), ("point", "area")):

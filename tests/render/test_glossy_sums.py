@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from core import testing
+from reference.isas import AVAILABLE
 from scene.test_bsdf import glossy
-from viscache import _core
 from viscache._core.sampling import eval_bsdf
 
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 POINT, DIRECTION, SURFACE = 0, 1, 2
 SP = glossy(0.7, 0.3, base=(0.3, 0.2, 0.1), specular=(0.5, 0.3, 0.1))
 AT = np.float32([0.5, -0.25, 0.125])

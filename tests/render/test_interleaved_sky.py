@@ -144,17 +144,6 @@ def test_every_way_to_the_exact_answer_gives_the_same_bytes(
     np.testing.assert_array_equal(other.layers["environment"], base.layers["environment"])
 
 
-@pytest.mark.parametrize(
-    ("n", "sets"),
-    [(128, SETS), (1024, SETS), (2000, 2000)],
-    ids=["as in the tile", "in space", "sets of one"],
-)
-def test_threads_change_no_byte(n: int, sets: int) -> None:
-    base = frame_of(with_sets(n, sets), threads=1, size=(150, 140))
-    again = frame_of(with_sets(n, sets), threads=5, size=(150, 140))
-    assert again.sha256 == base.sha256 and again.counters == base.counters
-
-
 def test_the_aligned_batch_answers_but_for_rounding() -> None:
     base, batch = (frame_of(visibility=vc.Exact(sky_engine=e)) for e in ("embree", "batch"))
     assert queries(base) == queries(batch) == batch.parameters["engine"]["batch_rays"]
@@ -173,19 +162,3 @@ def test_whitted_and_passes_take_sets() -> None:
     passes = vc.Progressive(SPHERES, both, visibility=vc.Exact(), size=SIZE)
     together = light(frame_of(both, spp=4))
     np.testing.assert_allclose(light(passes.passes(4)), together, rtol=1e-5, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"interleave": 2}, 'interleave must be 1 without environment="shared", got 2'),
-        ({"environment": "shared", "interleave": 0}, "interleave must be in .* got 0"),
-        (
-            {"environment": "shared", "n_environment": 8, "interleave": 9},
-            "interleave must be >= 1 and at most n_environment, got 9",
-        ),
-    ],
-)
-def test_what_does_not_fit_is_refused(arguments: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        vc.Direct(**arguments)

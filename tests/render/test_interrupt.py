@@ -45,7 +45,9 @@ def attempt():
         return took
     timer.cancel()
     sys.exit("the render ended before the interruption: the test proves nothing")
-took = [attempt() for _ in range(3)]
+took = [attempt()]
+while min(took) >= {limit} and len(took) < 3:
+    took.append(attempt())
 assert vc.render(scene, vc.Direct(), size=(8, 8)).sha256 == small, "the state is not clean"
 print(min(took))
 """
@@ -65,7 +67,8 @@ def quickest_stop(call: str, delay: float = 0.6) -> float:
 
 
 def seconds_to_stop(call: str, delay: float = 0.6) -> float:
-    program = PROGRAM.format(tests=str(Path(__file__).parents[1]), call=call, delay=delay)
+    tests = str(Path(__file__).parents[1])
+    program = PROGRAM.format(tests=tests, call=call, delay=delay, limit=LIMIT)
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False
     )

@@ -15,7 +15,6 @@ import viscache as vc
 from core import testing
 from render.mitsuba_frames import SIZE, area_layers, ours, theirs
 from render.mitsuba_scene import Look, Model, ball, box, quad
-from render.strip_lights import strip_lights
 from render.ztest import compare
 from viscache.testing.student import blocks
 
@@ -263,11 +262,3 @@ def test_the_probability_of_another_light_is_told_apart(way: str) -> None:
     wrong = np.abs(np.array(bad) / np.where(lit, total, 1) - 1)[lit]
     assert np.median(error) < 0.01 and np.quantile(error, 0.8) < 0.05
     assert np.median(wrong) > 0.2
-
-
-@pytest.mark.parametrize("n_area", [4, 16], ids=["tree", "each"])
-def test_any_number_of_threads_gives_the_same_bytes(n_area: int) -> None:
-    scene = strip_lights(100, glossy=True)
-    direct = vc.Direct(n_area=n_area)
-    frames = {vc.render(scene, direct, size=(64, 48), spp=16, threads=n).sha256 for n in (1, 2, 5)}
-    assert len(frames) == 1

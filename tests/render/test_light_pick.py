@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,13 +12,10 @@ from hypothesis import strategies as st
 
 import viscache as vc
 from core import testing
-from reference.every_isa import ISAS, printed_by
 from render.mitsuba_scene import Look, Model, ball, box
-from viscache import cli
 from viscache.oracles.points import unpack
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
-from viscache.sweeps.store import Store
 
 Array = npt.NDArray[Any]
 
@@ -159,17 +154,6 @@ def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -
     assert vc.render(scene, whitted(4), **{**options, "seed": 4}).sha256 != frames[0].sha256
 
 
-@cache
-def digest() -> str:
-    made = vc.render(lamps(14).to_viscache(), whitted(4), size=(40, 30), spp=4)
-    return f"{made.sha256} {made.counters['groups']}"
-
-
-@pytest.mark.parametrize("isa", ISAS)
-def test_every_instruction_set_picks_the_same_lights(isa: str) -> None:
-    assert printed_by(isa, "render.test_light_pick", "digest()") == digest()
-
-
 def test_every_engine_of_exact_visibility_gives_the_same_bytes(scene: vc.Scene) -> None:
     frames = [
         vc.render(scene, whitted(6), size=(64, 48), spp=4, visibility=exact)
@@ -219,50 +203,3 @@ def test_the_audit_of_a_cache_counts_the_picks(scene: vc.Scene) -> None:
     error = np.abs(cached.image - exact.image).sum() / surfaces.sum()
     assert cached.audit is not None
     assert cached.audit.rel_l1_reflected.value == pytest.approx(error, rel=1e-4)
-
-
-@pytest.mark.parametrize("cls", [vc.Direct, vc.Whitted])
-def test_bad_numbers_of_picks_are_refused(cls: Any) -> None:
-    for bad, message in (
-        (-1, r"pick must be in \[0, 2\^20\], got -1"),
-        (1.5, "pick must be a whole number, got 1.5"),
-        (None, "pick must be a whole number, got None"),
-        (True, "pick must be a whole number, got True"),
-        ("16", "pick must be a whole number, got '16'"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            cls(pick=bad)
-
-
-def test_the_number_of_picks_is_in_the_parameters(scene: vc.Scene) -> None:
-    frame = vc.render(scene, "direct", size=(8, 8))
-    assert frame.parameters["integrator"]["pick"] == 0
-    frame = vc.render(scene, direct(7), size=(8, 8))
-    assert frame.parameters["integrator"]["pick"] == 7
-
-
-def test_sweeps_and_the_command_line_take_the_number_of_picks(
-    scene: vc.Scene, tmp_path: Path
-) -> None:
-    ds = vc.sweep(
-        scene,
-        whitted(0),
-        visibility="exact",
-        over={"integrator.pick": [0, 4, 1000]},
-        size=(24, 16),
-        converged={"spp": 4},
-        metrics=["rel_l1"],
-        directory=tmp_path / "sweep",
-    )
-    assert (ds.rel_l1 == 0).all()  # the paired reference has the same picks
-    all_lights, few, many = ds.converged_rel_l1.values.ravel()
-    assert few > all_lights == many > 0
-    with Store(tmp_path / "sweep") as store:
-        records = [store.get(key) for key in store.finished()]
-    picks = [r.parameters["integrator"]["pick"] for r in records if r and r.spec["spp"] == 4]
-    assert picks == [0]
-    out = tmp_path / "picks.exr"
-    words = ["render", "room?triangles=3000", "-o", str(out), "--size", "16x12"]
-    assert cli.main([*words, "--set", "n_vpls=32", "--set", "pick=3"]) == 0
-    made = vc.Frame.load(out).parameters["integrator"]
-    assert (made["n_vpls"], made["pick"]) == (32, 3)

@@ -117,7 +117,13 @@ def test_clusters_smaller_than_a_pixel_do_not_turn_it_back() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("preset", ["default", "fast"])
+@pytest.mark.parametrize(
+    ("name", "preset"),
+    [
+        pytest.param(name, preset, marks=() if name == short else pytest.mark.release)
+        for preset, short in (("default", "apartment"), ("fast", "room"))
+        for name in CASES
+    ],
+)
 def test_error_and_reduction_do_not_turn_back_in_fine_steps(name: str, preset: str) -> None:
     assert_monotone(name, MANY, seeds=6, size=(128, 128), preset=preset)

@@ -1,6 +1,5 @@
 """Light samples per eye point in whole frames with the quantized cache."""
 
-import numpy as np
 import pytest
 
 import viscache as vc
@@ -70,16 +69,3 @@ def test_finer_light_cells_lower_an_error_that_no_c_e_lowers(group):
     table, asked = error(c_e=0.05, c_l=0.3, form="pairs", storage="exact")
     assert table == pytest.approx(errors[1], rel=0.25)
     assert asked == pytest.approx(rays[1], rel=0.05)
-
-
-@pytest.mark.extreme
-def test_one_sample_and_an_empty_picture_are_answered():
-    """A single sample per eye point; a camera that looks past everything."""
-    scene = q.scene("cube_on_plane").with_environment(1.0)
-    one = vc.Direct(n_area=0, n_environment=1, n_brdf=0)
-    frame = q.render(scene, one, c_e=8)
-    assert 0 < frame.counters["rays"] < frame.counters["queries"]
-    away = vc.look_at((0, 50, 0), (0, 60, 0.1), fov_deg=20)
-    empty = q.render(scene, one, c_e=8, camera=away)
-    assert empty.counters["queries"] == empty.counters["rays"] == 0
-    assert np.isfinite(empty.image).all()

@@ -61,31 +61,6 @@ def table():
 # Place and size of the scene
 
 
-@pytest.mark.parametrize("form", FORMS, ids=["waves", "pairs"])
-@pytest.mark.parametrize("offset", [1e3, 1e5, 1e6])
-def test_scenes_far_from_the_origin_have_the_references_artefacts_only(form, offset):
-    """Positions are rounded to 0.06 at 1e6: the exact image changes, the cache follows it."""
-    scene = q.moved(q.scene("cube_on_plane"), shift=(offset, offset, -offset))
-    assert exact_in_the_limit(scene, **form)
-    frame, exact = check(scene, **form)
-    near, _ = check(q.scene("cube_on_plane"), **form)
-    ratio = frame.counters["ray_reduction"] / near.counters["ray_reduction"]
-    assert ratio == pytest.approx(1, rel=0.001 if offset < 1e4 else 0.3)
-    assert q.rel_l1(frame.image, exact.image) < 0.03
-
-
-@pytest.mark.parametrize("form", FORMS, ids=["waves", "pairs"])
-@pytest.mark.parametrize("scale", [1e-6, 1e6])
-def test_micrometres_and_megametres_give_the_same_picture(form, scale):
-    scene = q.moved(q.scene("cube_on_plane"), scale=scale)
-    assert exact_in_the_limit(scene, **form)
-    frame, exact = check(scene, **form)
-    near, exact_near = check(q.scene("cube_on_plane"), **form)
-    assert frame.counters["rays"] == pytest.approx(near.counters["rays"], rel=0.01)
-    error, error_near = q.rel_l1(frame.image, exact.image), q.rel_l1(near.image, exact_near.image)
-    assert error == pytest.approx(error_near, rel=0.05) and error > 0.001
-
-
 def test_a_huge_ground_plane_does_not_coarsen_the_cells():
     """B_R grows 10⁴-fold; R and the coordinates grow with it, the cells stay."""
     reduction = []
@@ -101,29 +76,6 @@ def test_a_huge_ground_plane_does_not_coarsen_the_cells():
 
 
 # Parameters
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-@pytest.mark.parametrize("c_e", [1e-9, 1e-30])
-def test_c_e_near_zero_is_exact_and_counted(form, c_e):
-    """R > R_max is folded, never clamped silently."""
-    frame = q.render(q.lit_box(), c_e=c_e, **q.FORMS[form])
-    assert frame.sha256 == q.exact(q.lit_box()).sha256
-    assert frame.counters["rays"] == frame.counters["queries"]
-    assert frame.counters["clamped_high"] > 0
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-@pytest.mark.parametrize("c_e", [1e9, 1e30])
-def test_huge_c_e_leaves_a_ray_per_normal_bin_slab_and_light(form, c_e):
-    """R = 1: few rays, and finite values within the lights' range; refinement still ends."""
-    frame, exact = check(q.lit_box(), q.SHARED, c_e=c_e, refinement="off", **q.FORMS[form])
-    assert frame.counters["ray_reduction"] > 40 and frame.counters["clamped_low"] > 0
-    assert 0.01 < q.rel_l1(frame.image, exact.image) < 0.3
-    refined, _ = check(q.lit_box(), q.SHARED, c_e=c_e, **q.FORMS[form])
-    # From 1e30 even 32 levels do not reach a cell smaller than the scene
-    assert refined.counters["rays"] > frame.counters["rays"] or c_e == 1e30
-    assert refined.counters["rays"] >= frame.counters["rays"]
 
 
 def test_extreme_c_e_of_local_samples_is_finite():
@@ -194,43 +146,6 @@ def test_noise_on_the_normals_of_axis_aligned_walls_costs_nothing_with_rounding(
     assert rays["floor"][1] > 1.8 * rays["floor"][0]
 
 
-def test_a_plane_through_the_centre_of_the_scene_is_not_split_by_noise():
-    """Without the irrational offset its points lie on a cell face."""
-    rng = np.random.default_rng(2)
-    steps = np.linspace(-1, 1, 41)
-    x, z = (a.ravel() for a in np.meshgrid(2 * steps, 2 * steps))
-    near = np.arange(40)[:, None] * 41 + np.arange(40)
-    a, b, c, d = (near.ravel() + k for k in (0, 41, 42, 1))
-    cells = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.uint32)
-    # Two small things make the centre of the bounds lie in the plane
-    specks = [
-        (np.array([[0, h, 0], [1e-3, h, 0], [0, h, 1e-3]]), np.uint32([[0, 1, 2]]))
-        for h in (-2.0, 2.0)
-    ]
-    rays = {}
-    for offset in (True, False):
-        for noise in (0.0, 1e-7):
-            plane = np.stack([x, noise * rng.uniform(-1, 1, x.size), z], axis=1)
-            scene = with_parts((plane, cells), *specks, camera=((0, 2, 3), (0, 0, 0), 45))
-            options = {"grid_offset": offset, "c_e": 6, "c_z": 8, "refinement": "off"}
-            rays[offset, noise] = check(scene, **options)[0].counters["rays"]
-    assert rays[True, 1e-7] == pytest.approx(rays[True, 0], rel=0.02)
-    assert rays[False, 1e-7] > 1.3 * rays[False, 0]
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_degenerate_triangles_change_nothing(form):
-    """Zero area: points, needles, repeated indices; also as the only thing in a mesh."""
-    vertices, triangles = floor()
-    needles = np.uint32([[0, 0, 0], [1, 1, 2], [0, 1, 0], [2, 2, 2]])
-    line = np.array([[0, 0.3, 0], [0.1, 0.3, 0], [0.2, 0.3, 0]]), np.uint32([[0, 1, 2]])
-    plain = with_parts((vertices, triangles), table())
-    dirty = with_parts((vertices, np.concatenate([needles, triangles])), table(), line)
-    options = q.FORMS[form]
-    assert check(dirty, **options)[0].sha256 == check(plain, **options)[0].sha256
-    assert exact_in_the_limit(dirty, **options)
-
-
 @pytest.mark.parametrize("form", q.FORMS)
 def test_grazing_views_keep_finite_cells(form):
     """The eye 1 mm above the floor, looking along it: cosθ is clamped in the density."""
@@ -240,66 +155,3 @@ def test_grazing_views_keep_finite_cells(form):
     assert frame.counters["queries"] > 1000 and frame.counters["ray_reduction"] > 2
     assert frame.counters["clamped_nan"] == frame.counters["bypassed"] == 0
     assert exact_in_the_limit(scene, **q.FORMS[form])
-
-
-@pytest.mark.parametrize("height", [0.0, 1e-7, -1e-7, 1e-3])
-def test_a_light_in_or_just_off_the_surface_is_answered(height):
-    """On the plane itself the cosine is 0, so only points above the floor have queries."""
-    wall = np.array([[-1, 0, -1], [1, 0, -1], [1, 1, -1], [-1, 1, -1]]), QUAD
-    scene = with_parts(floor(), table(), wall, lights=(((0.0, height, 1.0), (1, 1, 1)),))
-    for form in FORMS:
-        frame, _ = check(scene, **form)
-        assert exact_in_the_limit(scene, **form)
-        assert frame.counters["queries"] > 100
-
-
-def test_lights_at_the_eye_inside_things_and_in_one_place():
-    """At the camera, inside the cube, twice in the same place, and mirrored by sign flips."""
-    places = [(-1.2, 2.6, 4.2), (0, 0.5, 0), (1, 2, 3), (1, 2, 3), (-1, 2, -3), (0.0, 3.0, -0.0)]
-    description = q.description_of(q.scene("cube_on_plane"))
-    for place in places:
-        description.add_point_light(place, (2, 2, 2))
-    scene = vc.Scene.from_description(description)
-    for form in q.FORMS.values():
-        assert exact_in_the_limit(scene, **form)
-        frame, exact = check(scene, **form)
-        assert q.rel_l1(frame.image, exact.image) < 0.1
-
-
-def cut_out_scene(cutoff):
-    """A chequered alpha map on the table."""
-    description = vc.SceneDescription()
-    grey = description.add_material(base_color=(0.5, 0.5, 0.5))
-    rgba = np.ones((8, 8, 4), np.float32)
-    rgba[..., 3] = np.indices((8, 8)).sum(axis=0) % 2
-    image = description.add_image(rgba)
-    leaf = description.add_material(
-        base_color=(0.5, 0.5, 0.5), alpha_texture=image, alpha_cutoff=cutoff
-    )
-    description.add_mesh(*floor(), material=grey)
-    corners, triangles = table()
-    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-    description.add_mesh(corners, triangles, material=leaf, uvs=uvs)
-    description.add_point_light((0.5, 3.0, 0.5), (12, 12, 12))
-    description.add_camera((-1.2, 2.6, 4.2), (0, 0.35, 0), fov_deg=38)
-    return vc.Scene.from_description(description)
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_visibility_through_alpha_cut_outs_is_the_filtered_one(form):
-    scene, solid = cut_out_scene(0.5), cut_out_scene(0.0)
-    assert exact_in_the_limit(scene, **q.FORMS[form])
-    blocked = q.exact(scene, DIRECT).counters["occluded"]
-    assert 0 < blocked < 0.8 * q.exact(solid, DIRECT).counters["occluded"]
-    frame, exact = check(scene, c_e=2, **q.FORMS[form])
-    assert q.rel_l1(frame.image, exact.image) < 0.1
-
-
-@pytest.mark.parametrize("size", [(1, 1), (1, 200), (300, 1), (257, 3)])
-def test_frames_of_a_pixel_and_of_a_line_render(size):
-    """Tiles of one eye point, tiles that end after one column."""
-    for form in q.FORMS.values():
-        frame, exact = check(q.lit_box(), q.SHARED, size=size, **form)
-        assert frame.image.shape == (size[1], size[0], 3)
-        fine, _ = check(q.lit_box(), q.SHARED, size=size, c_e=1e-3, **form)
-        assert fine.sha256 == exact.sha256

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial.transform import Rotation
 
 import viscache as vc
 from render import quantized as q
@@ -61,27 +60,6 @@ def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
     assert q.render(q.lit_box(), c_e=4, **q.FORMS[form]).sha256 != exact.sha256
 
 
-@pytest.mark.parametrize("preset", ["paper", "as_printed"])
-def test_the_papers_presets_have_the_exact_limit_for_point_and_directional_light(preset):
-    """Surface-keyed VPLs have none, as their light cells do not shrink with C_E."""
-    exact = q.exact(q.lit_box())
-    frame = q.render(q.lit_box(), preset=preset, c_e=1e-3)
-    for group in ("point", "directional"):
-        np.testing.assert_array_equal(frame.layers[group], exact.layers[group])
-
-
-def test_without_refinement_rays_do_not_depend_on_the_order():
-    """One ray per distinct key, all at level 0."""
-    options = {"c_e": 8, "form": "pairs", "storage": "exact", "refinement": "off"}
-    counters = [
-        q.render(q.lit_box(), order=order, batch=batch, **options).counters
-        for order in ("hm", "scanline", "random")
-        for batch in (1, 0)
-    ]
-    assert len({c["rays"] for c in counters}) == 1
-    assert counters[0]["rays_per_level"] == [counters[0]["rays"]]
-
-
 @pytest.mark.parametrize("form", q.FORMS)
 def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
     """Level 0 traces what it traces without refinement."""
@@ -114,13 +92,6 @@ def test_the_error_rises_with_c_e(form):
     # A C_E that never reaches the cells is noticed
     fixed = errors(q.scene("slats"), (0.5, 1, 2), 8, c_e_groups={"point": 4}, **options)
     assert not rises(fixed)
-
-
-@pytest.mark.stat
-def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
-    """C_E = 2^m with m levels."""
-    table = errors(q.scene("slats"), (1, 2, 4, 8), 8, c_finest="log2", level_step=2)
-    assert rises(table)
 
 
 #: Grids, size and C_E for which the mean energy has a standard error of half a percent at most.
@@ -172,49 +143,6 @@ def test_waves_err_like_pairs():
 
 
 # Units and determinism
-
-ROTATION = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
-
-
-@pytest.mark.parametrize("form", ["waves", "pairs"])
-@pytest.mark.parametrize(
-    ("transform", "slack"),
-    [
-        ({"scale": 1e-3}, 0.01),
-        ({"scale": 1e3}, 0.01),
-        ({"shift": (64.0, -32.0, 128.0)}, 0.01),
-        ({"scale": 0.1, "shift": (3.0, 5.0, -2.0)}, 0.01),
-        ({"rotation": ROTATION}, 0.15),
-        ({"rotation": ROTATION.T, "scale": 7.0}, 0.15),
-    ],
-    ids=str,
-)
-def test_scale_place_and_direction_do_not_matter(form, transform, slack):
-    """Ray reduction and error of the same picture; C_E 10 % off is told apart."""
-    options = {"c_e": 8, "form": form}
-    scene, other = q.scene("slats"), q.moved(q.scene("slats"), **transform)
-    frames = [q.render(s, DIRECT, **options) for s in (scene, other)]
-    exact = [q.exact(s, DIRECT) for s in (scene, other)]
-    assert q.rel_l1(exact[1].image, exact[0].image) < 1e-3
-    reduction = [f.counters["ray_reduction"] for f in frames]
-    assert reduction[1] == pytest.approx(reduction[0], rel=slack)
-    error = [q.rel_l1(f.image, e.image) for f, e in zip(frames, exact, strict=True)]
-    assert error[1] == pytest.approx(error[0], rel=max(0.05, slack))
-    off = q.render(scene, DIRECT, form=form, c_e=8.8, refinement="off").counters["ray_reduction"]
-    on = q.render(scene, DIRECT, form=form, c_e=8, refinement="off").counters["ray_reduction"]
-    assert off != pytest.approx(on, rel=0.01)
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_any_number_of_threads_gives_the_same_bytes(form):
-    """Several tiles, shared and local light, image and counters."""
-    scene = q.lit_box().with_environment(0.5)
-    integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=1, n_brdf=1)
-    options = {"size": (140, 24), "spp": 16, "c_e": 12, **q.FORMS[form]}
-    frames = [q.render(scene, integrator, threads=n, **options) for n in (1, 2, 3, 8)]
-    assert 2 * frames[0].parameters["tile_edge_px"] < 140
-    assert len({frame.sha256 for frame in frames}) == 1
-    assert all(frame.counters == frames[0].counters for frame in frames)
 
 
 # Order, environment, walls

@@ -132,19 +132,6 @@ def test_c_e_of_a_light_group_changes_that_group_alone(group):
 # Light samples per eye point
 
 
-def test_samples_of_single_eye_points_share_rays_and_err_less_with_small_c_e():
-    """Per-pixel area and environment light through `pairs`."""
-    scene = q.lit_box().with_environment(0.5)
-    exact = q.exact(scene, q.LOCAL)
-    frames = {c: q.render(scene, q.LOCAL, c_e=c) for c in (12, 4, 1)}
-    for group in ("area", "environment"):
-        error = [q.rel_l1(f.layers[group], exact.layers[group]) for f in frames.values()]
-        rays = [f.counters["groups"][group]["rays"] for f in frames.values()]
-        assert error[0] > 1.1 * error[1] > 1.1**2 * error[2]
-        assert 4 * rays[0] < 2 * rays[1] < rays[2]
-        assert rays[2] < exact.counters["groups"][group]["queries"]
-
-
 def test_light_cells_leave_an_error_that_falls_with_the_samples():
     """C_E shrinks eye cells only, so local light is exact for many samples alone."""
     scene = q.lit_box().with_environment(0.5)
@@ -157,16 +144,3 @@ def test_light_cells_leave_an_error_that_falls_with_the_samples():
             found.append(q.rel_l1(frame.layers[group], exact))
     for few, many in error.values():
         assert 0 < many < 0.5 * few
-
-
-def test_ambient_occlusion_shares_rays():
-    """The ambient group: fewer rays than queries, values in [0, 1], error falls with C_E."""
-    ambient = vc.AmbientOcclusion(n_samples=32, max_distance=None)
-    exact = q.exact(q.scene("cube_on_plane"), ambient)
-    error = []
-    for c_e in (16, 4, 1):
-        frame = q.render(q.scene("cube_on_plane"), ambient, c_e=c_e)
-        assert frame.counters["ray_reduction"] > 1.2
-        assert frame.image.min() >= 0 and frame.image.max() <= 1 + 1e-5
-        error.append(q.rel_l1(frame.image, exact.image))
-    assert error[0] > 1.1 * error[1] > 1.1**2 * error[2]

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import cli
 
 SIZE = (48, 32)
 BSP = vc.Bsp()
@@ -93,18 +90,3 @@ def test_a_caster_is_built_once_and_the_last_one_kept() -> None:
     with pytest.raises(ValueError, match=r"rays must be vc.Embree\(...\), vc.Bsp"):
         scene.caster(vc.Exact())  # type: ignore[call-overload]
     assert scene.caster("embree") is scene.caster()
-
-
-@pytest.mark.parametrize("option", ["--rays", "--visibility"])
-def test_the_command_line_names_it(
-    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    arguments = ["cube_on_plane", "-o", str(tmp_path / "a.exr"), "--size", "24x16", "--json"]
-    assert cli.main(["render", *arguments, option, "bsp", "--set", "rays.max_depth=9"]) == 0
-    shown = json.loads(capsys.readouterr().out)
-    rays, visibility = shown["parameters"]["rays"], shown["parameters"]["visibility"]
-    assert (rays["name"], rays["max_depth"], visibility["name"]) == ("Bsp", 9, "Exact")
-    frame = vc.render(
-        vc.scenes.cube_on_plane(), vc.Whitted(), rays=vc.Bsp(max_depth=9), size=(24, 16)
-    )
-    assert shown["sha256"] == frame.sha256

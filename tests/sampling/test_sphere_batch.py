@@ -5,10 +5,7 @@ import pytest
 from scipy import stats
 
 from core import testing
-from viscache import _core
-
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
+from reference.isas import AVAILABLE
 
 
 def test_directions_are_even_over_the_sphere():

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import pickle
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-import viscache as vc
 from core import testing
 from sampling.chi_square import sphere_points
 from scene.test_bsdf import Vector, albedo, direction, glossy
-from viscache._core import CoatKind, MaterialKind
+from viscache._core import CoatKind
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 ETA = 1.5
@@ -172,40 +170,3 @@ def test_specular_scales_the_reflection_of_the_coat() -> None:
     full = eval_bsdf(coated(0.7, base=(0, 0, 0)), wi)
     part = eval_bsdf(coated(0.7, base=(0, 0, 0), specular=(0.5, 0.25, 0)), wi)
     assert part == pytest.approx(full * [0.5, 0.25, 0])
-
-
-def test_coats_and_plates_are_part_of_the_content_and_travel() -> None:
-    def scene(**material: Any) -> vc.Scene:
-        triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-        return vc.Scene.from_arrays([(*triangle, material)])
-
-    glossy: dict[str, Any] = {"kind": "glossy", "specular": (1, 1, 1)}
-    made = [
-        scene(**glossy),
-        scene(**glossy, coat="smooth"),
-        scene(**glossy, coat="rough"),
-        scene(**glossy, coat="rough", nonlinear=True),
-        scene(kind="dielectric"),
-        scene(kind="dielectric", thin=True),
-    ]
-    assert len({s.content_hash for s in made}) == len(made)
-    assert [pickle.loads(pickle.dumps(s)).content_hash for s in made] == [
-        s.content_hash for s in made
-    ]
-    with pytest.raises(ValueError, match="coat of a material must be one of"):
-        scene(**glossy, coat="wet")
-
-
-def test_a_coat_needs_a_glossy_material() -> None:
-    for wrong, said in (
-        (
-            {"kind": MaterialKind.DIFFUSE, "coat": CoatKind.SMOOTH},
-            "only a glossy material has a coat",
-        ),
-        ({"kind": MaterialKind.GLOSSY, "nonlinear": True}, "nonlinear needs a coat"),
-        ({"kind": MaterialKind.GLOSSY, "thin": True}, "only a dielectric can be thin"),
-    ):
-        d = vc.SceneDescription()
-        d.add_material(**wrong)
-        with pytest.raises(vc.SceneError, match=said):
-            vc.Scene.from_description(d)

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from core import testing
+from reference.isas import AVAILABLE
 from scene.test_bsdf import COPPER, direction, glossy
-from viscache import _core
 from viscache._core import CoatKind, MaterialKind
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 BENT = {"ns": (0.2, -0.1, float(np.sqrt(0.95)))}
 POINTS = {
     "diffuse": ShadingPoint(MaterialKind.DIFFUSE, direction(0.6), base=(0.2, 0.5, 0.8)),

@@ -288,11 +288,9 @@ def test_images_of_roughness_are_part_of_the_content_and_travel() -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"metallic": 1.5}, "metallic must be in"),
         ({"metallic_roughness_texture": 1}, "texture must be -1 or in"),
         ({"roughness_texture": 0, "metallic_roughness_texture": 0}, "exclude each other"),
         ({"roughness_texture": 0, "coat": core.CoatKind.ROUGH}, "without a coat"),
-        ({"metallic": 0.5, "kind": core.MaterialKind.DIFFUSE}, "only a glossy material"),
     ],
 )
 def test_wrong_images_of_roughness_are_refused(wrong: dict[str, Any], said: str) -> None:

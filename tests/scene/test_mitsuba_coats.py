@@ -44,7 +44,13 @@ def write_image(folder: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("colour", [COLOUR, IMAGE], ids=["colour", "image"])
+@pytest.mark.parametrize(
+    "colour",
+    [
+        pytest.param(COLOUR, marks=pytest.mark.release, id="colour"),
+        pytest.param(IMAGE, id="image"),
+    ],
+)
 @pytest.mark.parametrize(
     "nonlinear",
     [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -89,14 +88,6 @@ def test_every_caster_sees_the_same_holes(rays: Any) -> None:
     assert np.mean(other.triangle != theirs.triangle) > 0.01
 
 
-def test_opacity_is_a_share_and_part_of_the_geometry() -> None:
-    assert veils(0.4).geometry_hash != veils(0.41).geometry_hash != veils(1).geometry_hash
-    again = pickle.loads(pickle.dumps(veils(0.4)))
-    assert again.geometry_hash == veils(0.4).geometry_hash
-    with pytest.raises(vc.SceneError, match=r"opacity must be in \[0, 1\], got 1.5"):
-        veils(1.5)
-
-
 def frames(path: Path, **settings: Any) -> Any:
     scene = vc.load_scene(path)
     assert not scene.warnings
@@ -108,16 +99,6 @@ def write(folder: Path, opacity: float) -> Path:
     body = parity.FLOOR + BODY.format(opacity=opacity)
     path.write_text(f'<scene version="3.0.0">{parity.VIEW}{body}</scene>')
     return path
-
-
-def test_frames_have_the_same_bytes_for_any_number_of_threads(tmp_path: Path) -> None:
-    scene = vc.load_scene(write(tmp_path, 0.3))
-    for visibility in (vc.Exact(), vc.Aqvc(exact_groups=())):
-        one, two = (
-            vc.render(scene, vc.Direct(), visibility=visibility, spp=2, threads=n).image
-            for n in (1, 2)
-        )
-        np.testing.assert_array_equal(one, two)
 
 
 def test_greys_of_an_image_are_shares_if_the_cutoff_is_negative() -> None:

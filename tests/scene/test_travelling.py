@@ -108,6 +108,53 @@ def test_a_file_that_changed_on_the_way_is_refused(tmp_path: Path) -> None:
         pickle.loads(bytes_)
 
 
+COPPER = {"metal_eta": (0.2, 0.9, 1.1), "metal_k": (3.9, 2.5, 2.1)}
+GLOSSY: dict[str, Any] = {"kind": "glossy", "base_color": (0, 0, 0), "specular": (1, 1, 1)}
+PLASTIC: dict[str, Any] = {"kind": "glossy", "specular": (1, 1, 1)}
+#: Of triangles that differ in nothing else.
+MATERIALS: tuple[dict[str, Any], ...] = (
+    *(GLOSSY | COPPER | more for more in ({}, {"beckmann": True})),
+    *(GLOSSY | more for more in ({}, {"beckmann": True}, {"metal_k": (1, 1, 1)})),
+    *(PLASTIC | more for more in ({}, {"metallic": 0.5})),
+    *(PLASTIC | {"coat": "rough", "nonlinear": more} for more in (False, True)),
+    PLASTIC | {"coat": "smooth"},
+    *({"kind": "dielectric", "thin": thin} for thin in (False, True)),
+    *({"opacity": opacity} for opacity in (0.4, 0.41, 1)),
+)
+
+
+def test_materials_are_part_of_the_content_and_travel() -> None:
+    triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    made = [vc.Scene.from_arrays([(*triangle, material)]) for material in MATERIALS]
+    hashes = [scene.content_hash for scene in made]
+    assert len(set(hashes)) == len(made)
+    assert [pickle.loads(pickle.dumps(scene)).content_hash for scene in made] == hashes
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"metal_eta": (1, 0, 1)}, "not both 0"),
+        ({"metal_k": (1, 1, 2e4)}, "metal_eta and metal_k must be in"),
+        ({"metal_k": (1, 1, 1), "base_color": (0.1, 0, 0)}, "only mirrors and glossy materials"),
+        ({"metal_k": (1, 1, 1), "kind": "diffuse"}, "only mirrors and glossy materials"),
+        ({"beckmann": True, "kind": "mirror"}, "only a glossy material"),
+        ({"beckmann": True, "coat": "rough"}, "only a glossy material"),
+        ({"metallic": 1.5}, "metallic must be in"),
+        ({"metallic": 0.5, "kind": "diffuse"}, "only a glossy material"),
+        ({"coat": "smooth", "kind": "diffuse"}, "only a glossy material has a coat"),
+        ({"coat": "wet"}, "coat of a material must be one of"),
+        ({"nonlinear": True}, "nonlinear needs a coat"),
+        ({"thin": True}, "only a dielectric can be thin"),
+        ({"opacity": 1.5}, r"opacity must be in \[0, 1\], got 1.5"),
+    ],
+)
+def test_materials_that_cannot_be_are_refused(wrong: dict[str, Any], said: str) -> None:
+    triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    with pytest.raises(ValueError, match=said):
+        vc.Scene.from_arrays([(*triangle, GLOSSY | wrong)])
+
+
 def test_a_scene_that_is_sent_often_is_made_once() -> None:
     bytes_ = pickle.dumps(described())
     assert pickle.loads(bytes_) is pickle.loads(bytes_)

@@ -365,7 +365,7 @@ CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
 @pytest.mark.parametrize(
     "control",
     [
-        pytest.param(name, marks=pytest.mark.slow) if name.startswith("maps") else name
+        pytest.param(name, marks=pytest.mark.release) if name.startswith("maps") else name
         for name in CONTROLS
     ],
 )

@@ -14,7 +14,6 @@ import viscache as vc
 from visibility.moeller_trumbore import cross_all
 
 Array = npt.NDArray[Any]
-rng = np.random.default_rng(7)
 
 
 def soup(n: int = 200, size: float = 0.5, seed: int = 0) -> tuple[Array, Array]:
@@ -193,31 +192,6 @@ def test_alpha_cuts_holes_for_every_kind_of_ray(instanced: bool, channels: int) 
     np.testing.assert_array_equal(scene.occluded(at, down), expected)
     np.testing.assert_array_equal(~scene.visible(at, at * [1, 1, -1]), expected)
     np.testing.assert_array_equal(np.isfinite(scene.intersect(at, down).t), expected)
-
-
-def test_embreex_agrees_in_a_process_of_its_own() -> None:
-    """Two copies of Embree in one process are asking for trouble."""
-    pytest.importorskip("embreex")
-    program = """
-import sys; import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
-v, t, o, d = (np.load(sys.argv[1])[k] for k in "vtod")
-scene = EmbreeScene(); TriangleMesh(scene, v[t].astype("f4"))
-np.save(sys.argv[2], scene.run(o.astype("f4"), d.astype("f4")))
-"""
-    import tempfile
-    from pathlib import Path
-
-    vertices, triangles = soup(2000, 0.05)
-    o, d = rays(20_000)
-    with tempfile.TemporaryDirectory() as folder:
-        given, answer = Path(folder) / "in.npz", Path(folder) / "out.npy"
-        np.savez(given, v=vertices, t=triangles, o=o, d=d)
-        subprocess.run([sys.executable, "-c", program, str(given), str(answer)], check=True)
-        theirs = np.load(answer)
-    ours = vc.Scene.from_arrays(vertices, triangles).intersect(o, d).triangle
-    assert (theirs == ours).mean() > 0.9999
 
 
 # What cannot be asked

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +9,9 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.test_determinism import INTEGRATORS, ROOM, signature
+from render.test_determinism import INTEGRATORS, ROOM
 from render.ztest import ZTest, compare
-from viscache import _core, cli
+from viscache import _core
 
 SIZE = (64, 48)
 #: Coarse, so that voxels see each other in part, and quick to learn.
@@ -60,17 +57,6 @@ def test_light_between_voxels_learnt_as_dark_still_arrives() -> None:
     result = paired(ours, exact)
     assert result.same, str(result)
     assert not paired(0.98 * ours, exact).same
-
-
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
-def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Scene) -> None:
-    frames = [
-        vc.render(room, integrator, size=(60, 40), spp=4, visibility=COARSE, threads=n)
-        for n in (1, 2, 5)
-    ]
-    assert frames[0].counters["discarded"] > 0
-    for frame in frames[1:]:
-        assert signature(frame) == signature(frames[0])
 
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
@@ -129,16 +115,3 @@ def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room: vc.Scene) 
 def test_product_sampling_is_refused(room: vc.Scene) -> None:
     with pytest.raises(ValueError, match='with environment="product"'):
         vc.render(room, vc.Direct(environment="product"), size=(8, 8), visibility=COARSE)
-
-
-def test_the_command_line_renders_with_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = shlex.split(
-        "render stairs --integrator direct --visibility nee_plus_plus --set n_voxels=8"
-    )
-    words += ["--size", "32x20", "--json", "-o", str(tmp_path / "a.exr")]
-    assert cli.main(words) == 0
-    got = json.loads(capsys.readouterr().out)
-    assert got["parameters"]["visibility"]["n_voxels"] == 8
-    assert got["counters"]["map_bytes"] == 8 * (512 * 513 // 2 + 512 * 256)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +11,6 @@ import pytest
 import viscache as vc
 from core import testing
 from render.test_determinism import ROOM
-from viscache import cli
 
 Floats = npt.NDArray[np.floating[Any]]
 CENTER, RADIUS = (0.0, 0.0, 0.0), 2.0
@@ -252,44 +248,6 @@ def test_other_ray_casters_trace_maps_too() -> None:
         for rays in (vc.Embree(), vc.Bsp())
     ]
     assert vc.metrics.rel_l1(frames[0].image, frames[1].image) < 1e-3
-
-
-def test_the_command_line_renders_with_shadow_maps(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = shlex.split("render cube_on_plane --integrator direct --visibility shadow_map --json")
-    words += ["--set", "resolution=96", "--set", "slope_bias=2", "--size", "32x20"]
-    words += ["-o", str(tmp_path / "a.exr")]
-    assert cli.main(words) == 0
-    got = json.loads(capsys.readouterr().out)
-    assert got["counters"]["shadow_map_rays"] == 6 * 96**2
-    assert got["parameters"]["visibility"] == {
-        "name": "ShadowMap",
-        "resolution": 96,
-        "bias": 1e-4,
-        "slope_bias": 2.0,
-        "vpls": False,
-        "max_bytes": 4 << 30,
-    }
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"resolution": 0}, r"resolution must be in \[1, 16384\], got 0"),
-        ({"resolution": 64.5}, "resolution must be a whole number"),
-        ({"resolution": 1 << 20}, "resolution must be"),
-        ({"bias": -0.1}, r"bias must be in \[0, 1\], got -0.1"),
-        ({"bias": float("nan")}, "bias must be a finite number"),
-        ({"slope_bias": -1.0}, "slope_bias must be"),
-        ({"vpls": 1}, "vpls must be true or false"),
-        ({"max_bytes": 0}, "max_bytes must be"),
-        ({"max_bytes": 1 << 64}, "max_bytes must be"),
-    ],
-)
-def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        vc.ShadowMap(**given)
 
 
 def test_maps_that_do_not_fit_are_refused_with_the_bytes_they_need() -> None:

@@ -43,15 +43,6 @@ def test_the_matrix_is_visible_for_every_pair_bit_for_bit(
     assert shape[0] < 40 or shape[1] < 64 or 0 < one_by_one.mean() < 1
 
 
-def test_the_matrix_is_the_same_for_any_number_of_threads_and_tells_its_progress() -> None:
-    x, y = points(500, 3), points(150, 4)
-    seen: list[tuple[int, int]] = []
-    alone = SCENE.visible_matrix(x, y, threads=1)
-    many = SCENE.visible_matrix(x, y, threads=5, progress=lambda *a: seen.append(a))
-    np.testing.assert_array_equal(alone, many)
-    assert seen[-1] == (12, 12)  # 4 tiles of points, 3 words
-
-
 @pytest.mark.extreme
 def test_a_matrix_without_rows_or_columns_is_empty() -> None:
     none = np.zeros((0, 3))

@@ -104,27 +104,6 @@ def test_a_flat_box_has_one_layer_of_voxels() -> None:
     assert a.max() < 16 and len(np.unique(a)) > 10
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"n_voxels": 0}, r"n_voxels must be in \[1, 64\], got 0"),
-        ({"n_voxels": 65}, r"n_voxels must be in \[1, 64\], got 65"),
-        ({"n_voxels": 8.5}, "n_voxels must be a whole number"),
-        ({"n_directions": 257}, r"n_directions must be in \[1, 256\], got 257"),
-        ({"learn_pixels": 0}, r"learn_pixels must be in \[1, 2\^30\], got 0"),
-        ({"min_probability": 0.0}, r"min_probability must be in \[0.001, 1\], got 0"),
-        ({"min_probability": 1.1}, "min_probability must be in"),
-        ({"min_probability": float("nan")}, "min_probability must be a finite number"),
-        ({"exponent": -0.5}, r"exponent must be in \[0, 4\], got -0.5"),
-        ({"symmetric": 1}, "symmetric must be true or false"),
-        ({"max_bytes": 0}, "max_bytes must be >= 1"),
-    ],
-)
-def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        vc.NeePlusPlus(**given)
-
-
 def test_a_map_that_does_not_fit_is_refused_with_the_bytes_it_needs() -> None:
     n, cells = 16**3, 16**2
     needed = 8 * (n * (n + 1) // 2 + n * cells)

@@ -155,64 +155,9 @@ def test_alpha_cuts_holes(instanced: bool) -> None:
     np.testing.assert_array_equal(hit.triangle >= 0, expected)
 
 
-def test_an_empty_scene_is_hit_by_nothing() -> None:
-    scene = vc.Scene.from_description(vc.SceneDescription())
-    assert not scene.occluded([[0, 0, 0]], [[0, 0, 1]], rays=WATERTIGHT).any()
-
-
 def test_without_the_robust_flag_it_is_refused() -> None:
     with pytest.raises(ValueError, match="robust must be True with watertight"):
         vc.Embree(robust=False, watertight=True)
-
-
-INTEGRATORS = {
-    "direct": vc.Direct(n_area=2, n_environment=2),
-    "whitted": vc.Whitted(n_vpls=32),
-    "bdpt": vc.Bdpt(),
-    "ambient occlusion": vc.AmbientOcclusion(n_samples=4),
-}
-
-
-@pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_frames_are_those_of_the_bsp_for_any_number_of_threads(integrator: str) -> None:
-    scene = vc.scenes.build("cornell_box")
-    given = {"size": (24, 16), "spp": 1}
-    frame = vc.render(scene, INTEGRATORS[integrator], rays=WATERTIGHT, threads=1, **given)
-    assert frame.image.max() > 0
-    for other in (
-        vc.render(scene, INTEGRATORS[integrator], rays=WATERTIGHT, threads=3, **given),
-        vc.render(scene, INTEGRATORS[integrator], rays=vc.Bsp(), **given),
-    ):
-        np.testing.assert_array_equal(other.image, frame.image)
-
-
-CACHES = {
-    "aqvc": vc.Aqvc(),
-    "shadow map": vc.ShadowMap(resolution=64),
-    "nee++": vc.NeePlusPlus(),
-}
-
-
-@pytest.mark.parametrize("cache", CACHES)
-def test_caches_and_oracles_take_it(cache: str) -> None:
-    scene = vc.scenes.build("cornell_box")
-    frame, bsp = (
-        vc.render(scene, vc.Direct(), visibility=CACHES[cache], rays=r, size=(24, 16))
-        for r in (WATERTIGHT, vc.Bsp())
-    )
-    np.testing.assert_array_equal(frame.image, bsp.image)
-
-
-def test_matrices_and_oracles_agree_with_pairs() -> None:
-    scene = vc.scenes.build("cornell_box")
-    rng = np.random.default_rng(4)
-    low, high = scene.bounds
-    x, y = rng.uniform(low, high, (40, 3)), rng.uniform(low, high, (30, 3))
-    bits = scene.visible_matrix(x, y, rays=WATERTIGHT)
-    matrix = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=30).astype(bool)
-    np.testing.assert_array_equal(matrix, scene.visible(x[:, None], y[None], rays=WATERTIGHT))
-    with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\)"):
-        scene.visible_matrix(x, y, rays=WATERTIGHT, engine="shafts")
 
 
 @pytest.mark.extreme

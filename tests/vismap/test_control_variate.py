@@ -396,12 +396,3 @@ def test_a_sun_behind_a_wrong_bit_stays_finite() -> None:
     )
     found = point.simulate(pixel.visible, n=30, passes=3, mode=AlphaMode.PREVIOUS_PASS)
     assert np.isfinite(found).all()
-
-
-def test_threads_do_not_change_estimates() -> None:
-    made = world("courtyard")
-    pixel = made.pixels[1]
-    point = made.estimate(pixel, 0.25)
-    args = {"n": 9, "passes": 2, "replicates": 40, "mode": AlphaMode.PREVIOUS_PASS}
-    one, four = (point.simulate(pixel.visible, threads=t, **args) for t in (1, 4))
-    np.testing.assert_array_equal(one, four)

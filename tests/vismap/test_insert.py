@@ -196,17 +196,6 @@ def test_lone_and_coincident_points_are_served() -> None:
     assert (empty.inserted, empty.pixels, len(none), none.started) == (0, 0, 0, False)
 
 
-@pytest.mark.extreme
-@pytest.mark.parametrize("power", [-13, 10])
-def test_scaled_scenes_get_records_at_the_same_points(power: int) -> None:
-    scale = np.float32(2.0**power)
-    x, n = cloud(clutter())
-    cache, scaled = fresh(), fresh(clutter(scale=float(scale)))
-    report = cache.insert(x, n, 0.2, 0.01)
-    assert scaled.insert(x * scale, n, 0.2 * scale, 0.01 * scale) == report
-    np.testing.assert_array_equal(scaled.records().bits, cache.records().bits)
-
-
 def test_a_full_cache_says_how_many_points_it_refused() -> None:
     x, n = cloud(clutter())
     cache = fresh(max_records=40)

@@ -1,12 +1,9 @@
 """vismap/product_tree.h: directions in proportion to light × reflection."""
 
-import hashlib
-
 import numpy as np
 import pytest
 
 from core import testing
-from reference.every_isa import ISAS, printed_by
 from sampling.chi_square import p_value
 from viscache._core import PointSet
 from viscache._core.sampling import eval_bsdf
@@ -190,19 +187,3 @@ def test_bad_input_is_refused() -> None:
     tree = testing.ProductTree.of_surface(light, SURFACES["diffuse"])
     with pytest.raises(ValueError, match=r"u must be in \[0, 1\)"):
         tree.sample(np.array([[0.5, 1.0]]))
-
-
-def digest_of_trees() -> str:
-    made = hashlib.sha256()
-    for m in (4, 5, 6):
-        for glossy in (False, True):
-            light = EnvironmentPyramid(sky(128, sun=1e5))
-            tree = testing.ProductTree.of_surface(light, surface(glossy=glossy), m)
-            made.update(tree.texel_masses().tobytes())
-            made.update(tree.sample(points(PointSet.ZERO_TWO, 500))[0].tobytes())
-    return made.hexdigest()
-
-
-@pytest.mark.parametrize("isa", ISAS)
-def test_every_instruction_set_gives_the_same_trees(isa: str) -> None:
-    assert printed_by(isa, "vismap.test_product", "digest_of_trees()") == digest_of_trees()

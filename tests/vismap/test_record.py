@@ -10,13 +10,12 @@ import pytest
 
 from core import testing
 from reference import vismap_records as reference
+from reference.isas import AVAILABLE
 from viscache import _core
 
 vismap = _core.vismap
 Array = npt.NDArray[Any]
 
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 SIZES = (4, 5, 6, 7)
 
 

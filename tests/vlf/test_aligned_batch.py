@@ -11,14 +11,12 @@ import pytest
 import viscache as vc
 from correlation.scenes import clutter, convex, masked
 from reference.built import built
+from reference.isas import AVAILABLE
 from reference.vlf_aligned import corners, free_along, origins
 from render.test_interrupt import LIMIT, quickest_stop
-from viscache import _core
 from vlf.aligned_scenes import batch, embree, frames_of, surface, unexcused, unpacked
 
 Array = npt.NDArray[Any]
-ISAS = ("portable", "avx2", "avx512")
-AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 
 
 def expected(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
@@ -315,7 +313,7 @@ def test_robust_embree_agrees_but_for_rounding(name: str, t_max: float) -> None:
     assert 0.02 < ours.mean() < 0.98
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize("name", ["spheres", "triangles", "room", "church"])
 def test_robust_embree_agrees_on_five_million_rays(name: str) -> None:
     scene = build(name)

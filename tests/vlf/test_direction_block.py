@@ -12,11 +12,11 @@ import viscache as vc
 from core import testing
 from correlation.scenes import above, clutter, masked, unpacked
 from reference.built import built
+from reference.isas import AVAILABLE
 from reference.vlf_aligned import corners, excused, origins
 from viscache import _core
 from viscache.correlation.rows import trace_rows
 from vlf.aligned_scenes import surface
-from vlf.test_aligned_batch import AVAILABLE
 
 Array = npt.NDArray[Any]
 SKY = vc.correlation.DirectionSet(map_size=24)

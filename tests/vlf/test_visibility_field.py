@@ -12,7 +12,6 @@ import pytest
 
 import viscache as vc
 from reference.built import built
-from viscache import _core
 from vlf.field_rays import flat, inexcusable, rays_of_every_kind, soup, unit
 
 Array = npt.NDArray[Any]
@@ -249,38 +248,7 @@ def test_instances_are_placed_triangles_of_the_field() -> None:
     np.testing.assert_allclose(ours.t[hit], theirs.t[hit], rtol=2e-3)
 
 
-def test_alpha_cuts_holes() -> None:
-    alpha = np.zeros((2, 2, 1), np.float32)
-    alpha[:, 1] = 1
-    d = vc.SceneDescription()
-    material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
-    card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
-    d.add_mesh(
-        *card, uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]], material=material
-    )
-    f = field(vc.Scene.from_description(d))
-    at = np.array([[x, y, 1.0] for x in (0.05, 0.3, 0.7, 0.95) for y in (0.1, 0.9)], np.float32)
-    down = np.broadcast_to(np.float32([0, 0, -1]), at.shape)
-    np.testing.assert_array_equal(f.occluded(at, down), [0, 0, 0, 0, 1, 1, 1, 1])
-    np.testing.assert_array_equal(f.intersect(at, down).triangle >= 0, [0, 0, 0, 0, 1, 1, 1, 1])
-
-
 # Extremes
-
-
-@pytest.mark.extreme
-@pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
-def test_hits_do_not_depend_on_the_scale(scale: float) -> None:
-    vertices, triangles = soup(1000)
-    rays = rays_of_every_kind(vertices[triangles].astype(float), 3000, 33)["chords"]
-    base = field(vc.Scene.from_arrays(vertices, triangles)).intersect(rays[:, 0], rays[:, 1])
-    scaled = field(vc.Scene.from_arrays(vertices * np.float32(scale), triangles)).intersect(
-        (rays[:, 0] * np.float32(scale)), (rays[:, 1] * np.float32(scale))
-    )
-    same = scaled.triangle == base.triangle
-    assert same.mean() > 0.999
-    hit = same & (base.triangle >= 0)
-    np.testing.assert_allclose(scaled.t[hit], base.t[hit], rtol=1e-5, atol=1e-5)
 
 
 @pytest.mark.extreme
@@ -304,20 +272,6 @@ def test_rays_from_far_away_hit_what_near_ones_hit() -> None:
 
 
 @pytest.mark.extreme
-def test_a_scene_far_from_the_origin_is_hit_like_one_at_it() -> None:
-    vertices, triangles = soup(500)
-    vertices = (np.round(vertices * 1024) / 1024).astype(np.float32)
-    offset = np.float32([4096, -2048, 1024])
-    rays = rays_of_every_kind(vertices[triangles].astype(float), 3000, 33)["interior"]
-    rays[:, 0] = np.round(rays[:, 0] * 1024) / 1024
-    near = field(vc.Scene.from_arrays(vertices, triangles)).intersect(rays[:, 0], rays[:, 1])
-    far = field(vc.Scene.from_arrays(vertices + offset, triangles)).intersect(
-        rays[:, 0] + offset, rays[:, 1]
-    )
-    assert (far.triangle == near.triangle).mean() > 0.999
-
-
-@pytest.mark.extreme
 @pytest.mark.parametrize("n", [1, 3])
 def test_rays_across_all_axes_come_to_an_end(n: int) -> None:
     """Where a ray hardly goes deeper, all leaves between its depths are visited, and no others."""
@@ -331,13 +285,6 @@ def test_rays_across_all_axes_come_to_an_end(n: int) -> None:
     d[:5000] = np.roll(d[:5000], 1, axis=1)
     rays = np.stack([o, d], 1)
     compare(scene, f, rays)
-
-
-def test_an_empty_scene_hides_nothing() -> None:
-    f = field(vc.Scene.from_description(vc.SceneDescription()))
-    one, down = [[0.2, 0.2, 1.0]], [[0.0, 0.0, -1.0]]
-    assert not f.occluded(one, down)[0] and f.intersect(one, down).triangle[0] == -1
-    assert f.stats["triangles"] == f.stats["references"] == 0
 
 
 def test_flat_and_single_triangles_are_hit_and_those_without_area_counted() -> None:
@@ -429,14 +376,6 @@ def test_progress_is_told_and_can_stop_the_build() -> None:
     assert seen[-1] == (33, 33)
 
 
-def test_core_settings_are_checked() -> None:
-    settings = _core.vlf.FieldSettings()
-    with pytest.raises(ValueError, match=r"n_tiles must be in \[1, 4096\], got 5000"):
-        settings.n_tiles = 5000
-    with pytest.raises(ValueError, match=r"n_directions must be .* 513, .* got 512"):
-        _core.vlf.FieldSettings(n_directions=512)
-
-
 # Frames
 
 
@@ -461,15 +400,3 @@ def test_frames_through_the_field_are_those_through_embree(
     a, b = frames[0].image, frames[1].image
     assert (np.abs(a - b) > 1e-3 * a.mean()).any(axis=2).mean() < 0.02
     assert a.mean() > 0 and abs(a.mean() / b.mean() - 1) < 1e-3
-
-
-def test_the_command_line_renders_through_the_field(tmp_path: Any) -> None:
-    from viscache import cli
-
-    out = str(tmp_path / "a.exr")
-    small = ["--set", "n_directions=33", "--set", "n_tiles=32"]
-    given = ["render", "cube_on_plane", "-o", out, "--size", "32x20", "--json"]
-    assert cli.main([*given, "--rays", "vlf", *small]) == 0
-    assert cli.main([*given, "--visibility", "vlf", *small]) == 0
-    frame = vc.Frame.load(out)
-    assert frame.parameters["rays"]["n_directions"] == 33

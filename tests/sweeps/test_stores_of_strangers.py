@@ -16,7 +16,7 @@ import pytest
 import xarray
 
 import viscache as vc
-from python.kept_formats import DIRECT, measured, swept
+from base.kept_formats import DIRECT, measured, swept
 from viscache import report
 from viscache.sweeps.flip_maps import flip_map_of
 from viscache.sweeps.store import DATABASE_FILES, Store, picture_name

@@ -16,20 +16,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache.base import workers
 from viscache.sweeps import work
 from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
 
 #: A sweep of POINTS values over the stand-in renderer; every frame begun is a line of the log.
 SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
-import fake_renderer as fake
+from sweeps import fake_renderer as fake
 from viscache.scenes import sources
 from viscache.settings import by_name
 from viscache.sweeps import work
@@ -210,11 +209,6 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
             return
         time.sleep(0.05)
     pytest.fail("the worker outlived the process that made it")
-
-
-def test_the_window_is_two_tasks_per_worker() -> None:
-    with ThreadPoolExecutor(3) as pool:
-        assert workers.window(pool) == 6
 
 
 def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path: Path) -> None:

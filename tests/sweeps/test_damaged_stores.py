@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Callable
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from python.kept_formats import DIRECT, measured, swept
+from base.kept_formats import DIRECT, measured, swept
 from viscache import cli
 from viscache.base.array_digests import layer_digests
 from viscache.base.formats import FormatError
@@ -228,26 +226,3 @@ def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path, damage: str)
     path.write_bytes(DAMAGES[damage](whole))
     with pytest.raises(ValueError, match=r"rows\.npy cannot be read: .*delete it"):
         correlation(tmp_path)
-
-
-def test_a_damaged_dataset_is_a_value_error_with_its_name(tmp_path: Path) -> None:
-    """Bytes here and there, and single ones of a file with few variables, which loads sooner."""
-    path = tmp_path / "d.nc"
-    whole = correlation(tmp_path / "store")
-
-    def refused(damages: list[Callable[[bytes], bytes]], dataset: Any) -> int:
-        vc.correlation.save_dataset(dataset, path)
-        good, found = path.read_bytes(), 0
-        for damage in damages:
-            path.write_bytes(damage(good))
-            try:
-                vc.correlation.load_dataset(path)
-            except ValueError as error:
-                found += 1
-                assert "d.nc" in str(error)
-        return found
-
-    few = whole[["mean", "sigma", "se", "n"]]
-    many = [partial(damaged, start=n, step=3989) for n in range(100, 3989, 97)]
-    single = [partial(damaged, start=n, step=1 << 30) for n in range(100, 9000, 397)]
-    assert refused(many, whole) > 3 and refused(single, few) > 3

@@ -22,8 +22,7 @@ import OpenEXR
 import pytest
 
 import viscache as vc
-from codebase.repository import sources
-from python.kept_formats import (
+from base.kept_formats import (
     KEPT,
     WRONG,
     Kept,
@@ -32,6 +31,7 @@ from python.kept_formats import (
     measured,
     read_records,
 )
+from codebase.repository import sources
 from viscache.base.formats import FormatError
 from viscache.correlation import dataset
 from viscache.frame import frame as frame_file

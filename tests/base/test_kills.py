@@ -150,7 +150,7 @@ def test_correlations_share_a_folder_and_survive_kills(tmp_path: Path) -> None:
     given: dict[str, Any] = {"n_points": 600, "map_size": 16, "d_edges": 6, "theta_edges_deg": 6}
     whole = vc.correlation.measure(SCENE, directory=tmp_path / "whole", **given)
     folder, rng = tmp_path / "shared", random.Random(6)
-    for _ in range(4):
+    for _ in range(2):
         pair = [start(CORRELATE, str(folder)) for _ in range(2)]
         time.sleep(rng.uniform(0.5, 8))
         pair[0].send_signal(signal.SIGKILL)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
-from fake_renderer import FakeScene
 
+from sweeps.fake_renderer import FakeScene
 from viscache import metrics
 from viscache.frame import Frame
 from viscache.settings import by_name

@@ -340,20 +340,6 @@ def test_render_writes_pictures_to_look_at(
     assert out.read_bytes() != plain
 
 
-def test_bidirectional_path_tracing_is_an_integrator(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    words = shlex.split(
-        "--integrator bdpt --set integrator.max_depth=3 --size 16x16 --spp 2 --json"
-    )
-    out = str(tmp_path / "o.exr")
-    status, text, _ = run(capsys, "render", "cornell_box", "-o", out, *words)
-    assert status == 0
-    got = json.loads(text)
-    assert got["parameters"]["integrator"]["max_depth"] == 3
-    assert got["counters"]["groups"]["connection"]["queries"] > 0
-
-
 def test_a_camera_is_named_by_index_too_and_env_takes_a_number(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import importlib
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
-import fake_renderer as fake
-
 
 @pytest.fixture
 def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     """viscache with the stand-in's settings and renderer; yields the stand-in's module."""
+    from sweeps import fake_renderer as fake
     from viscache.scenes import sources
     from viscache.settings import by_name
     from viscache.sweeps import work
@@ -40,7 +37,7 @@ def without_netcdf(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a finished sweep, to be copied."""
-    from python.kept_formats import swept
+    from base.kept_formats import swept
 
     folder = tmp_path_factory.mktemp("finished")
     swept(folder)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import shlex
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import viscache as vc
-from viscache import cli
 from viscache.settings import by_name
 
 CHOSEN: dict[by_name.Role, Any] = {
@@ -94,15 +92,3 @@ def test_a_sweep_reaches_what_the_papers_form_has_by_both_names(tmp_path: Path) 
     assert set(errors.dims) == {"digest_bits", "hash"}
     plain = errors.sel(digest_bits=31, hash="scheme2")
     assert float(errors.sel(digest_bits=1, hash="scheme2")) > float(plain)
-
-
-def test_the_command_line_sets_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = str(tmp_path / "a.exr")
-    words = shlex.split(
-        "render cube_on_plane --integrator direct --visibility aqvc --size 16x10 --json"
-    )
-    words += ["--set", "hash=scheme1", "--set", "paper.batch=1", "-o", out]
-    assert cli.main(words) == 0
-    capsys.readouterr()
-    used = vc.Frame.load(out).parameters["visibility"]
-    assert (used["hash"], used["batch"], used["c_e"]) == ("scheme1", 1, 12)
