@@ -6,7 +6,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 78_900,
+    "library, lines": 79_000,
     "python, lines": 32_600,
     "lab, lines": 20_450,
     "tests, lines": 59_400,
