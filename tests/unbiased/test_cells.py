@@ -20,6 +20,7 @@ import pytest
 
 import viscache as vc
 from viscache import _core
+from viscache.scene.environments import apply_environment
 from viscache.settings import by_name, combinations
 from viscache.settings.integrators import eye_settings
 from viscache.shot.frame_plan import check_settings
@@ -62,7 +63,7 @@ def scene(lights: str) -> vc.Scene:
             d.add_mesh(np.float32(corners), np.uint32([[0, 1, 2]]), material=grey, **lamp)
     if lights == "sky":
         sky = np.abs(rng.normal(size=(8, 16, 3))) + 0.2
-        vc.scene.environments.apply_environment(d, sky.astype(np.float32))
+        apply_environment(d, sky.astype(np.float32))
     d.add_camera((0.5, 2.6, 4), (0, 0.4, 0))
     return vc.Scene.from_description(d)
 
