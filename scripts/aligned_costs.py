@@ -20,8 +20,9 @@ from scipy.optimize import nnls
 
 from viscache import _core
 from viscache.scene import Scene
-from viscache_lab.bench.aligned import DISTANCES, FITTED, HELD_OUT, eye_points, opened, rays_of
-from viscache_lab.bench.common import Sample, interleave, timed
+from viscache_lab.bench.aligned import DISTANCES, FITTED, HELD_OUT, eye_points, rays_of
+from viscache_lab.experiment.amounts import Sample, interleave, timed
+from viscache_lab.experiment.trial import opened
 
 #: Sizes, directions, and how many of the directions are traced.
 PICTURES = (

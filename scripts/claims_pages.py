@@ -13,8 +13,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from viscache_lab.experiment.full_run import FILE, RUNS, kept, written
 from viscache_lab.figures import FIGURES
-from viscache_lab.figures.full_run import FILE, RUNS, kept, written
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -28,7 +28,7 @@ def take(folder: Path, machine: str) -> None:
 
 def fill() -> None:
     """Write the tables of `FILE` into the pages."""
-    from viscache_lab.figures.claims_pages import PAGES, filled
+    from viscache_lab.experiment.claims_pages import PAGES, filled
 
     for page in PAGES:
         path = ROOT / page

@@ -19,8 +19,9 @@ from typing import Any
 import viscache as vc
 from viscache.frame import Frame
 from viscache.shot.render import render_part
-from viscache_lab.bench.aligned import FITTED, HELD_OUT, opened
-from viscache_lab.bench.common import Sample, interleave
+from viscache_lab.bench.aligned import FITTED, HELD_OUT
+from viscache_lab.experiment.amounts import Sample, interleave
+from viscache_lab.experiment.trial import opened
 
 #: Size, samples per pixel, virtual lights, and parts of the frame, of which one is rendered.
 PICTURES = (

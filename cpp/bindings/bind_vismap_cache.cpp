@@ -18,7 +18,7 @@ using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast
 
 py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
                 uint32_t frame, int threads, const py::object& progress) {
-    // Distances are traced for ambient occlusion alone: they cost nearest hits instead of any hits.
+    // Only ambient occlusion traces distances: they cost nearest hits instead of any hits.
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
     InsertionStats s;

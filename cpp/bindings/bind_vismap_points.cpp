@@ -57,7 +57,7 @@ void check_view(const Camera& camera, int width, int height, const PixelRules& r
 }
 
 py::tuple with_counts(PixelPoints found) {
-    // Points stay in C++: a class, whose arrays are copied only when they are asked for.
+    // Points stay in C++: a class, whose arrays are copied only when they are read.
     return py::make_tuple(Points{std::move(found.points)}, found.misses, found.bad_normals);
 }
 

@@ -39,7 +39,7 @@ void bind_pyramid(py::module_& s) {
                 if (level < 0 || level > p.levels())
                     throw py::value_error("level must be in [0, " + std::to_string(p.levels()) + "], got " +
                                           std::to_string(level));
-                // A copy: the level may be asked for again after the pyramid has gone.
+                // A copy: the array may outlive the pyramid.
                 return py::array_t<double>(py::ssize_t{1} << (2 * level), p.sums(level));
             },
             py::arg("level"), "Sums over the nodes of a level along the Morton curve, (4^level,).");

@@ -137,7 +137,7 @@ WithoutGil::~WithoutGil() {
 
 WithGil::WithGil() {
     Threads& t = *all_threads;
-    // A thread that already has the lock asks for nothing.
+    // A thread that already has the lock need not wait for it.
     const bool held = PyGILState_Check() != 0;
     if (!held) before_asking(t);
     state_ = PyGILState_Ensure();

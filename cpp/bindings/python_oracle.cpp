@@ -146,7 +146,7 @@ Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
             throw std::logic_error("an answer must have a row of bits per eye point");
         for (size_t r = 0; r < wanted.rows(); ++r)
             for (size_t w = 0; w < words; ++w)
-                // Answers to queries that nobody asked for are dropped.
+                // Answers to queries that are not wanted are dropped.
                 visible.row(r)[w] = bits.data(py::ssize_t(r), 0)[w] & wanted.row(r)[w];
         if (!answer[1].is_none()) {
             const auto weights = answer[1].cast<FloatArray>();

@@ -20,7 +20,8 @@ from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
-from viscache_lab.figures.registry import FIGURES, FigureInfo
+from viscache_lab.experiment import Experiment
+from viscache_lab.figures import FIGURES
 
 #: Pictures wider than this are shrunk: pages should open at once.
 WIDTH_PX = 1400
@@ -121,7 +122,7 @@ class FigureGallery(SphinxDirective):
             lines += self._section(name, info)
         return markdown(self, lines)
 
-    def _section(self, name: str, info: FigureInfo) -> list[str]:
+    def _section(self, name: str, info: Experiment) -> list[str]:
         found = result(self.config.viscache_figures, name)
         quick = " --quick" if found and found["quick"] else ""
         lines = [f"## {name}: {info.description}", ""]
@@ -138,7 +139,7 @@ class FigureGallery(SphinxDirective):
         return lines
 
 
-def chosen(paper: str) -> list[tuple[str, FigureInfo]]:
+def chosen(paper: str) -> list[tuple[str, Experiment]]:
     """The figures of a paper."""
     return [(n, i) for n, i in FIGURES.items() if n.partition("-")[0] == paper]
 

@@ -23,8 +23,6 @@ from viscache.sweeps.tuned import Tuned
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Shot"]
-
 
 @spelled
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.base import tonemap
-from viscache_lab.figures.drawing import draw_image, new_figure
+from viscache.plots.drawing import new_figure
+from viscache_lab.experiment.drawing import draw_image
 
 Floats = npt.NDArray[np.floating[Any]]
 
@@ -184,7 +185,6 @@ def correlation() -> Any:
         map_size=32,
         d_edges=16,
         theta_edges_deg=18,
-        spatial=True,
     )
     figure = new_figure(12.0, 2.7)
     table, local, left = figure.subplots(1, 3)

@@ -12,11 +12,12 @@ from matplotlib.patches import Rectangle
 import viscache as vc
 from viscache.base import tonemap
 from viscache.correlation import plots as correlation_plots
+from viscache.plots.drawing import new_figure
 from viscache.scene.cameras import find_camera
 from viscache.vlf.tiles import walk_tiles
+from viscache_lab.experiment.drawing import draw_image, draw_records, project
 from viscache_lab.figures.aqvc_clusters import Cells, EyeSamples, eye_samples, false_colors
 from viscache_lab.figures.aqvc_runs import Shot
-from viscache_lab.figures.drawing import draw_image, draw_records, new_figure, project
 
 #: Tiles along the edge of the part that is shown larger.
 ZOOM = 12.0

@@ -167,7 +167,7 @@ def test_a_figure_is_drawn_when_there_is_room(
 
 CORRELATION: dict[str, Any] = {
     "scene": SCENE, "n_points": 2000, "map_size": 32, "d_edges": 4, "theta_edges_deg": 4,
-    "spatial": False, "threads": 1,
+    "threads": 1,
 }  # fmt: skip
 CORRELATE = f"""
 import sys, viscache as vc

@@ -18,7 +18,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache_lab.figures import everything
+from viscache_lab.experiment import run as everything
 
 SCENE = "cube_on_plane"
 PASSES = """
@@ -32,17 +32,18 @@ sys.exit(cli.main(sys.argv[1:]))
 FEW = """
 import sys
 from viscache import cli
-from viscache_lab.figures import registry
+from viscache_lab.experiment import run
+from viscache_lab.figures import FIGURES
 names, log = sys.argv[1].split(","), sys.argv[2]
-for name in list(registry.FIGURES):
+for name in list(FIGURES):
     if name not in names:
-        del registry.FIGURES[name]
-drawn = registry.reproduce
+        del FIGURES[name]
+drawn = run.reproduce
 def noted(name, *given, **more):
     with open(log, "a") as file:
         file.write(name + "\\n")
     return drawn(name, *given, **more)
-registry.reproduce = noted
+run.reproduce = noted
 sys.exit(cli.main(sys.argv[3:]))
 """
 
@@ -195,7 +196,7 @@ def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(
     def full(*given: Any, **more: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "x")
 
-    monkeypatch.setattr(everything.registry, "reproduce", full)
+    monkeypatch.setattr(everything, "reproduce", full)
     assert cli.main(["reproduce", "all", "--quick", "-o", str(tmp_path)]) == 2
     assert "make room and run the same command again" in capsys.readouterr().err
     assert not (tmp_path / "summary.json").exists()

@@ -48,6 +48,7 @@ LAB = "python/viscache_lab/"
 #: Its rooms.
 LAB_FLOORS: tuple[tuple[str, ...], ...] = (
     ("viscache_lab",),
+    ("experiment",),
     ("cases", "extremes", "parity"),
     ("bench", "figures"),
     ("commands",),
@@ -58,9 +59,9 @@ ROOMS = {
 }
 #: Files that find modules of their package by name: sub-commands, figures, families of checks.
 BY_NAME = (
+    f"{PACKAGE}__init__.py",
     f"{PACKAGE}cli.py",
-    f"{LAB}figures/__init__.py",
-    f"{LAB}extremes/families/__init__.py",
+    f"{LAB}experiment/registry.py",
 )
 
 
@@ -68,7 +69,9 @@ def room_of(path: str) -> str:
     """Which room a file belongs to."""
     package = LAB if path.startswith(LAB) else PACKAGE
     first = PurePosixPath(path).relative_to(package).parts[0]
-    return PurePosixPath(package).name if first == "__init__.py" else first.removesuffix(".py")
+    return (
+        PurePosixPath(package).name if first.startswith("__init__.") else first.removesuffix(".py")
+    )
 
 
 def imported(tree: ast.Module) -> Iterator[tuple[int, str, str]]:

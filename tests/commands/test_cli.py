@@ -224,7 +224,7 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     machine = {"processor": "p", "cores": 1}
     answer = {"what": "same hits", "value": 1.0, "limit": 0.0}
 
-    def made(name: str, quick: bool = False, function: Any = None) -> dict[str, Any]:
+    def made(name: str, quick: bool = False, **_: Any) -> dict[str, Any]:
         holds = name == "right"
         return {
             "bench": name,
@@ -236,7 +236,7 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
             "skipped": [],
         }
 
-    monkeypatch.setattr(bench, "run", made)
+    monkeypatch.setattr(bench, "run_bench", made)
     assert run(capsys, "bench", "right")[0] == 0
     status, out, _ = run(capsys, "bench", "no", "--json")
     assert status == 1 and json.loads(out)["answers_hold"] is False

@@ -118,9 +118,7 @@ def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line() -> None:
     """Rays, rows, pairs and bins together."""
     sphere = convex_sphere()
     d_edges = [0, 0.5, 1, 1.5, np.inf]
-    ds = measure(
-        sphere, n_points=1500, points="area", d_edges=d_edges, theta_edges_deg=45, spatial=False
-    )
+    ds = measure(sphere, n_points=1500, points="area", d_edges=d_edges, theta_edges_deg=45)
     normals = ds["normal"].values.astype(float)
     p = ds["position"].values.astype(float)
     i, j = np.triu_indices(len(p), 1)

@@ -70,5 +70,5 @@ def test_without_a_camera_the_map_is_seen_along_the_shortest_side() -> None:
     ds = measure("bumpy_spheres?triangles=3000", n_points=100, map_size=16, points="area")
     axes = plots.maps(ds).axes[0]
     assert {axes.get_xlabel()[0], axes.get_ylabel()[0]} == {"x", "z"}
-    with pytest.raises(ValueError, match="measure with spatial=True"):
+    with pytest.raises(ValueError, match="must have local means"):
         plots.maps(ds.drop_vars("local_mean"))

@@ -11,7 +11,7 @@ import pytest
 
 from codebase.repository import text
 from viscache import Aqvc, NeePlusPlus, Whitted, cli, metrics, render, scenes
-from viscache_lab.bench import registry as benches
+from viscache_lab import bench as benches
 from viscache_lab.figures import FIGURES
 from viscache_lab.figures.aqvc_nee import discarded
 from viscache_lab.figures.aqvc_runs import Shot

@@ -153,7 +153,7 @@ def compared(dice: Dice) -> None:
         settings.integrator(dice),
         {"exact": "exact", "other": settings.visibility(dice) or "aqvc"},
         passes=dice.whole(1, 3),
-        reference_passes=2,
+        reference=2,
         size=settings.size(dice),
         threads=THREADS,
     )

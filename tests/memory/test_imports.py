@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+import viscache as vc
 
 #: What each of them does after all were imported: it traces a ray, or renders.
 WORK = {
@@ -65,5 +69,29 @@ def test_what_few_calls_need_is_loaded_by_these() -> None:
     code = "import sys, viscache; print(*{name.partition('.')[0] for name in sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     late = {"scipy", "xarray", "matplotlib", "skimage", "h5py", "h5netcdf", "pandas", "PIL"}
+    late |= {"sqlite3", "socket", "http", "asyncio", "multiprocessing"}
     assert "numpy" in done.stdout.split()
     assert late.isdisjoint(done.stdout.split())
+
+
+def test_names_load_their_modules_when_first_used() -> None:
+    code = """
+import sys, viscache as vc
+def there(): return {name for name in sys.modules if name.startswith("viscache.")}
+own = {name for name in there() if not name.startswith("viscache._core")}
+assert own == {"viscache.base", "viscache.base.given"}, own
+vc.load_scene
+assert "viscache.scene" in there() and "viscache.sweeps" not in there()
+for name in vc.__all__: getattr(vc, name)
+assert {"viscache.sweeps.tune", "viscache.plots", "viscache.report"} <= there()
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_type_checkers_and_programs_see_the_same_names() -> None:
+    stub = Path(vc.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    listed = re.findall(r"^from (\S+) import (\w+)", stub, re.M)
+    hidden = {"tonemap", "workers", "over_time"}
+    assert {name for _, name in listed} == set(vc.__all__) - {"__version__"} | hidden
+    for module, name in listed:
+        assert getattr(vc, name) is getattr(importlib.import_module(module), name)

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viscache as vc
+from viscache import cli
 from viscache.sweeps.search import MOST_PILOTS, Span, best, search
 from viscache.sweeps.tune import Pilot
 
@@ -123,9 +124,14 @@ def test_of_whole_numbers_one_that_reaches_the_target_is_preferred() -> None:
 
 
 def test_an_oracle_of_ones_own_is_tuned(room: vc.Scene) -> None:
-    """Its only number needs no name; it does not work in parts of frames, so frames check it."""
+    """It does not work in parts of frames, so frames check it."""
     found = vc.tune(
-        room, WHITTED, rel_l1_reflected=0.03, visibility=GridCache(), between=(0.02, 2), size=SIZE
+        room,
+        WHITTED,
+        rel_l1_reflected=0.03,
+        visibility=GridCache(),
+        parameter={"cell": (0.02, 2)},
+        size=SIZE,
     )
     assert (found.parameter, found.samples) == ("cell", 24)
     assert found.visibility == GridCache(cell=found.value) and 0.02 <= found.value <= 2
@@ -145,8 +151,7 @@ def test_a_whole_number_whose_error_falls(room: vc.Scene) -> None:
         WHITTED,
         rel_l1_reflected=0.03,
         visibility=CellsPerUnit(),
-        parameter="per_unit",
-        between=(1, 40),
+        parameter={"per_unit": (1, 40)},
         size=SIZE,
     )
     assert isinstance(found.value, int) and found.visibility.per_unit == found.value
@@ -165,8 +170,7 @@ def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
         direct,
         rel_l1_reflected=0.03,
         visibility="shadow_map",
-        parameter="resolution",
-        between=(8, 128),
+        parameter={"resolution": (8, 128)},
         size=SIZE,
     )
     assert maps.outcome != "missed" and maps.visibility == vc.ShadowMap(resolution=int(maps.value))
@@ -177,8 +181,7 @@ def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
         rel_l1_reflected=0.03,
         visibility=vc.Aqvc(exact_groups=()),
         use=vc.Correct(),
-        parameter="use.share",
-        between=(0.02, 1),
+        parameter={"use.share": (0.02, 1)},
         size=SIZE,
     )
     assert isinstance(share.visibility, vc.Aqvc) and share.use == vc.Correct(share=share.value)
@@ -190,8 +193,7 @@ def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
         rel_l1_reflected=0.03,
         visibility=vc.Aqvc(exact_groups=()),
         use="correct",
-        parameter="use.share",
-        between=(0.02, 1),
+        parameter={"use.share": (0.02, 1)},
         size=SIZE,
     )
     assert word.pilots == share.pilots
@@ -199,10 +201,10 @@ def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
 
 def test_other_numbers_of_the_quantized_cache(room: vc.Scene) -> None:
     found = vc.tune(
-        room, vc.Direct(), rel_l1_reflected=0.02, parameter="c_z", between=(0.5, 16), size=SIZE
+        room, vc.Direct(), rel_l1_reflected=0.02, parameter={"c_z": (0.5, 16)}, size=SIZE
     )
     assert found.visibility.c_z == found.value and found.visibility.c_e == vc.Aqvc().c_e
-    same = vc.tune(room, vc.Direct(), rel_l1_reflected=0.05, between=(1, 64), size=SIZE)
+    same = vc.tune(room, vc.Direct(), rel_l1_reflected=0.05, parameter={"c_e": (1, 64)}, size=SIZE)
     assert same.parameter == "c_e" and 1 <= same.c_e == same.visibility.c_e <= 64
 
 
@@ -226,7 +228,10 @@ class NoFields:
         ),
         ({"parameter": "c_ee"}, "no parameter 'c_ee'; did you mean 'c_e'"),
         ({"use": vc.Correct(), "parameter": "share"}, "did you mean 'use.share'"),
-        ({"visibility": GridCache()}, r"between must be \(low, high\), two numbers .* got None"),
+        (
+            {"visibility": GridCache()},
+            r"parameter must be \{name: \(low, high\)\}, two numbers .* got None",
+        ),
         ({"visibility": TwoNumbers()}, "parameter must be one of cell, levels, got None"),
         (
             {"visibility": TwoNumbers(), "parameter": "name"},
@@ -236,14 +241,15 @@ class NoFields:
         ({"visibility": 3}, "visibility must be vc.Exact"),
         ({"parameter": "preset"}, "parameter must be a number: one of c_e, c_l"),
         ({"parameter": 3}, "parameter must be a name, got 3"),
-        ({"between": (4, 4)}, "with low < high"),
-        ({"between": (1, math.inf)}, "with low < high"),
-        ({"between": "ab"}, "between must be"),
-        ({"between": (-1, 4)}, "c_e must be"),
-        ({"parameter": "c_n", "between": (1.5, 4)}, "two whole numbers with low < high"),
+        ({"parameter": {"c_e": (1, 2), "c_n": (1, 2)}}, "parameter must have one name"),
+        ({"parameter": {"c_e": (4, 4)}}, "with low < high"),
+        ({"parameter": {"c_e": (1, math.inf)}}, "with low < high"),
+        ({"parameter": {"c_e": "ab"}}, "parameter must be"),
+        ({"parameter": {"c_e": (-1, 4)}}, "c_e must be"),
+        ({"parameter": {"c_n": (1.5, 4)}}, "two whole numbers with low < high"),
         ({"use": "repair"}, "use must be"),
         (
-            {"use": vc.Correct(), "parameter": "use.share", "between": (0.1, 2)},
+            {"use": vc.Correct(), "parameter": {"use.share": (0.1, 2)}},
             r"share must be in \(0, 1\]",
         ),
     ],
@@ -256,4 +262,19 @@ def test_what_cannot_be_searched_is_refused(arguments: dict[str, Any], says: str
 def test_what_does_not_combine_is_refused_before_a_frame_is_rendered() -> None:
     product = vc.Direct(environment="product")
     with pytest.raises(ValueError, match='with environment="product"'):
-        vc.tune("slits", product, visibility=GridCache(), between=(0.1, 1))
+        vc.tune("slits", product, visibility=GridCache(), parameter={"cell": (0.1, 1)})
+
+
+def test_the_command_searches_any_number(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40"]
+    maps = ["--visibility", "shadow_map", "--parameter", "resolution", "--between", "8", "128"]
+    assert cli.main([*words, *maps, "--target", "rel_l1<=0.03", "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    assert got["parameter"] == "resolution" and isinstance(got["resolution"], int)
+    assert got["target"] == 0.03 and got["rel_l1"] <= 0.039
+    assert cli.main([*words, *maps, "--error", "0.03"]) == 0
+    assert "resolution" in capsys.readouterr().out
+    assert cli.main([*words, "--visibility", "shadow_map"]) == 2
+    assert "parameter must be one of resolution, bias" in capsys.readouterr().err
+    assert cli.main([*words, "--target", "rmse<=0.03"]) == 2
+    assert "or seconds<=NUMBER, got" in capsys.readouterr().err

@@ -21,8 +21,8 @@ from viscache.vismap.simulation import (
     one_shot_passes,
     simulate,
 )
-from viscache_lab.bench.common import Outcome
 from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
+from viscache_lab.experiment import Trial
 
 ONE, STEADY = Way(alpha=1.0), Way(alpha="previous_pass", passes=4)
 PRODUCT, GUIDED = Way(), Way(alpha="previous_pass", eta=0.25, passes=4)
@@ -60,12 +60,12 @@ def test_the_truth_is_what_the_renderer_finds() -> None:
 @pytest.mark.slow
 @pytest.mark.stat
 def test_every_way_is_unbiased_and_a_wrong_truth_is_found() -> None:
-    outcome = Outcome()
-    check_means(outcome, "room", estimates())
-    assert outcome.answers_hold
+    trial = Trial()
+    check_means(trial, "room", estimates())
+    assert trial.answers_hold
     shifted = PixelEstimates(truth=estimates().truth * 1.2, estimates=estimates().estimates)
-    check_means(outcome, "shifted", shifted)
-    assert [a["holds"] for a in outcome.answers] == [True, False]
+    check_means(trial, "shifted", shifted)
+    assert [a["holds"] for a in trial.answers] == [True, False]
 
 
 @pytest.mark.slow
@@ -146,9 +146,9 @@ def test_the_papers_first_pass_has_alpha_one() -> None:
 def test_figures_have_the_goals_of_their_case_as_gains() -> None:
     case = next(c for c in CASES if c.name == "window_room")
     found = simulate(window_room(), all_ways(), [30], size=(96, 72), n_pixels=4, replicates=4)
-    outcome = Outcome()
-    add_figures(outcome, case, found, [30], len(window_room()))
-    with_goal = [f for f in outcome.figures if f["goal"] is not None]
+    trial = Trial()
+    add_figures(trial, case, found, [30], len(window_room()))
+    with_goal = [f for f in trial.figures if f["goal"] is not None]
     assert [f["name"] for f in with_goal] == [
         "window_room, guided, rqmc, 30 samples vs product sampling"
     ]

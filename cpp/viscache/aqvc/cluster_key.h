@@ -211,7 +211,7 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
     switch (s) {
         case Semantic::kPoint:
         case Semantic::kDirection:
-            // Exact bits: shared lights are told apart however close they are.
+            // Exact bits: shared lights stay distinct however close they are.
             key.slots = {float_bits(far.x), float_bits(far.y), float_bits(far.z)};
             return true;
         case Semantic::kSurface: {

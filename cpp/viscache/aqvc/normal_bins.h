@@ -92,8 +92,8 @@ inline GridAxes NormalBins::axes_around(double x, double y, double z) {
         y = 0;
         z = 1;
     }
-    // Orthonormal basis without branches [Duff et al. 2017]. From the bin alone, never from N: all normals of
-    // a bin must have the same grid.
+    // Orthonormal basis without branches [Duff et al. 2017]. From the bin, never from N: all normals of a bin
+    // must have the same grid.
     const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
     return {{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}};
 }

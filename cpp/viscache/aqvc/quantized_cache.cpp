@@ -385,7 +385,7 @@ void QuantizedCache::samples_by_pairs(const EyeBlock& eyes, const LocalSamples& 
         // `end[row]` is the end of the samples of an eye point; numbers ascend.
         while (samples.end[row] <= i) ++row;
         queries.push_back(samples.query(samples.eye[row], i));
-        // With "light", cells follow the density of light sampling alone and are the same for all pixels.
+        // With "light", cells follow the density of light sampling only and are the same for all pixels.
         if (light) queries.back().density = samples.light_density[i];
     }
     std::vector<Word> answer(words_for(queries.size()));

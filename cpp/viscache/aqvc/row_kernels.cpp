@@ -96,7 +96,7 @@ VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Wo
         store_row(need + w, load_row(need + w) | rest);
         counts.lookups += ones(queries);
         counts.hits += ones(hit);
-        // What goes on to the finest level
+        // What the finest level must answer
         if (last_above) counts.boundary += ones(hit & d);
     }
 }
@@ -117,7 +117,7 @@ VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t wor
 
 ///     a  =  miss        unknown: waits for rays
 ///        | agreed       known, and all neighbours agree or are nil: the value is the answer
-///        | rest         known, and some neighbour differs: goes on to the next level
+///        | rest         known, and some neighbour differs: is left to the next level
 VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4], bool last, Word* miss,
                               Word* visible, size_t words, RowCounts& counts) {
     Row512 missing{}, going{};

@@ -67,7 +67,7 @@ void TileCells::find_neighbours(const TileAnchors& tile, const std::vector<doubl
     // The number of the row that is always nil
     const uint32_t absent = uint32_t(numbers_.size());
     ClampCounts counted_already;
-    // The finest level has no neighbours: nobody asks them.
+    // Neighbours at the finest level are never used.
     neighbours_.resize(level_begin_[levels.size() - 1]);
     for (size_t d = 0; d + 1 < levels.size(); ++d)
         for (uint32_t c = level_begin_[d]; c < level_begin_[d + 1]; ++c) {

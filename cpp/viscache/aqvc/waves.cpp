@@ -79,7 +79,7 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
         if (d + 1 == levels_) break;
         store_below(d);
         resolve_level(d, visible, counters);
-        // What is still active now is answered by the finest cells alone.
+        // What is still active now is answered only by the finest cells.
         if (d + 2 == levels_) std::memcpy(finest_.row(0), active_.row(0), eyes_ * words_ * sizeof(Word));
     }
     rays += finish(*tile.eyes, columns, tracer, visible, counters);
@@ -188,7 +188,7 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
         if (c == kNoCell || !noted(i, c, levels_ - 1, finish_row)) continue;
         left.push_back(i);
         for_each_bit(active_.row_span(i), [&](size_t k) {
-            // An earlier eye point has asked for it.
+            // An earlier eye point traces it.
             if (miss_.get(c, k)) return;
             miss_.set(c, k);
             if (log_) traced_by_[size_t(c) * columns.count() + k] = i;

@@ -70,7 +70,7 @@ void BinEdges::build(const char* name) {
     auto shares_cell = [&](uint32_t a, uint32_t b) { return a >> shift_ == b >> shift_; };
     while (shift_ > 1 && std::adjacent_find(inner.begin(), inner.end(), shares_cell) != inner.end()) --shift_;
     const size_t cells = inner.empty() ? 0 : size_t((inner.back() >> shift_) - (inner.front() >> shift_)) + 1;
-    // Edges that share a cell of two keys, or need a million cells, are closer than floats tell apart.
+    // Edges that share a cell of two keys, or need a million cells, are closer than floats can distinguish.
     if (zeros > 1 || shift_ == 1 || cells > kMaxCells)
         throw std::invalid_argument(std::string(name) +
                                     " must lie further apart than single precision tells");

@@ -52,7 +52,7 @@ struct Candidates {
 
 /// Increases the number of strata until there are n candidates: propose(strata) → Candidates.
 /// Strata without a point (sky, holes) make the needed number unknown beforehand. Each attempt starts anew,
-/// so the result is that of its number of strata alone.
+/// so the result depends only on its number of strata.
 template <class Propose>
 Candidates at_least(size_t n, const char* what, Propose propose) {
     const double most = double(n) / kLeastShare;

@@ -24,7 +24,7 @@ Isa choose_isa() {
     const char* wish = std::getenv("VISCACHE_ISA");
     const Isa best = best_isa();
     if (!wish || !*wish) return best;
-    // A lower variant may be asked for in tests; a higher one would end in an illegal instruction.
+    // Tests select lower variants; a higher one would end in an illegal instruction.
     for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
         if (isa_name(isa) == wish) {
             if (isa > best)

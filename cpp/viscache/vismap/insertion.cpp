@@ -194,7 +194,7 @@ std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
     std::vector<TreePoint> added;
     for (uint32_t id = first_new; id < cache.size(); ++id)
         added.push_back({cache.records().head(id).position, cache.records().head(id).normal, id});
-    // A tree of the new records alone: one of them in reach is enough, so the search stops at the nearest.
+    // A tree of only the new records: one of them in reach is enough, so the search stops at the nearest.
     KdTree tree;
     tree.build(std::move(added));
     // With the filter after the search, records of any normal can displace others

@@ -132,7 +132,7 @@ BlendedMaps MapCache::blend(const Selection& s) const {
 }
 
 bool MapCache::has_duplicate(const CachePoint& point) const {
-    // The radius scales with the pixel: what no pixel can tell apart is the same point.
+    // The radius scales with the pixel: points closer than any pixel resolves are the same point.
     NearestSet set(1, kCoincident * point.d_max);
     tree_.search(
         point.position, [&](const TreePoint& p) { return length(p.normal - point.normal) < kCoincident; },

@@ -18,7 +18,7 @@ public:
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
-    // Passes on the bits alone: answers of this oracle do not claim to be exact.
+    // Passes on only the bits: answers of this oracle do not claim to be exact.
     Answer pairs(const PairsAsk& ask, Counters& counters) override {
         return {.bits = exact_.pairs(ask, counters).bits};
     }

@@ -85,7 +85,7 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
         predicted_costs(sampled_work(batch, input, threads, control, isa), order, length, isa);
     const std::vector<size_t> probed =
         probed_axes(input.axes.size(), std::min(input.axes.size() / kAxesPerProbe, kProbedAxes));
-    // No whole axis is affordable, so the sample alone decides and must be clearer.
+    // No whole axis is affordable, so only the sample decides, and it must be clearer.
     if (probed.empty()) return decided(sampled, kClearShare);
     if (sampled.batch_ns > kHope * sampled.embree_ns) return decided(sampled, kShare);
     std::vector<Frame3> some;

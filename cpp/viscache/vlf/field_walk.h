@@ -59,7 +59,7 @@ void walk_field(std::span<const Layer* const> layers, const CanonicalRay& ray, i
     const double slack = kHitSlack / ray.length;
     walk_tiles(ray, n_tiles, [&](int column, int row, double in, double out) {
         if (steps) ++steps->tiles;
-        // All layers of a tile are searched before the ray goes on, since a hit in any of them may be the
+        // All layers of a tile are searched before the next tile, since a hit in any of them may be the
         // nearest.
         for (const Layer* layer : layers) {
             if (!layer->rect.holds(column, row)) continue;

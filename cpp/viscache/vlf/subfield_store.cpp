@@ -22,8 +22,8 @@ SubfieldLease SubfieldStore::get_lazily(uint32_t direction) const {
     // A count of uses, not a clock: the order of uses is all that eviction needs.
     slot.used = ++clock_;
     std::shared_ptr<const Subfield> field = slot.load();
-    // Looks, locks, looks again: one thread builds a direction, and others that need it wait for this one
-    // alone.
+    // Looks, locks, looks again: one thread builds a direction, and others that need it wait only for this
+    // one.
     if (!field) {
         const std::lock_guard lock(slot.building);
         field = slot.load();
@@ -45,7 +45,7 @@ void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> fi
     ++built_;
     slots_[direction].exchange(std::move(field));
     while (bytes_ > max_bytes_) {
-        // The new subfield is never evicted: the ray that asked for it is about to use it.
+        // The new subfield is never evicted: the ray that needs it is about to use it.
         uint32_t oldest = direction;
         for (uint32_t i = 0; i < directions_.size(); ++i) {
             const bool older = oldest == direction || slots_[i].used < slots_[oldest].used;

@@ -13,8 +13,6 @@ from viscache import _core
 from viscache.settings.checks import checked_floats, is_number, require
 from viscache.settings.visibility import Aqvc
 
-__all__ = ["eye_keys", "hash_keys", "level_hashes", "resolution_eye"]
-
 #: Numbers of a whole key, and those of its eye side, which come first.
 KEY, EYE_KEY = 15, 8
 

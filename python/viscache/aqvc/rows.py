@@ -13,8 +13,6 @@ from viscache.settings.aqvc import KEYED, LIGHT_GROUPS, Aqvc
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["AqvcRows"]
-
 
 @spelled
 class AqvcRows(Uncopied):

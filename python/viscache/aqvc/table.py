@@ -18,9 +18,6 @@ from viscache.settings.aqvc import KEYED, Aqvc
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["AqvcTable"]
-
-
 #: One row of `AqvcTable.entries`.
 ENTRY = np.dtype([("slot", "u4"), ("digest", "u4"), ("visible", "?"), ("current", "?")], align=True)
 

@@ -10,16 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "array_in_words",
-    "arrays_digest",
-    "bytes_digest",
-    "changed_layers",
-    "content_key",
-    "layer_digests",
-    "pixels_digest",
-]
-
 
 def bytes_digest(data: bytes | bytearray) -> str:
     """Hex digest of bytes."""

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy.typing as npt
 
-__all__ = ["ArrayOutput"]
-
 
 class ArrayOutput:
     """A result with one main array, which NumPy's and DLPack's protocols return."""

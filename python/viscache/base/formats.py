@@ -22,8 +22,6 @@ import numpy.typing as npt
 from viscache.base.array_digests import arrays_digest
 from viscache.base.files import DAMAGED_ARRAYS, whole_file
 
-__all__ = ["ArrayField", "Field", "Format", "FormatError"]
-
 Arrays = Mapping[str, npt.NDArray[Any]]
 
 #: Name of the head among the arrays of a file.

@@ -15,8 +15,6 @@ from viscache.base.files import whole_file
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["netcdf_file", "write_netcdf"]
-
 
 class TakesAll(io.RawIOBase):
     """A file that never refuses a write, because HDF5 ends the process some time after it did.

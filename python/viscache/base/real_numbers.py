@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["real_array"]
-
 
 def real_array(values: npt.ArrayLike, name: str) -> npt.NDArray[Any]:
     """The values as an array of their own type; ValueError where one is complex."""

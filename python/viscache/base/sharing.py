@@ -8,8 +8,6 @@ import weakref
 from collections.abc import Callable
 from typing import Any, ClassVar, NoReturn, TypeVar, cast
 
-__all__ = ["MadeOnce", "Newest", "Turn", "Uncopied"]
-
 T = TypeVar("T")
 
 _NOTHING = object()

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         type=by_name.literal,
         metavar=("LOW", "HIGH"),
-        help="where to search; needed but for c_e",
+        help="where to search NAME; needed but for c_e",
     )
     parser.add_argument(
         "--passes",
@@ -102,13 +102,17 @@ def run(arguments: argparse.Namespace) -> int:
     }
     made = by_name.assign(chosen, arguments.set)
     wanted: tuple[str, Any] = arguments.target or (METRICS[0], arguments.error)
+    parameter: Any = arguments.parameter
+    if arguments.between is not None:
+        if parameter is None:
+            raise ValueError("--between must come with --parameter NAME")
+        parameter = {parameter: tuple(arguments.between)}
     found = tune(
         chosen_scene(arguments),
         made["integrator"],
         **{wanted[0]: wanted[1]},
         visibility=made["visibility"],
-        parameter=arguments.parameter,
-        between=arguments.between,
+        parameter=parameter,
         passes=arguments.passes,
         use=arguments.use,
         size=arguments.size,

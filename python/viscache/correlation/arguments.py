@@ -3,29 +3,150 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Any, Literal, TypeAlias
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias, TypedDict, get_args
 
 import numpy as np
 import numpy.typing as npt
 
+from viscache import _core
 from viscache.correlation import rows as _rows
-from viscache.correlation.bins import Bins, checked_edges, linear_bins, pilot_d_max
+from viscache.correlation.bins import N_D, N_THETA, Bins, checked_edges, linear_bins, pilot_d_max
 from viscache.correlation.pairs import Domain, Undefined
+from viscache.correlation.rows import RowEngine
 from viscache.correlation.tasks import PairOptions, Points
 from viscache.correlation.work import tile_size
-from viscache.settings.checks import checked_floats, is_whole, require
+from viscache.settings.checks import checked_floats, is_number, is_whole, require
 
 Edges: TypeAlias = "int | npt.ArrayLike"
 Words: TypeAlias = npt.NDArray[np.uint64]
 
-DOMAINS = ("sphere", "joint", "union")
-UNDEFINED = ("skip", "one_if_both")
 #: Each pair of groups has its own table, so their number is limited.
 MAX_GROUPS = 32
 
 
-def check_seed(seed: int) -> None:
-    require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
+class PairKeywords(TypedDict, total=False):
+    """Keywords of `correlate` and `measure`; `measure` explains them."""
+
+    pairs: Literal["all"] | int
+    seed: int
+    d_edges: Edges
+    theta_edges_deg: Edges
+    d_max: float | None
+    slice_d: float
+    slice_theta_deg: float
+    undefined: Undefined
+    min_bits: int
+    threads: int | None
+
+
+class MeasureKeywords(PairKeywords, total=False):
+    """Further keywords of `measure`."""
+
+    n_points: int
+    map_size: int
+    points: Literal["camera", "area"] | None
+    camera: str | int | _core.Camera | None
+    directions: Literal["centres", "jittered", "lloyd"]
+    domain: Domain
+    normals: Literal["geometric", "shading"]
+    t_max: float | Literal["auto"]
+    engine: RowEngine
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PairSettings:
+    """Which pairs are counted, and in which bins."""
+
+    pairs: Literal["all"] | int = "all"
+    seed: int = 0
+    d_edges: Edges = N_D
+    theta_edges_deg: Edges = N_THETA
+    d_max: float | None = None
+    slice_d: float = 0.2
+    slice_theta_deg: float = 2.0
+    undefined: Undefined = "skip"
+    min_bits: int = 1
+    domain: Domain = "sphere"
+    threads: int | None = None
+
+    def __post_init__(self) -> None:
+        fits = is_whole(self.seed) and 0 <= self.seed < 1 << 63
+        require(fits, "seed must be in [0, 2^63)", self.seed)
+        known = get_args(Undefined)
+        require(self.undefined in known, f"undefined must be one of {known}", self.undefined)
+        fits = is_whole(self.min_bits) and self.min_bits >= 1
+        require(fits, "min_bits must be a whole number >= 1", self.min_bits)
+        domains = get_args(Domain)
+        require(self.domain in domains, f"domain must be one of {domains}", self.domain)
+
+    def bins(self, positions: npt.NDArray[np.float32]) -> Bins:
+        """Bins from given edges, or from given numbers of evenly spaced bins."""
+        d, theta = self.d_edges, self.theta_edges_deg
+        fits = self.d_max is None or isinstance(d, int)
+        require(fits, "d_max must be left out with edges of d", self.d_max)
+        end, even = self.d_max, 1.0
+        if isinstance(d, int):
+            end = even = pilot_d_max(positions, self.seed) if end is None else float(end)
+        spread = linear_bins(
+            even, d if isinstance(d, int) else 1, theta if isinstance(theta, int) else 1
+        )
+        return Bins(
+            d_edges=spread.d_edges if isinstance(d, int) else checked_edges(d, "d_edges"),
+            theta_edges_deg=spread.theta_edges_deg
+            if isinstance(theta, int)
+            else checked_edges(theta, "theta_edges_deg"),
+            slice_d=self.slice_d,
+            slice_theta_deg=self.slice_theta_deg,
+            d_end=end,
+        )
+
+    def sampled(self, n_points: int) -> int | None:
+        """Number of pairs to sample; None for all pairs."""
+        if self.pairs == "all":
+            return None
+        fits = is_whole(self.pairs) and int(self.pairs) >= 1
+        require(fits, 'pairs must be "all" or a whole number >= 1', self.pairs)
+        return int(self.pairs) if int(self.pairs) < n_points * (n_points - 1) // 2 else None
+
+    def pair_options(
+        self, points: Points, bins: Bins, n_directions: int, directions: Any = None
+    ) -> PairOptions:
+        """Options for counting pairs."""
+        return PairOptions(
+            n_directions=n_directions,
+            d_cells=bins.d_cells,
+            theta_cells=bins.theta_cells,
+            domain=self.domain,
+            directions=directions,
+            undefined=self.undefined,
+            min_bits=int(self.min_bits),
+            tile=tile_size(points.group, self.sampled(len(points.group)) is not None),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasureSettings(PairSettings):
+    """Also which points there are, and how their rows are traced."""
+
+    n_points: int = 20_000
+    map_size: int = 96
+    points: Literal["camera", "area"] | None = None
+    camera: str | int | _core.Camera | None = None
+    directions: Literal["centres", "jittered", "lloyd"] = "centres"
+    normals: Literal["geometric", "shading"] = "geometric"
+    t_max: float | Literal["auto"] = "auto"
+    engine: RowEngine = "embree"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        reach = self.t_max
+        fits = reach == "auto" if isinstance(reach, str) else is_number(reach) and reach > 0
+        require(fits, 't_max must be > 0 or "auto"', reach)
+        fits = self.domain == "sphere" or self.normals == "geometric"
+        require(fits, 'domain must be "sphere" with shading normals', self.domain)
+        fits = self.engine in get_args(RowEngine)
+        require(fits, 'engine must be "embree", "batch", "field" or "auto"', self.engine)
 
 
 def checked_words(
@@ -75,77 +196,6 @@ def checked_rows(
         positions=places[order], normals=directions[order], group=labels[order].astype(np.int32)
     )
     return rows[order], count, points
-
-
-def chosen_bins(
-    positions: npt.NDArray[np.float32],
-    d_edges: Edges,
-    theta_edges_deg: Edges,
-    slices: tuple[float, float],
-    *,
-    d_max: float | None,
-    seed: int,
-) -> Bins:
-    """Bins from given edges, or from given numbers of evenly spaced bins.
-
-    `slices` is (slice_d, slice_theta_deg).
-    """
-    slice_d, slice_theta_deg = slices
-    fits = d_max is None or isinstance(d_edges, int)
-    require(fits, "d_max must be left out with edges of d", d_max)
-    end, even = d_max, 1.0
-    if isinstance(d_edges, int):
-        end = even = pilot_d_max(positions, seed) if d_max is None else float(d_max)
-    spread = linear_bins(
-        even,
-        d_edges if isinstance(d_edges, int) else 1,
-        theta_edges_deg if isinstance(theta_edges_deg, int) else 1,
-    )
-    return Bins(
-        d_edges=spread.d_edges if isinstance(d_edges, int) else checked_edges(d_edges, "d_edges"),
-        theta_edges_deg=spread.theta_edges_deg
-        if isinstance(theta_edges_deg, int)
-        else checked_edges(theta_edges_deg, "theta_edges_deg"),
-        slice_d=slice_d,
-        slice_theta_deg=slice_theta_deg,
-        d_end=end,
-    )
-
-
-def sampled_pairs(pairs: Literal["all"] | int, n_points: int) -> int | None:
-    """Number of pairs to sample; None for all pairs."""
-    if pairs == "all":
-        return None
-    fits = is_whole(pairs) and int(pairs) >= 1
-    require(fits, 'pairs must be "all" or a whole number >= 1', pairs)
-    return int(pairs) if int(pairs) < n_points * (n_points - 1) // 2 else None
-
-
-def pair_options(
-    points: Points,
-    bins: Bins,
-    n_directions: int,
-    undefined: Undefined,
-    min_bits: int,
-    *,
-    sampled: bool,
-    domain: Domain = "sphere",
-    directions: Any = None,
-) -> PairOptions:
-    """Options for counting pairs."""
-    require(domain in DOMAINS, f"domain must be one of {DOMAINS}", domain)
-    require(undefined in UNDEFINED, f"undefined must be one of {UNDEFINED}", undefined)
-    require(is_whole(min_bits) and min_bits >= 1, "min_bits must be a whole number >= 1", min_bits)
-    return PairOptions(
-        n_directions=n_directions,
-        d_cells=bins.d_cells,
-        theta_cells=bins.theta_cells,
-        domain=domain,
-        directions=directions,
-        undefined=undefined,
-        min_bits=int(min_bits),
-        tile=tile_size(points.group, sampled),
-    )
 
 
 def digest(*arrays: npt.NDArray[Any]) -> str:

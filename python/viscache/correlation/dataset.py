@@ -26,8 +26,6 @@ from viscache.correlation.statistics import Sums, statistics
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["load_dataset", "save_dataset", "to_dataset"]
-
 MEANINGS = {
     "mean": "mean correlation of visibility",
     "sigma": "population standard deviation of the pairs' correlations",

@@ -13,8 +13,6 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["DirectionSet", "patch_order"]
-
 Indices = npt.NDArray[np.int64]
 
 PACKET_BITS = 512

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,21 +19,17 @@ from viscache.base.provenance import VERSION
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
-    Edges,
-    check_seed,
+    MeasureKeywords,
+    MeasureSettings,
+    PairKeywords,
+    PairSettings,
     checked_rows,
     checked_words,
-    chosen_bins,
     digest,
-    pair_options,
-    sampled_pairs,
 )
-from viscache.correlation.bins import N_D, N_THETA
 from viscache.correlation.dataset import to_dataset
 from viscache.correlation.local_means import add_local_means
-from viscache.correlation.pairs import Domain, Undefined
 from viscache.correlation.reach import closed_reach
-from viscache.correlation.rows import RowEngine
 from viscache.correlation.run import Run
 from viscache.correlation.tasks import (
     Points,
@@ -46,43 +42,24 @@ from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.scene.cameras import find_camera
 from viscache.scenes import sources
-from viscache.settings.checks import is_number, require
-from viscache.settings.spelling import renamed, spelled
+from viscache.settings.checks import require
+from viscache.settings.spelling import keywords_of, renamed, spelled
 
 if TYPE_CHECKING:
     import xarray
-
-__all__ = ["correlate", "measure", "phi"]
+    from typing_extensions import Unpack
 
 
 @renamed(store="directory")
 @spelled
+@keywords_of(MeasureSettings)
 def measure(
     scene: Any,
     *,
-    n_points: int = 20_000,
-    map_size: int = 96,
-    pairs: Literal["all"] | int = "all",
-    points: Literal["camera", "area"] | None = None,
-    camera: Any = None,
-    seed: int = 0,
-    d_edges: Edges = N_D,
-    theta_edges_deg: Edges = N_THETA,
-    d_max: float | None = None,
-    slice_d: float = 0.2,
-    slice_theta_deg: float = 2.0,
-    directions: Literal["centres", "jittered", "lloyd"] = "centres",
-    domain: Domain = "sphere",
-    normals: Literal["geometric", "shading"] = "geometric",
-    undefined: Undefined = "skip",
-    min_bits: int = 1,
-    t_max: float | Literal["auto"] = "auto",
-    engine: RowEngine = "embree",
-    spatial: bool = True,
     directory: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
-    threads: int | None = None,
     progress: Progress = False,
+    **settings: Unpack[MeasureKeywords],
 ) -> xarray.Dataset:
     """Correlation of visibility between points of a scene, over distance d and angle θ.
 
@@ -135,8 +112,6 @@ def measure(
     engine : {"embree", "batch", "field", "auto"}
         Engine that traces the rows, as in `visibility_rows`. The attribute "batch_rays" is the
         number of rays that the batch traced.
-    spatial : bool
-        Also compute the mean ρ of every point with its neighbourhood.
     directory : path, optional
         Folder for finished blocks. An interrupted run resumes from it and repeats nothing.
     executor : concurrent.futures.Executor, optional
@@ -170,34 +145,28 @@ def measure(
     {'d': 128, 'theta': 180}
     """
     opened = sources.opened(scene)
-    check_seed(seed)
-    where = points or ("camera" if opened.cameras or camera is not None else "area")
-    fits = t_max == "auto" if isinstance(t_max, str) else is_number(t_max) and t_max > 0
-    require(fits, 't_max must be > 0 or "auto"', t_max)
-    fits = domain == "sphere" or normals == "geometric"
-    require(fits, 'domain must be "sphere" with shading normals', domain)
-    spec = scene if isinstance(scene, str) else opened.spec
-    chosen = _rows.DirectionSet(map_size=map_size, kind=directions, seed=seed)
+    s = MeasureSettings(**settings)
+    where = s.points or ("camera" if opened.cameras or s.camera is not None else "area")
+    chosen = _rows.DirectionSet(map_size=s.map_size, kind=s.directions, seed=s.seed)
     found = _rows.surface_points(
-        opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
+        opened,
+        s.n_points,
+        points=where,
+        camera=s.camera,
+        seed=s.seed,
+        normals=s.normals,
+        threads=s.threads,
     )
-    t_max, t_max_by = _reach(opened, found, t_max, threads)
+    t_max, t_max_by = _reach(opened, found, s)
     geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
-    slices = (slice_d, slice_theta_deg)
-    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
-    n_pairs = sampled_pairs(pairs, len(found.positions))
-    counted = (geometry, bins, len(chosen.directions), undefined, min_bits)
-    options = pair_options(*counted, sampled=n_pairs is not None, domain=domain, directions=chosen)
-    fits = engine in get_args(RowEngine)
-    require(fits, 'engine must be "embree", "batch", "field" or "auto"', engine)
     described: dict[str, Any] = {
         "viscache": VERSION,
         "scene": opened.content_hash,
         "t_max": t_max,
-        "directions": [map_size, directions, seed],
+        "directions": [s.map_size, s.directions, s.seed],
         "points": digest(found.positions, found.normals, found.theta_normals),
     }
-    key = content_key(described if engine == "embree" else described | {"engine": engine})
+    key = content_key(described if s.engine == "embree" else described | {"engine": s.engine})
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
@@ -205,78 +174,101 @@ def measure(
             last=last,
             folder=run.folder,
             scene=scene,
-            threads=threads,
+            threads=s.threads,
             t_max=t_max,
             scene_hash=opened.content_hash,
             directions=chosen,
-            engine=engine,
+            engine=s.engine,
         )
 
     def here(task: RowsTask) -> Arrays:
         return trace(task, opened, found.positions, found.normals)
 
-    with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
-        run = Run(
-            key,
-            geometry,
-            bins,
-            options,
-            n_pairs=n_pairs,
-            seed=seed,
-            folder=folder,
-            executor=executor,
-            threads=threads,
-            report=report,
-            rows_per_block=_rows_per_block(engine),
-        )
-        if run.folder is not None:
-            write_points(run.folder, geometry, found.normals)
+    with _run(
+        s,
+        (directory, executor, progress),
+        key=key,
+        points=geometry,
+        normals=found.normals,
+        n_directions=len(chosen.directions),
+        directions=chosen,
+        rows_per_block=BATCH_ROWS_PER_BLOCK if s.engine in ("auto", "batch") else None,
+    ) as run:
         run.trace_rows(make, here if executor is None else trace_in_worker)
-        dataset = to_dataset(run.count_pairs(), bins)
-        if spatial:
-            add_local_means(dataset, run, seed, threads)
+        dataset = to_dataset(run.count_pairs(), run.bins)
+        add_local_means(dataset, run, s.seed, s.threads)
         _add_points(dataset, found)
         run.report_mended(dataset)
     return dataset.assign_attrs(
         {
-            "scene": spec or opened.name,
+            "scene": (scene if isinstance(scene, str) else opened.spec) or opened.name,
             "scene_hash": opened.content_hash,
-            "map_size": map_size,
-            "directions": directions,
+            "map_size": s.map_size,
+            "directions": s.directions,
             "points": where,
-            "normals": normals,
+            "normals": s.normals,
             "t_max": t_max,
             "t_max_by": t_max_by,
-            "camera": find_camera(opened, camera).name if where == "camera" else "",
-            "domain": domain,
-            "undefined": undefined,
-            "min_bits": min_bits,
-            "seed": seed,
+            "camera": find_camera(opened, s.camera).name if where == "camera" else "",
+            "domain": s.domain,
+            "undefined": s.undefined,
+            "min_bits": s.min_bits,
+            "seed": s.seed,
             "n_points": len(found.positions),
             "n_rays": run.n_rays,
             "rows_s": run.rows_s,
-            "engine": engine,
+            "engine": s.engine,
             "batch_rays": run.batch_rays,
         }
     )
 
 
-def _reach(
-    scene: Any, found: _rows.SurfacePoints, t_max: float | Literal["auto"], threads: int | None
-) -> tuple[float, str]:
+def _reach(scene: Any, found: _rows.SurfacePoints, s: MeasureSettings) -> tuple[float, str]:
     """The length of the rays and who chose it."""
-    if t_max != "auto":
-        return float(t_max), "caller"
-    chosen = closed_reach(scene, found.positions, found.normals, threads)
+    if s.t_max != "auto":
+        return float(s.t_max), "caller"
+    chosen = closed_reach(scene, found.positions, found.normals, s.threads)
     return chosen, "closed scene" if np.isfinite(chosen) else "open scene"
 
 
-def _rows_per_block(engine: RowEngine) -> int | None:
-    return BATCH_ROWS_PER_BLOCK if engine in ("auto", "batch") else None
+@contextmanager
+def _run(
+    s: PairSettings,
+    work: tuple[str | os.PathLike[str] | None, Executor | None, Progress],
+    *,
+    key: str,
+    points: Points,
+    normals: npt.NDArray[np.float32],
+    n_directions: int,
+    directions: _rows.DirectionSet | None = None,
+    rows_per_block: int | None = None,
+) -> Iterator[Run]:
+    """The blocks of a measurement; `work` is (directory, executor, progress)."""
+    directory, executor, progress = work
+    bins = s.bins(points.positions)
+    options = s.pair_options(points, bins, n_directions, directions)
+    with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
+        run = Run(
+            key,
+            points,
+            bins,
+            options,
+            n_pairs=s.sampled(len(points.group)),
+            seed=s.seed,
+            folder=folder,
+            executor=executor,
+            threads=s.threads,
+            report=report,
+            rows_per_block=rows_per_block,
+        )
+        if run.folder is not None:
+            write_points(run.folder, points, normals)
+        yield run
 
 
 @renamed(store="directory")
 @spelled
+@keywords_of(PairSettings, "domain")
 def correlate(
     bits: npt.ArrayLike,
     positions: npt.ArrayLike,
@@ -284,19 +276,10 @@ def correlate(
     *,
     n_directions: int | None = None,
     group: npt.ArrayLike | None = None,
-    pairs: Literal["all"] | int = "all",
-    seed: int = 0,
-    d_edges: Edges = N_D,
-    theta_edges_deg: Edges = N_THETA,
-    d_max: float | None = None,
-    slice_d: float = 0.2,
-    slice_theta_deg: float = 2.0,
-    undefined: Undefined = "skip",
-    min_bits: int = 1,
     directory: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
-    threads: int | None = None,
     progress: Progress = False,
+    **settings: Unpack[PairKeywords],
 ) -> xarray.Dataset:
     """Correlation of any rows of bits, over distance d and angle θ of their points.
 
@@ -337,35 +320,27 @@ def correlate(
     >>> int(ds["n"].sum())
     1225
     """
-    check_seed(seed)
+    s = PairSettings(**settings)
     rows, count, geometry = checked_rows(bits, n_directions, positions, normals, group)
-    slices = (slice_d, slice_theta_deg)
-    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
-    n_pairs = sampled_pairs(pairs, len(rows))
-    sampled = n_pairs is not None
-    options = pair_options(geometry, bins, count, undefined, min_bits, sampled=sampled)
     rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
     key = content_key({"viscache": VERSION, "rows": rows_digest})
-    with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
-        run = Run(
-            key,
-            geometry,
-            bins,
-            options,
-            n_pairs=n_pairs,
-            seed=seed,
-            folder=folder,
-            executor=executor,
-            threads=threads,
-            report=report,
-        )
-        if run.folder is not None:
-            write_points(run.folder, geometry, geometry.normals)
+    with _run(
+        s,
+        (directory, executor, progress),
+        key=key,
+        points=geometry,
+        normals=geometry.normals,
+        n_directions=count,
+    ) as run:
         run.set_rows(rows)
-        dataset = to_dataset(run.count_pairs(), bins)
+        dataset = to_dataset(run.count_pairs(), run.bins)
         run.report_mended(dataset)
     return dataset.assign_attrs(
-        undefined=undefined, min_bits=min_bits, seed=seed, n_points=len(rows), n_directions=count
+        undefined=s.undefined,
+        min_bits=s.min_bits,
+        seed=s.seed,
+        n_points=len(rows),
+        n_directions=count,
     )
 
 

@@ -12,8 +12,6 @@ import numpy.typing as npt
 from viscache.base.formats import ArrayField, Format
 from viscache.settings.checks import require
 
-__all__ = ["SUMS", "PairTable"]
-
 Floats: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int64]
 

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.settings.checks import is_whole, require
 
-__all__ = ["TILE", "choose_tiles", "group_count", "tile_list", "tile_numbers", "tile_side"]
-
 #: Maximum number of points along a side of a tile.
 TILE = 2048
 

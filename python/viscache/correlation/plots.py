@@ -90,7 +90,7 @@ def maps(dataset: xarray.Dataset) -> Figure:
     Raises
     ------
     ValueError
-        The dataset was measured without `spatial`.
+        The dataset is one of `correlate`, which has no places.
     """
     figure, axes = _figure(6.0, 4.4)
     shown = draw_map(axes, dataset)
@@ -103,7 +103,7 @@ def maps(dataset: xarray.Dataset) -> Figure:
 def draw_map(axes: Axes, dataset: xarray.Dataset) -> Any:
     """Draw `maps` into axes of another figure; returns the mappable for a colour bar."""
     if "local_mean" not in dataset:
-        raise ValueError("the dataset must have local means: measure with spatial=True")
+        raise ValueError("the dataset must have local means, as those of measure have")
     style: dict[str, Any] = {"cmap": COLORMAP, "vmin": 0.0, "vmax": 1.0}
     if dataset.attrs["points"] == "camera":
         axes.set_axis_off()

@@ -22,8 +22,6 @@ from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Exact
 
-__all__ = ["point_rows"]
-
 PointEngine: TypeAlias = Literal["auto", "packets", "shafts"]
 
 

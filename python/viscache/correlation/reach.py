@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["closed_reach"]
-
 #: Points of the pilot, and directions over the whole sphere.
 PILOT_POINTS, PILOT_DIRECTIONS = 256, 128
 #: The pilot's rays start this share of the scene's diagonal above the surface.

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["light_on_surfaces", "seen_emitters"]
-
 
 def seen_emitters(frame: Any) -> npt.NDArray[np.float32] | None:
     """The emitted light that the camera sees, directly or through mirrors and glass.

@@ -10,8 +10,6 @@ from typing import Any
 from viscache.base import tonemap
 from viscache.frame.audit_result import audit_rows
 
-__all__ = ["frame_html", "picture"]
-
 #: The numbers that are shown first, as many as a frame has.
 FIRST = ("total_s", "cpu_s", "visibility_s", "queries", "rays", "ray_reduction")
 

@@ -8,8 +8,6 @@ from typing import Any
 
 from viscache.settings.integrators import AmbientOcclusion, Bdpt
 
-__all__ = ["available_bytes", "frame_bytes", "require_memory"]
-
 #: Frames of fewer pixels are not looked at: they take less than half a GB.
 SMALL_PX = 1 << 22
 #: Layers of every frame: color, emitted, normal and albedo; depth and coverage.

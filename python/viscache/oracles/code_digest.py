@@ -18,8 +18,6 @@ import numpy as np
 
 from viscache.base.array_digests import array_in_words, bytes_digest
 
-__all__ = ["code_digest"]
-
 #: Methods that `dataclasses` writes: the fields decide them.
 GENERATED = {
     "__init__",

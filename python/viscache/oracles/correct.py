@@ -10,9 +10,6 @@ from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.spelling import setting
 from viscache.settings.visibility import VisMaps
 
-__all__ = ["Correct", "in_words", "use_in_words"]
-
-
 #: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
 CERTAIN = 1 / 32
 ROWS = ParameterRows(_core.CorrectSettings)

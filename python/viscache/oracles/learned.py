@@ -13,16 +13,6 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.oracles.correct import Correct
 
-__all__ = [
-    "GROUPS",
-    "PassMemory",
-    "Shares",
-    "best_scale",
-    "octaves_of",
-    "one_pass_is_enough",
-    "shares_after",
-]
-
 #: Light groups in the order of the core, and classes of answers of each.
 GROUPS = (
     "point",

@@ -21,8 +21,6 @@ from viscache.settings.rays import is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, VisMaps
 
-__all__ = ["BlockAnswer", "Oracle", "PairAnswer"]
-
 #: Points of a tile, as many as the renderer's tiles have eye samples (render/tiles.h): for far ends
 #: in general, and for so many directions that the aligned batch can pay.
 TILE_POINTS, TILE_POINTS_OF_DIRECTIONS, MANY_DIRECTIONS = 64 * 64, 128 * 128, 16

@@ -14,8 +14,6 @@ import numpy.typing as npt
 from viscache.settings.checks import checked_floats, is_number, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["EyePoints", "FarEnds"]
-
 Array: TypeAlias = npt.NDArray[Any]
 Kind: TypeAlias = Literal["points", "directions", "surfaces", "solid_angle"]
 

@@ -12,8 +12,6 @@ from viscache.settings.rays import Rays, is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, VisMaps
 
-__all__ = ["oracle_source", "parameters_of", "shafts_for"]
-
 
 def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.OracleSource:
     """What makes the oracles of one frame: built in or written in Python, corrected if asked."""

@@ -14,8 +14,6 @@ from viscache.oracles.points import EyePoints, FarEnds, ends_of, eyes_of, pack
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.source_context import SourceContext
 
-__all__ = ["Written", "is_written"]
-
 Bits: TypeAlias = npt.NDArray[np.uint64]
 
 

@@ -6,8 +6,6 @@ import math
 import time
 from typing import Any
 
-__all__ = ["LiveView"]
-
 #: Seconds between two pictures.
 SHOW_EVERY_S = 1.0
 

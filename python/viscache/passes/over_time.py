@@ -61,8 +61,7 @@ def passes_over_time(
     settings: Mapping[str, Any] | None = None,
     *,
     passes: int = 16,
-    reference: Frame | npt.NDArray[Any] | None = None,
-    reference_passes: int | None = None,
+    reference: Frame | npt.NDArray[Any] | int | None = None,
     progress: Progress = False,
     **shot: Unpack[ShotArguments],
 ) -> xarray.Dataset:
@@ -80,11 +79,10 @@ def passes_over_time(
         By name: a visibility, or a mapping with "visibility" and, if wanted, "use", "rays" and
         "integrator", as `vc.Progressive` takes them. Exact, biased and corrected by default.
     passes : int >= 1
-    reference : Frame or (H, W, 3) array, optional
-        The picture that errors are against. By default two pictures of exact passes of other
-        eye samples and the same lights, whose own noise cancels in `nmse` and `rel_mse`.
-    reference_passes : int >= 1, optional
-        Passes of each of the two pictures; `passes` by default.
+    reference : Frame, (H, W, 3) array or int >= 1, optional
+        The picture that errors are against. Or how many exact passes each of two pictures has, of
+        other eye samples and the same lights, whose own noise cancels in `nmse` and `rel_mse`;
+        `passes` by default.
     size, spp, seed, threads, camera, env
         See `viscache.Shot`. Visibility, use and rays belong to the settings.
     progress : bool or callable
@@ -131,16 +129,16 @@ def passes_over_time(
     import xarray
 
     require(is_whole(passes) and passes >= 1, "passes must be a whole number >= 1", passes)
-    of_reference = passes if reference_passes is None else reference_passes
-    fits = is_whole(of_reference) and of_reference >= 1
-    require(fits, "reference_passes must be a whole number >= 1", reference_passes)
-    alone = reference is None or reference_passes is None
-    require(alone, "reference_passes must be left out with a reference", reference_passes)
+    of_reference: Any = 0
+    if reference is None or np.isscalar(reference):
+        of_reference = passes if reference is None else reference
+        fits = is_whole(of_reference) and of_reference >= 1
+        require(fits, "reference must be a picture or a whole number of passes >= 1", reference)
     base = BareShot(scene, integrator, **shot)
     base = base.with_(scene=sources.opened(base.opened))
     chosen = {name: _setting(name, one, base) for name, one in _named(settings).items()}
     runs = {name: _Run(Progressive(**one.arguments)) for name, one in chosen.items()}
-    total = passes * len(runs) + (2 * of_reference if reference is None else 0)
+    total = passes * len(runs) + 2 * of_reference
     done = 0
     with progress_bar(progress, unit="pass") as report:
 
@@ -150,11 +148,9 @@ def passes_over_time(
             if report is not None:
                 report(done, total)
 
-        others: list[Frame | npt.NDArray[Any]]
-        if reference is None:
+        others: list[Any] = [reference]
+        if of_reference:
             others = [_exact(base, n, of_reference, step) for n in FIRST_OF_REFERENCES]
-        else:
-            others = [reference]
         truth = _Truth(others)
         for i in range(passes):
             for run in list(runs.values())[:: 1 if i % 2 == 0 else -1]:
@@ -178,7 +174,7 @@ def passes_over_time(
             "size": json.dumps(truth.size),
             "spp": base.spp,
             "seed": base.seed,
-            "reference_passes": of_reference if reference is None else 0,
+            "reference_passes": of_reference,
             "provenance": json.dumps(provenance()),
         },
     )

@@ -39,8 +39,6 @@ from viscache.vismap.pass_maps import PassMaps
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["Progressive"]
-
 #: E|x| of a normal variable of standard deviation 1.
 MEAN_DEVIATION = math.sqrt(2 / math.pi)
 LEAST_PASSES = 4  # an estimate of noise needs some

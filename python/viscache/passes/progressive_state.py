@@ -35,8 +35,6 @@ from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.shot.shot import require_same
 from viscache.vismap.cache_file import RECORDS
 
-__all__ = ["Sums", "load", "save"]
-
 Array = npt.NDArray[np.float64]
 
 #: Counters that do not add up over passes.

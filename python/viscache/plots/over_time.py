@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["draw_over_time", "error_over_time"]
-
 #: What can be along the horizontal axis.
 COSTS = ("cpu_s", "wall_s", "rays", "pass")
 #: Names of the axes; those of sweeps are of single frames.

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = ["FORMATS", "MARKERS", "heatmap", "label", "pairs", "save", "save_all", "trade"]
-
 #: One marker per value of the second swept parameter.
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 #: What `save` writes: text stays text, and PDFs hold TrueType fonts, as publishers ask.

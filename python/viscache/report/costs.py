@@ -18,8 +18,6 @@ from viscache.sweeps.swept import error_of, pareto, settings_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Offer", "Verdict", "knee", "verdict"]
-
 #: Metrics that are shares, so that errors are told in per cent.
 SHARES = ("rel_l1", "rel_l1_reflected")
 #: Metrics of which less is not better.

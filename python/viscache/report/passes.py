@@ -23,8 +23,6 @@ from viscache.sweeps.swept import colors_for
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["write_passes"]
-
 COLUMNS = (*ERRORS, "cpu_s", "wall_s", "rays")
 _NOTES = (
     "Errors are of light on surfaces after the last pass. Times and rays are of all passes. A ± is"

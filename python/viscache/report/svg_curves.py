@@ -22,8 +22,6 @@ from viscache.report.svg import (
     upwards,
 )
 
-__all__ = ["Curve", "curves"]
-
 #: Points are smaller than those of settings.
 SCALE = 0.55
 

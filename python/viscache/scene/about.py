@@ -12,16 +12,6 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.scene.coplanar import coplanar_share
 
-__all__ = [
-    "far_away",
-    "info",
-    "lit_coats",
-    "offset_extent",
-    "placed_coplanar_share",
-    "problems",
-    "sphere",
-]
-
 MOST_COUNTED_TRIANGLES = 5_000_000
 #: Distance from the origin, in sizes of the scene, that causes a warning.
 FAR_AWAY = 1e3

@@ -7,8 +7,6 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["scene_html"]
-
 
 def scene_html(scene: Any, picture: Callable[[Any], str] | None) -> str:
     """The thumbnail and a table; without a thumbnail, the reason."""

@@ -16,8 +16,6 @@ from viscache.scene.scene import Env, Scene
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["load_scene"]
-
 
 @spelled
 def load_scene(

@@ -13,8 +13,6 @@ from viscache._core import SceneDescription, SceneError
 from viscache.base.real_numbers import real_array
 from viscache.settings.checks import checked_floats, require
 
-__all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes", "origin_of"]
-
 #: Vertices (V, 3), triangles (T, 3) and, for its own material, an albedo (3,) or a mapping with the
 #: arguments of `SceneDescription.add_material`.
 Mesh: TypeAlias = "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"

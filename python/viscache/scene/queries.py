@@ -15,17 +15,6 @@ from viscache.settings.checks import checked_floats, checked_points, checked_thr
 from viscache.settings.chosen_rays import check_rays
 from viscache.settings.rays import Caster, is_robust
 
-__all__ = [
-    "Intersection",
-    "MatrixEngine",
-    "intersect",
-    "matrix",
-    "occluded",
-    "shaft_matrix",
-    "visible",
-    "visible_matrix",
-]
-
 MatrixEngine: TypeAlias = Literal["auto", "packets", "shafts"]
 Floats: TypeAlias = npt.NDArray[np.float32]
 

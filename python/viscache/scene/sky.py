@@ -11,8 +11,6 @@ from viscache import _core
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["Sky"]
-
 IMAGE_WIDTH = 1024
 
 Triple = tuple[float, float, float]

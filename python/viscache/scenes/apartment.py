@@ -249,7 +249,16 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
         for k in range(11):
             spot = west @ place([-0.9 + 0.18 * k, y + 0.015, 0.13], yaw=33 * k)
             decor.cup(b, spot, ("porcelain", "sky", "mustard", "brick_red")[(k * 3) % 4])
-    # Island with stools.
+    _island(b, rng)
+    decor.plant(b, place([-3.35, 0, 1.25]), rng, height=1.3, leaves=140, pot="navy")
+    for x in (-5.5, -4.5):
+        _pendant(b, x, 2.45, 0.95, "black_metal")
+    _pendant(b, -5.9, 3.75, 0.5)
+    _pendant(b, -3.9, 1.4, 0.5)
+
+
+def _island(b: Builder, rng: np.random.Generator) -> None:
+    """The kitchen's island with its stools."""
     island = place([-5.0, 0, 2.45])
     furniture.cabinet(b, island @ place([0, 0, -0.35]), (1.7, 0.86, 0.7), "petrol", doors=3)
     b.add(
@@ -267,11 +276,6 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
         for turn in (45, 135, 225, 315):
             leg = tube([[0, 0, 0.2], [0, 0.35, 0.15], [0, 0.67, 0.1]], [0.013, 0.017, 0.015], 8, 8)
             b.add(leg, paint(b, "black_metal"), stool @ place(yaw=turn))
-    decor.plant(b, place([-3.35, 0, 1.25]), rng, height=1.3, leaves=140, pot="navy")
-    for x in (-5.5, -4.5):
-        _pendant(b, x, 2.45, 0.95, "black_metal")
-    _pendant(b, -5.9, 3.75, 0.5)
-    _pendant(b, -3.9, 1.4, 0.5)
 
 
 def _bath(b: Builder) -> None:

@@ -15,15 +15,6 @@ from viscache.scene import Scene
 from viscache.scene.cameras import Camera, find_camera
 from viscache.settings.checks import require
 
-__all__ = [
-    "Hits",
-    "blocked_share",
-    "drawn_texels",
-    "environment_texels",
-    "first_hits",
-    "reflected",
-]
-
 Array = npt.NDArray[np.float64]
 LUMINANCE = np.array(WEIGHTS)
 LEAVE = 1e-5  # offset of rays from the surface, as a fraction of the scene's size

@@ -11,8 +11,6 @@ from viscache.base.sharing import Newest
 from viscache.scene import Scene
 from viscache.scenes import sources
 
-__all__ = ["reduced"]
-
 #: The newest scene, so that a process makes a scene once if it is sent many times.
 _NEWEST = Newest()
 

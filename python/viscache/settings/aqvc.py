@@ -19,8 +19,6 @@ from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import setting
 
-__all__ = ["Aqvc", "PaperForm"]
-
 LIGHT_GROUPS = (
     "point",
     "directional",

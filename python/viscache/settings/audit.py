@@ -9,8 +9,6 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import nearest, setting
 
-__all__ = ["Audit", "AuditPixels", "AuditQueries", "checked", "in_words", "set_audit"]
-
 #: Fewer pixels give intervals that hold the error too rarely.
 LEAST_PIXELS = 1024
 MOST_PIXELS = 1 << 24

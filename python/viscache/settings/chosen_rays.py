@@ -7,8 +7,6 @@ from viscache.settings.checks import require
 from viscache.settings.rays import Rays, Vlf
 from viscache.settings.registry import classes, is_setting
 
-__all__ = ["check_rays", "vlf_settings"]
-
 
 def vlf_settings(given: Vlf | str | None) -> Vlf:
     """The settings of a field that an argument means; ValueError where they are of other rays."""

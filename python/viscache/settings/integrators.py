@@ -15,8 +15,6 @@ from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
 from viscache.settings.vpls import Vpls
 
-__all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Whitted"]
-
 #: Length of ambient occlusion's rays by default, as a share of the scene's diagonal.
 AUTO_SHARE = 0.1
 

@@ -14,8 +14,6 @@ from viscache.settings.checks import require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.spelling import setting
 
-__all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
-
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 
 #: Thresholds of the presets. The paper has three presets but gives no numbers.

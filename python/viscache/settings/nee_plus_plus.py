@@ -10,9 +10,6 @@ from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
 
-__all__ = ["NeePlusPlus"]
-
-
 NEE = ParameterRows(_core.NeePlusPlusSettings)
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["NotGiven", "not_given", "plain"]
-
 
 class NotGiven:
     """Base class of values that were not given."""

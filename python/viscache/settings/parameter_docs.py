@@ -11,8 +11,6 @@ from typing import Any
 from viscache.settings import by_name
 from viscache.settings.maps import MapSettings
 
-__all__ = ["ParameterDoc", "parameter_docs"]
-
 SECTION = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n-{3,}$|\Z)", re.M | re.S)
 #: Names, what follows the colon if there is one, and the indented lines below.
 ENTRY = re.compile(r"^([\w, .]+?)(?: : ([^\n]*))?\n((?:(?: {4}[^\n]*)?\n)+)", re.M)

@@ -10,8 +10,6 @@ from typing import Any, ClassVar
 
 from viscache.settings.checks import check_types
 
-__all__ = ["ParameterRows", "RowSettings", "fill"]
-
 
 def fill(cls: type[Any], place: str, entries: Iterable[tuple[str, str]]) -> None:
     """Replace the line `{place}` of a docstring by entries: a line, and a text below it."""

@@ -10,8 +10,6 @@ from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
 
-__all__ = ["Bsp", "Embree", "Vlf"]
-
 BSP_ROWS = ParameterRows(_core.visibility.BspSettings)
 FIELD_ROWS = ParameterRows(_core.vlf.FieldSettings)
 

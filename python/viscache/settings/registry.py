@@ -8,8 +8,6 @@ from typing import Any, Literal, TypeAlias, TypeVar
 
 from viscache.settings.spelling import setting
 
-__all__ = ["NAMES", "Role", "Works", "classes", "is_setting", "registered", "works"]
-
 Role: TypeAlias = Literal["integrator", "rays", "visibility"]
 Class = TypeVar("Class", bound=type[Any])
 

@@ -7,8 +7,6 @@ from typing import Any, Protocol
 
 from viscache import _core
 
-__all__ = ["MakesOracles", "SourceContext"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class SourceContext:

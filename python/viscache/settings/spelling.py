@@ -10,8 +10,6 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
-__all__ = ["by_symbol", "nearest", "renamed", "setting", "spelled", "unknown"]
-
 #: Parameters that went, by who had them, and what there is instead.
 GONE = {
     "AmbientOcclusion.cosmin": "it is 0.05",
@@ -28,6 +26,9 @@ GONE = {
     "Whitted.p_mode": "densities are those of the last vertex",
     "Whitted.vpl_candidates": "it is 4",
     "Whitted.vpl_eye_points": "it is 64",
+    "measure.spatial": "local means are always measured",
+    "passes_over_time.reference_passes": "give their number to reference=",
+    "tune.between": 'give it to parameter=, as in parameter={"cell": (0.02, 2)}',
     "tune.metric": "the target names its metric, rel_l1_reflected= or rel_l1=",
 }
 
@@ -100,6 +101,40 @@ def spelled(called: Called) -> Called:
         return checked  # type: ignore[return-value]
     called.__init__ = checked  # type: ignore[misc]
     return called
+
+
+def keywords_of(settings: type[Any], *without: str, **usual: Any) -> Callable[[Called], Called]:
+    """Decorate a function whose `**keywords` are the fields of a dataclass: `help` lists them.
+
+    All but those that it goes `without`; `usual` are defaults that differ from the dataclass's,
+    also where None is given.
+    """
+    fields = [f for f in dataclasses.fields(settings) if f.kw_only and f.name not in without]
+
+    def decorate(called: Called) -> Called:
+        own = inspect.signature(called)
+        named = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        more = [
+            inspect.Parameter(
+                f.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=usual.get(f.name, f.default),
+                annotation=f.type,
+            )
+            for f in fields
+        ]
+
+        @functools.wraps(called)
+        def filled(*args: Any, **kwargs: Any) -> Any:
+            given = {n: v for n, v in kwargs.items() if v is not None or n not in usual}
+            return called(*args, **(usual | given))
+
+        filled.__signature__ = own.replace(  # type: ignore[attr-defined]
+            parameters=[*named, *more]
+        )
+        return filled  # type: ignore[return-value]
+
+    return decorate
 
 
 def renamed(**names: str) -> Callable[[Called], Called]:

@@ -12,8 +12,6 @@ from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
 
-__all__ = ["VisMaps"]
-
 ESTIMATE = ParameterRows(_core.VisMapSettings)
 FIELDS = tuple(f.name for f in fields(MapSettings))
 

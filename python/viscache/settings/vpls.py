@@ -10,8 +10,6 @@ import numpy as np
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import spelled
 
-__all__ = ["Vpls"]
-
 
 @spelled
 class Vpls:

@@ -34,8 +34,6 @@ from viscache.shot.shot import BareShot, ShotArguments, frame_settings, of_shot
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["Connections", "Samples", "connections"]
-
 #: Samples of the sky by lobes, where "environment" names directions that all eye points share.
 LOBES = "lobes"
 

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["OWN_SAMPLES", "SHARED_LIGHTS", "Cost", "cost_warnings"]
-
 #: Fewer queries take less than some hundredths of a second either way.
 LEAST_QUERIES = 1 << 18
 #: Samples of each pixel's own that cost more than this share of exact ones are not worth their

@@ -24,8 +24,6 @@ from viscache.shot.audited import watched_pixels
 from viscache.shot.shot import BareShot, frame_settings
 from viscache.shot.voxel_counts import VoxelCounts
 
-__all__ = ["FramePlan", "check_settings", "planned"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class FramePlan:

@@ -20,8 +20,6 @@ from viscache.scene.environments import environment_pixels, existing_file
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.pass_maps import records_digest
 
-__all__ = ["by_value", "environment_in_words", "object_in_words"]
-
 
 def environment_in_words(env: Any) -> Any:
     """An environment by its content: the file's bytes, the pixels, or the numbers.

@@ -16,8 +16,6 @@ from viscache.oracles.points import GROUPS, EyePoints
 from viscache.settings.checks import is_whole, require
 from viscache.shot.connections import Connections
 
-__all__ = ["record_queries"]
-
 #: Of a query in memory: its row of the oracle's log, and of the file.
 BYTES_PER_QUERY = 32 + 64
 

@@ -39,9 +39,6 @@ from viscache.vismap.rendering import render_with_maps
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["render"]
-
-
 #: Eye samples of the largest tiles (render/tiles.h); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16
 

@@ -8,10 +8,9 @@ be another one. Threads and names of files have no part in it.
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import os
 from collections.abc import Callable, Mapping
-from functools import partial, wraps
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, TypeVar
 
 from viscache import _core
@@ -28,13 +27,12 @@ from viscache.settings.checks import checked_threads
 from viscache.settings.integrators import Direct, Integrator
 from viscache.settings.not_given import NotGiven
 from viscache.settings.rays import Rays
+from viscache.settings.spelling import keywords_of
 from viscache.settings.visibility import Visibility
 from viscache.shot.identity import by_value, environment_in_words, object_in_words
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-__all__ = ["BareShot", "ShotArguments", "frame_settings", "lit_here", "of_shot", "require_same"]
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 
@@ -174,38 +172,8 @@ def _same(value: Any, usual: Any) -> bool:
 
 
 def of_shot(*without: str, **usual: Any) -> Callable[[Called], Called]:
-    """Decorate a function whose keywords `**shot` are those of a shot: `help` lists them.
-
-    All but those that it goes `without`; `usual` are defaults that differ from `BareShot`'s, also
-    where None is given.
-    """
-
-    def decorate(called: Called) -> Called:
-        own = inspect.signature(called)
-        named = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        fields = {f.name: f for f in dataclasses.fields(BareShot)}
-        of_shot = [
-            inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=usual.get(name, fields[name].default),
-                annotation=fields[name].type,
-            )
-            for name in ShotArguments.__annotations__
-            if name not in without
-        ]
-
-        @wraps(called)
-        def filled(*args: Any, **kwargs: Any) -> Any:
-            given = {n: v for n, v in kwargs.items() if v is not None or n not in usual}
-            return called(*args, **(usual | given))
-
-        filled.__signature__ = own.replace(  # type: ignore[attr-defined]
-            parameters=[*named, *of_shot]
-        )
-        return filled  # type: ignore[return-value]
-
-    return decorate
+    """`keywords_of` a shot, all but its scene and integrator."""
+    return keywords_of(BareShot, *without, **usual)
 
 
 def require_same(wanted: Any, given: Any, where: str, name: str = "") -> None:

@@ -10,8 +10,6 @@ from viscache.scene.cameras import find_camera
 from viscache.settings.integrators import Direct
 from viscache.shot.render import render
 
-__all__ = ["thumbnail"]
-
 #: Pixels along the longer edge of a thumbnail.
 EDGE_PX = 240
 #: Few samples: a thumbnail is not used for measurements.

@@ -16,8 +16,6 @@ from viscache.settings.checks import require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.spelling import spelled
 
-__all__ = ["VoxelCounts"]
-
 #: Settings that say which pairs of voxels the counts belong to.
 CELLS = ("n_voxels", "n_directions", "symmetric")
 

@@ -27,8 +27,6 @@ from viscache.sweeps.table import folder_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["bias_and_variance", "of_sweep"]
-
 #: Mean and both ends of its 95 % interval.
 Interval: TypeAlias = tuple[float, float, float]
 Floats: TypeAlias = npt.NDArray[np.float64]

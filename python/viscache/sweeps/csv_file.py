@@ -16,8 +16,6 @@ from typing import Any
 
 from viscache.base.files import whole_file
 
-__all__ = ["append_csv", "write_csv"]
-
 #: What begins a formula, also in full width; what a program may leave out before one; and the mark.
 MARKED = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20", "\t", "\r", "\n", " ", "'")
 

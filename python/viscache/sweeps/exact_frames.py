@@ -29,8 +29,6 @@ from viscache.sweeps.store import DATABASE_FILES, Store
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["ExactFrames"]
-
 #: Frames of other code that were not used for so long are removed.
 KEPT_S = 30 * 24 * 3600.0
 #: Name and content of the file that tells folders of exact frames from all others; its time is that

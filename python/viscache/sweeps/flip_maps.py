@@ -20,8 +20,6 @@ from viscache.base.formats import DIGEST, NUMBER, ArrayField, Format, FormatErro
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
-__all__ = ["FlipMap", "flip_map_of", "kept"]
-
 FORMAT = Format(
     kind="a FLIP map of a sweep",
     version=1,

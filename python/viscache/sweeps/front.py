@@ -14,8 +14,6 @@ from viscache.sweeps.swept import error_of, settings_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Front", "Ranked", "pareto"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ranked:

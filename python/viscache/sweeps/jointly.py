@@ -18,8 +18,6 @@ from viscache.settings.visibility import Aqvc
 from viscache.sweeps.search import Span, best, search
 from viscache.sweeps.tuned import Pilot
 
-__all__ = ["MOST_MORE", "families", "jointly"]
-
 Also: TypeAlias = Mapping[str, float]
 
 #: Pilots of the family that is searched.

@@ -29,8 +29,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Leases", "LostLeaseError"]
-
 #: Seconds between two beats of an owner.
 BEAT_S = 5.0
 #: Seconds without a beat after which a lease is taken over.

@@ -10,8 +10,6 @@ from viscache.settings.not_given import NotGiven
 from viscache.settings.visibility import Aqvc
 from viscache.sweeps.tuned import OWN_SAMPLES
 
-__all__ = ["MOST_TRIALS", "with_light_cells"]
-
 #: C_L is halved at most so often, and this many sizes are tried.
 MOST_HALVINGS, MOST_TRIALS = 6, 3
 #: At a C_E this small, only light cells cause errors.

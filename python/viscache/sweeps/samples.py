@@ -18,8 +18,6 @@ from viscache.shot import tiles
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 
-__all__ = ["METRICS", "ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
-
 #: Visibility and use, as `render` takes them.
 Setting: TypeAlias = tuple[Any, Any]
 Piece: TypeAlias = dict[str, npt.NDArray[np.float64]]

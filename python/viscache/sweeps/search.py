@@ -13,8 +13,6 @@ from dataclasses import dataclass
 
 from viscache.sweeps.tuned import TOLERANCE, Pilot
 
-__all__ = ["MOST_PILOTS", "Span", "best", "search"]
-
 #: A pilot this near to the target is near enough.
 NEAR = 0.04
 MOST_PILOTS = 8

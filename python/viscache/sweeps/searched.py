@@ -18,8 +18,6 @@ from viscache.settings.visibility import Aqvc
 from viscache.sweeps.samples import Setting
 from viscache.sweeps.search import Span
 
-__all__ = ["C_E", "Searched", "searched"]
-
 #: The range of C_E, and the first two pilots. The error rises with C_E.
 C_E = Span(low=0.25, high=128.0, first=(4.0, 16.0), rises=True)
 SHARE = "use.share"
@@ -56,7 +54,7 @@ class Searched:
 
 
 def searched(
-    visibility: Any, use: Any, parameter: str | None, between: Sequence[float] | None
+    visibility: Any, use: Any, parameter: str | Mapping[str, tuple[float, float]] | None
 ) -> Searched:
     """What a call of `tune` asks for.
 
@@ -65,6 +63,10 @@ def searched(
     ValueError
         There is no such parameter, it is not a number, or the range does not fit.
     """
+    between = None
+    if isinstance(parameter, Mapping):
+        require(len(parameter) == 1, "parameter must have one name", parameter)
+        ((parameter, between),) = parameter.items()
     kinds = _numbers(visibility)
     if isinstance(use, Correct):
         kinds[SHARE] = float
@@ -105,7 +107,7 @@ def _name(visibility: Any, parameter: str | None, kinds: dict[str, type]) -> str
 def _ends(between: Any, whole: bool) -> tuple[float, float]:
     """The ends of a range, checked."""
     what = "whole numbers" if whole else "numbers"
-    must = f"between must be (low, high), two {what} with low < high"
+    must = f"parameter must be {{name: (low, high)}}, two {what} with low < high"
     pair = isinstance(between, Sequence) and not isinstance(between, str) and len(between) == 2
     require(pair, must, between)
     for end in between:

@@ -50,8 +50,7 @@ def tune(
     rel_l1: float | None = None,
     flip: float | None = None,
     seconds: float | None = None,
-    parameter: str | None = None,
-    between: tuple[float, float] | None = None,
+    parameter: str | Mapping[str, tuple[float, float]] | None = None,
     passes: bool = False,
     progress: Progress = False,
     **shot: Unpack[ShotArguments],
@@ -84,12 +83,12 @@ def tune(
         Or the seconds of the clock that a frame may take, whose error should be small. If an exact
         frame fits, it is chosen. Times vary, so two calls may choose differently; with another
         target the choice is always the same.
-    parameter : str, optional
-        The number to search: a parameter of the cache, or "use.share" with `use=vc.Correct(...)`.
-        Of other caches than Aqvc their only number by default. With "c_e", C_E alone is searched.
-    between : (low, high), optional
-        Where to search; needed but for C_E. The error may rise or fall with the parameter. Steps
-        have equal ratios if `low` is positive. Whole numbers stay whole.
+    parameter : str or {name: (low, high)}, optional
+        The number to search, and where; the range is needed but for C_E. It is a parameter of the
+        cache, or "use.share" with `use=vc.Correct(...)`.
+        With "c_e", C_E alone is searched.
+        The error may rise or fall with it. Steps have equal ratios if `low` is positive. Whole
+        numbers stay whole.
     passes : bool
         Choose passes of `vc.Progressive` instead of one frame: exact ones, those of the cache with
         corrections, or exact ones with `pick=16` or 64 (of an integrator that picks none),
@@ -128,8 +127,8 @@ def tune(
     'within noise'
     >>> maps = vc.ShadowMap()
     >>> found = vc.tune(
-    ...     room, vc.Direct(), rel_l1_reflected=0.02, visibility=maps, parameter="resolution",
-    ...     between=(16, 1024), size=(64, 40),
+    ...     room, vc.Direct(), rel_l1_reflected=0.02, visibility=maps, size=(64, 40),
+    ...     parameter={"resolution": (16, 1024)},
     ... )
     >>> found.outcome != "missed", found.visibility.resolution == found.value
     (True, True)
@@ -151,11 +150,11 @@ def tune(
     if use == "correct" and not isinstance(cache, VisMaps):
         use = Correct()
     if passes:
-        alone = parameter is None and between is None and use in (None, Correct())
-        require(alone, "parameter, between and use must be left out with passes", parameter or use)
+        alone = parameter is None and use in (None, Correct())
+        require(alone, "parameter and use must be left out with passes", parameter or use)
         require(judged == "rel_l1_reflected", "passes are tuned by rel_l1_reflected", judged)
         return tuned_passes(given, cache, target, seconds is not None, progress)
-    wanted = searched(cache, use, parameter, between)
+    wanted = searched(cache, use, parameter)
     in_parts = _works_in_parts(integrator, rays, cache, use)
     size = frame_size(given.size, find_camera(lit, given.camera))
     if given.env is not None:

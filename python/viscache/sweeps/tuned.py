@@ -9,8 +9,6 @@ from typing import Any, Literal
 from viscache.oracles.correct import in_words
 from viscache.settings.visibility import Aqvc, Exact
 
-__all__ = ["OWN_SAMPLES", "TOLERANCE", "Pilot", "Tuned"]
-
 #: The error that is reached may exceed the target by this factor.
 TOLERANCE = 1.3
 #: The time that is taken may exceed the target by this factor.

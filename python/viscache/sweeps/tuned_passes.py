@@ -25,8 +25,6 @@ from viscache.shot.shot import BareShot
 from viscache.sweeps.samples import ratio
 from viscache.sweeps.tuned import Pilot, Tuned
 
-__all__ = ["tuned_passes"]
-
 #: Passes of each pilot picture.
 PILOT = 6
 #: First passes of the pilots' and the check's two pictures; the picture itself begins at 0.

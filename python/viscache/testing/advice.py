@@ -11,8 +11,6 @@ import numpy.typing as npt
 from viscache.metrics import Comparable
 from viscache.testing.limits import Limit
 
-__all__ = ["is_paired", "unlike", "what_to_try"]
-
 #: A change of the picture explains the difference if it leaves less than this share of it.
 EXPLAINED = 0.25
 #: What to do about the error of a cache, by its name.

@@ -14,8 +14,6 @@ from viscache.testing.advice import unlike, what_to_try
 from viscache.testing.failure import PictureError, lines, told
 from viscache.testing.limits import Limit, checked
 
-__all__ = ["assert_close"]
-
 #: Where no limit is given.
 DEFAULT_LIMITS: dict[str, float | None] = {"rel_l1": 0.02, "energy": 0.01}
 

@@ -12,8 +12,6 @@ import numpy as np
 from viscache import report
 from viscache.metrics import Comparable
 
-__all__ = ["PictureError", "lines", "told"]
-
 
 class PictureError(AssertionError):
     """An assertion about pictures does not hold.

@@ -11,8 +11,6 @@ from typing import Literal
 from viscache.metrics import METRICS, Metrics, check_names
 from viscache.settings.checks import require
 
-__all__ = ["Limit", "checked", "parsed"]
-
 #: What a limit of a metric bounds; of all others, the value from above.
 SENSES: dict[str, Literal["size", "least"]] = {"energy": "size", "ssim": "least"}
 

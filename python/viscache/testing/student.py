@@ -12,8 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Difference", "blocks", "detectable", "difference", "frames_for", "welch"]
-
 Floats = npt.NDArray[np.float64]
 
 #: Differences that are rounding, relative to the cell and to the picture.

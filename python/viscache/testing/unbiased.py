@@ -18,8 +18,6 @@ from viscache.testing import student
 from viscache.testing.advice import is_paired
 from viscache.testing.failure import PictureError, lines, told
 
-__all__ = ["Bias", "assert_unbiased"]
-
 Floats = npt.NDArray[np.float64]
 
 #: Edge of the blocks in pixels.

@@ -20,8 +20,6 @@ from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import checked_size
 
-__all__ = ["AMBIENT", "cached_ambient_occlusion"]
-
 #: Closely spaced records with a small reach: only nearby geometry matters for ambient occlusion.
 AMBIENT = MapSettings(criterion="ambient", w_min=0.1, d_max=0.025)
 

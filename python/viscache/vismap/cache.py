@@ -24,8 +24,6 @@ from viscache.vismap.points import insert_tiles
 from viscache.vismap.record_insertion import RecordInsertion
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport, checked_size
 
-__all__ = ["VisibilityMapCache"]
-
 
 @spelled
 class VisibilityMapCache(Uncopied, RecordInsertion):

@@ -24,8 +24,6 @@ from viscache.base.formats import (
 from viscache.base.provenance import VERSION
 from viscache.settings.checks import require
 
-__all__ = ["State", "read", "write"]
-
 #: Arrays of records, also in states of `vc.Progressive`.
 RECORDS = {
     "positions": ArrayField("f4", ("records", 3)),

@@ -8,8 +8,6 @@ import numpy.typing as npt
 
 from viscache import _core
 
-__all__ = ["record_weight"]
-
 
 def record_weight(t: npt.ArrayLike, theta: npt.ArrayLike, steepness: npt.ArrayLike) -> Any:
     """The weight w of a record (Eq. 9): a float, or an array where an argument is one.

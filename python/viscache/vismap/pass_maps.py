@@ -18,8 +18,6 @@ from viscache.settings.rays import Rays
 from viscache.settings.vismaps import VisMaps
 from viscache.vismap.cache import VisibilityMapCache
 
-__all__ = ["PassMaps", "records_digest"]
-
 #: Steps of the sample positions of updates: the sequence R2 of Roberts.
 STEP = (0.7548776662466927, 0.5698402909980532)
 

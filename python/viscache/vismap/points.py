@@ -14,8 +14,6 @@ from viscache.oracles.points import neighbour_density
 from viscache.settings.checks import checked_points, require
 from viscache.vismap.records import Floats
 
-__all__ = ["Cloud", "Rows", "insert_tiles", "make_cloud"]
-
 Rows: TypeAlias = npt.NDArray[np.uint32]
 
 #: Points that are converted for the core together.

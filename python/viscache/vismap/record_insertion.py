@@ -16,8 +16,6 @@ from viscache.settings.maps import MapSettings
 from viscache.settings.rays import Caster, Rays
 from viscache.vismap.points import Cloud, Rows, make_cloud
 
-__all__ = ["RecordInsertion"]
-
 Camera: TypeAlias = _core.Camera
 CachePoints: TypeAlias = _core.vismap.CachePoints
 MapCache: TypeAlias = _core.vismap.MapCache

@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 from viscache.settings.checks import require
 
-__all__ = ["Lookup", "Records", "UpdateReport"]
-
 MAX_PIXELS = 1 << 28
 
 Floats: TypeAlias = npt.NDArray[np.float32]

@@ -21,8 +21,6 @@ from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import checked_size
 
-__all__ = ["Relighting", "reduced", "rotation"]
-
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 #: Light images with more rows are reduced, since the cells of maps are some degrees wide.
 MOST_ROWS = 256

@@ -12,8 +12,6 @@ from viscache.settings.rays import Rays
 from viscache.settings.vismaps import VisMaps
 from viscache.vismap.cache import VisibilityMapCache
 
-__all__ = ["render_with_maps"]
-
 
 def render_with_maps(
     scene: Scene,

@@ -24,8 +24,6 @@ from viscache.scenes.light_product import (
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.records import Lookup
 
-__all__ = ["PILOT_POINTS", "PILOT_SAMPLES", "Pixel", "Pixels", "pooled_alphas"]
-
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 Doubles: TypeAlias = npt.NDArray[np.float64]
 Bools: TypeAlias = npt.NDArray[np.bool_]

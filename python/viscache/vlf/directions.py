@@ -10,15 +10,6 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.settings.checks import checked_points, is_whole, require
 
-__all__ = [
-    "DIRECTION_COUNTS",
-    "checked_directions",
-    "direction_frames",
-    "direction_weights",
-    "directions",
-    "nearest_direction",
-]
-
 #: Allowed values of n_directions: 1, and 2·4^k + 1.
 DIRECTION_COUNTS = (1, 3, 9, 33, 129, 513, 2049, 8193)
 

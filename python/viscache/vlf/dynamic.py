@@ -24,8 +24,6 @@ from viscache.settings.chosen_rays import vlf_settings
 from viscache.settings.rays import Vlf
 from viscache.settings.spelling import spelled
 
-__all__ = ["DynamicField", "DynamicHits"]
-
 
 class DynamicHits(NamedTuple):
     """Nearest hits of N rays.

@@ -18,8 +18,6 @@ from viscache.settings.chosen_rays import vlf_settings
 from viscache.settings.rays import Vlf
 from viscache.settings.spelling import spelled
 
-__all__ = ["VisibilityField"]
-
 
 @spelled
 class VisibilityField:

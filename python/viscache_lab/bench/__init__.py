@@ -1,5 +1,11 @@
-"""Benchmarks. Each figure is a ratio to a named baseline of the same run; answers are checked."""
+"""Benchmarks. Each figure is a ratio to a named baseline of the same run; answers are checked.
 
-from viscache_lab.bench.registry import BENCHES, BenchInfo, run, run_all
+A module of this folder declares its benches by `@BENCHES.add`; no list has to be kept.
+"""
 
-__all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
+from viscache_lab.experiment.registry import BENCHES
+from viscache_lab.experiment.run import run_bench
+
+__all__ = ["BENCHES", "run_bench"]
+
+BENCHES.load()

@@ -12,21 +12,21 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
-from viscache_lab.bench.equal_error import log_interval
+from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.peer_cases import PictureCase, Way, picture_cases
 from viscache_lab.bench.peer_environments import default_folder, interpreter
 from viscache_lab.bench.peers import PEERS, Peer, PeerError, missing_scene
 from viscache_lab.bench.ray_sets import make_ray_set
 from viscache_lab.bench.rays import EDGE_TOLERANCE
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
 __all__ = ["against_peers", "compare_pictures", "compare_rays"]
 
 Array = npt.NDArray[Any]
-Render = Callable[[int, int], Frame]
+Render = Callable[[int, int], vc.Frame]
 
 #: Blocks of this many pixels are compared between converged frames.
 BLOCK = 8
@@ -44,41 +44,29 @@ class Renderer(Protocol):
     def result(self) -> dict[str, Any]: ...
 
 
-def against_peers(
-    quick: bool = False, *, environments: Path | None = None, only: str = "*"
-) -> Outcome:
+@BENCHES.add("peers", "rays and pictures against other renderers, each in its own environment")
+def against_peers(trial: Trial) -> None:
     """Every case against every peer that there is; the others are skipped by name.
 
-    Parameters
-    ----------
-    quick : bool
-        Small pictures, few turns.
-    environments : Path, optional
-        The folder of `peer_environments.make_environments`; the default folder if absent. A peer
-        without environment is looked for beside this package.
-    only : str
-        A pattern of file names, as in `fnmatch`, for the names of cases.
-
-    Raises
-    ------
-    ValueError
-        No case has such a name.
+    Options: `environments`, the folder of `peer_environments.make_environments` (a peer without
+    environment is looked for beside this package), and `only`, a pattern of file names for the
+    names of cases.
     """
-    outcome = Outcome()
-    folder = default_folder() if environments is None else environments
-    turns = 3 if quick else 6
+    folder, only = (trial.options.get(n) for n in ("environments", "only"))
+    folder, only = folder or default_folder(), only or "*"
+    turns = 3 if trial.quick else 6
     rays_of = {f"rays, {name}": name for name in ("room", "random_triangles")}
-    cases = picture_cases(quick)
+    cases = picture_cases(trial.quick)
     titles = [title for title in (*rays_of, *(c.name for c in cases)) if fnmatchcase(title, only)]
     if not titles:
         raise ValueError(f"no case of the bench peers is named like {only!r}")
     for title, name in rays_of.items():
         if title not in titles:
             continue
-        scene = build_scene(f"{name}?triangles={5_000 if quick else 200_000}")
-        rays = 20_000 if quick else 500_000
+        scene = build_scene(f"{name}?triangles={5_000 if trial.quick else 200_000}")
+        rays = 20_000 if trial.quick else 500_000
         _with_peers(
-            outcome,
+            trial,
             title,
             scene,
             folder,
@@ -90,7 +78,7 @@ def against_peers(
         if case.name not in titles:
             continue
         _with_peers(
-            outcome,
+            trial,
             case.name,
             case.scene,
             folder,
@@ -98,7 +86,7 @@ def against_peers(
                 made, case, found, turns
             ),
         )
-    outcome.notes.append(
+    trial.notes.append(
         "CPU seconds of all threads, after a warm-up. Converged frames agree, or there is no"
         " figure. Equal samples: their time over ours. Equal error: their time × squared error"
         " over ours, the geometric mean of the turns and its 95 % interval. What they build for a"
@@ -106,15 +94,14 @@ def against_peers(
         " where no cache is named; rel_l1 of a cache is against our exact frame. Shared directions"
         " are traced exactly, too."
     )
-    return outcome
 
 
 def _with_peers(
-    outcome: Outcome,
+    trial: Trial,
     name: str,
-    scene: Scene,
+    scene: vc.Scene,
     folder: Path,
-    run: Callable[[Outcome, dict[str, Renderer]], None],
+    run: Callable[[Trial, dict[str, Renderer]], None],
 ) -> None:
     """Start all peers that there are with a scene, compare, and end them.
 
@@ -131,29 +118,24 @@ def _with_peers(
                 except PeerError as error:
                     why = str(error)
             if why is not None:
-                outcome.skip(f"{name} vs {peer}", why)
+                trial.skip(f"{name} vs {peer}", why)
         able: dict[str, Renderer] = dict(started)
         while True:
-            made = Outcome()
+            made = Trial()
             try:
                 run(made, able)
                 break
             except PeerError as error:
                 del able[error.peer]
-                outcome.skip(f"{name} vs {error.peer}", str(error))
-        outcome.extend(made)
+                trial.skip(f"{name} vs {error.peer}", str(error))
+        trial.extend(made)
     finally:
         for running in started.values():
             running.__exit__(None, None, None)
 
 
 def compare_rays(
-    outcome: Outcome,
-    title: str,
-    scene: Scene,
-    peers: Mapping[str, Renderer],
-    n: int,
-    turns: int,
+    trial: Trial, title: str, scene: vc.Scene, peers: Mapping[str, Renderer], n: int, turns: int
 ) -> None:
     """Any and nearest hits of `n` camera rays, and between points, from arrays to arrays."""
     for which in ("camera", "p2p"):
@@ -181,12 +163,12 @@ def compare_rays(
             truth = ask()
             hit = truth if truth.dtype == bool else np.isfinite(truth)
             label = f"{title}, {which}, {job.replace('_', ' ')}"
-            outcome.check(f"{label}: none hit", float(not hit.any()), 0)
+            trial.check(f"{label}: none hit", float(not hit.any()), 0)
             for name, peer in able.items():
                 differs = float(np.mean(_unlike(truth, peer.result(), name)))
-                outcome.check(f"{label}: share unlike {name}", differs, EDGE_TOLERANCE)
+                trial.check(f"{label}: share unlike {name}", differs, EDGE_TOLERANCE)
                 if differs <= EDGE_TOLERANCE:
-                    _figure(outcome, f"{label} vs {name}", samples, name, peer, work=len(r))
+                    _figure(trial, f"{label} vs {name}", samples, name, peer, work=len(r))
 
 
 def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
@@ -199,12 +181,12 @@ def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
 
 
 def compare_pictures(
-    outcome: Outcome, case: PictureCase, peers: Mapping[str, Renderer], turns: int
+    trial: Trial, case: PictureCase, peers: Mapping[str, Renderer], turns: int
 ) -> None:
     """One case: converged frames agree; then time at equal samples and time to equal error."""
     able = {k: p for k, p in peers.items() if case.job["job"] in p.about["jobs"]}
     for name in sorted(able.keys() & case.without.keys()):
-        outcome.skip(f"{case.name} vs {name}", case.without[name])
+        trial.skip(f"{case.name} vs {name}", case.without[name])
         del able[name]
     if not able:
         return
@@ -215,14 +197,14 @@ def compare_pictures(
             spp = case.peer_reference_spp or case.reference_spp
             peer.run({**case.job, "spp": spp, "seed": 10_001})
         except PeerError as error:  # e.g. Mitsuba with an LLVM that does not suit it
-            outcome.skip(f"{case.name} vs {name}", str(error))
+            trial.skip(f"{case.name} vs {name}", str(error))
             del able[name]
             continue
         unlike = _difference(reference, peer.result()["image"])
-        outcome.check(f"{case.name}: converged frame unlike {name}'s", unlike, AGREEMENT)
+        trial.check(f"{case.name}: converged frame unlike {name}'s", unlike, AGREEMENT)
         if not unlike <= AGREEMENT:
             del able[name]
-    outcome.check(f"{case.name}: black", float(not reference.mean() > 0), 0)
+    trial.check(f"{case.name}: black", float(not reference.mean() > 0), 0)
     errors: dict[str, list[float]] = {}
     builds: dict[str, list[float]] = {}
     runs: dict[str, Callable[[], Sample]] = {
@@ -244,7 +226,7 @@ def compare_pictures(
     built = {name: found[1:] for name, found in builds.items()}
     for name, peer in able.items():
         _figure(
-            outcome,
+            trial,
             f"{case.name} vs {name}",
             samples,
             name,
@@ -261,7 +243,7 @@ def compare_pictures(
                 else _equal_error(samples, later, built, way.label, name)
             )
             label = f"{case.name}, {way.label} vs {name}"
-            _figure(outcome, label, samples, name, peer, ours=way.label, spp=case.spp, **more)
+            _figure(trial, label, samples, name, peer, ours=way.label, spp=case.spp, **more)
 
 
 def _ours(case: PictureCase, render: Render, reference: Array, errors: list[float]) -> Sample:
@@ -279,11 +261,7 @@ def _biased(case: PictureCase, way: Way, errors: list[float]) -> Sample:
 
 
 def _theirs(
-    case: PictureCase,
-    peer: Renderer,
-    reference: Array,
-    errors: list[float],
-    builds: list[float],
+    case: PictureCase, peer: Renderer, reference: Array, errors: list[float], builds: list[float]
 ) -> Sample:
     time, report = peer.run({**case.job, "spp": case.spp, "seed": 5_000 + len(errors)})
     errors.append(_squared_error(reference, peer.result()["image"]))
@@ -331,10 +309,7 @@ def _equal_error(
 
 
 def _without_build(
-    samples: Mapping[str, list[Sample]],
-    builds: Mapping[str, list[float]],
-    ours: str,
-    theirs: str,
+    samples: Mapping[str, list[Sample]], builds: Mapping[str, list[float]], ours: str, theirs: str
 ) -> dict[str, Any]:
     """Their CPU seconds of building, and the ratio without them; nothing if they build nothing."""
     if not any(builds[theirs]):
@@ -347,7 +322,7 @@ def _without_build(
 
 
 def _figure(
-    outcome: Outcome,
+    trial: Trial,
     label: str,
     samples: Mapping[str, list[Sample]],
     name: str,
@@ -357,9 +332,7 @@ def _figure(
     **more: Any,
 ) -> None:
     version = str(peer.about.get("version", "unknown"))
-    outcome.figures.append(
-        ratio_figure(label, samples[ours], samples[name], version=version, **more)
-    )
+    trial.ratio(label, samples[ours], samples[name], version=version, **more)
 
 
 def _grey(image: Array) -> Array:

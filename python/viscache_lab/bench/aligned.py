@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene, load_scene
-from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import Direct
-from viscache.shot.connections import connections
+import viscache as vc
 from viscache.vlf import trace_aligned
-from viscache_lab.bench.common import (
-    Outcome,
-    Sample,
-    build_scene,
-    figure,
-    interleave,
-    ratio_figure,
-    timed,
-)
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import turns
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["FITTED", "HELD_OUT", "Case", "aligned", "eye_points", "opened", "rays_of"]
 
@@ -89,92 +80,70 @@ QUICK_SCENES = ("bumpy_spheres?triangles=15000", "classroom_like")
 QUICK_CASES = tuple(Case(size=(64, 40), n_directions=129, distance=d) for d in (0.05, math.inf))
 
 
-def aligned(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "aligned", "the engine chosen for aligned rays against Embree, in scenes not used to fit"
+)
+def aligned(trial: Trial) -> None:
     """Every case of the held-out scenes: engine "auto" against engine "embree"."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else HELD_OUT:
+    for spec in QUICK_SCENES if trial.quick else HELD_OUT:
         scene = opened(spec)
         if scene is None:
-            outcome.skip(spec, f"VISCACHE_SCENES holds no {spec}")
+            trial.skip(spec, f"VISCACHE_SCENES holds no {spec}")
             continue
         points = {}
-        for case in QUICK_CASES if quick else CASES:
+        for case in QUICK_CASES if trial.quick else CASES:
             if case.size not in points:
                 points[case.size] = eye_points(scene, case.size)
-            _compare(outcome, spec, scene, case, points[case.size], 2 if quick else 3)
-    ratios = [f["ratio"] for f in outcome.figures]
+            _compare(trial, spec, scene, case, points[case.size], 2 if trial.quick else 3)
+    ratios = [f["ratio"] for f in trial.figures]
     if ratios:
-        outcome.figures.append(
-            figure("worst case vs embree", min(ratios), "", ratios=[min(ratios)], goal=GOAL)
-        )
-    outcome.notes.append(
+        trial.figure("worst case vs embree", min(ratios), "", ratios=[min(ratios)], goal=GOAL)
+    trial.notes.append(
         "one thread; Embree: packets of 16 in the order for the number of points and triangles."
         " ours: engine=auto, with the time that the choice takes. Both include sorting the points."
     )
-    return outcome
-
-
-def opened(spec: str) -> Scene | None:
-    """A built-in scene or a file in the folder of scenes by others; None without the file."""
-    if "/" not in spec:
-        return build_scene(spec)
-    path = made_by_others(spec)
-    return None if path is None else load_scene(path)
 
 
 def eye_points(
-    scene: Scene, size: tuple[int, int]
+    scene: vc.Scene, size: tuple[int, int]
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """Positions and normals of a picture's eye points."""
-    eyes = connections(scene, Direct(), size=size).eyes
+    eyes = vc.connections(scene, vc.Direct(), size=size).eyes
     return np.ascontiguousarray(eyes.positions), np.ascontiguousarray(eyes.normals)
 
 
-def rays_of(scene: Scene, distance: float) -> float:
+def rays_of(scene: vc.Scene, distance: float) -> float:
     """The length of rays in scene units."""
     low, high = np.asarray(scene.bounds)
     return float(distance * np.linalg.norm(high - low))
 
 
 def _compare(
-    outcome: Outcome,
+    trial: Trial,
     spec: str,
-    scene: Scene,
+    scene: vc.Scene,
     case: Case,
     points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
     repeats: int,
 ) -> None:
-    rows: dict[str, Any] = {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        time, rows[engine] = timed(
-            lambda: trace_aligned(
-                scene,
-                *points,
-                case.n_directions,
-                t_max=rays_of(scene, case.distance),
-                engine=engine,
-                threads=1,
-            )
-        )
-        return time
-
+    t_max = rays_of(scene, case.distance)
+    trace = partial(trace_aligned, scene, *points, case.n_directions, t_max=t_max, threads=1)
     scene.aligned_batch(), scene.caster()
-    samples = interleave({"auto": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
+    runs = {e: partial(trace, engine=e) for e in ("auto", "embree")}
+    found = turns(runs, repeats)
+    samples, rows = found.samples, found.answers
     label = f"{spec.partition('?')[0]} {case.label}"
     n_rays = len(points[0]) * case.n_directions
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["auto"],
-            samples["embree"],
-            work=n_rays,
-            goal=GOAL,
-            points=len(points[0]),
-            triangles=scene.triangles,
-            engine=rows["auto"].engine,
-            reason=rows["auto"].reason,
-        )
+    trial.ratio(
+        f"{label} vs embree",
+        samples["auto"],
+        samples["embree"],
+        work=n_rays,
+        goal=GOAL,
+        points=len(points[0]),
+        triangles=scene.triangles,
+        engine=rows["auto"].engine,
+        reason=rows["auto"].reason,
     )
     unlike = np.bitwise_count(rows["auto"].bits ^ rows["embree"].bits).sum() / n_rays
-    outcome.check(f"{label}: share unlike embree", float(unlike), DIFFERING)
+    trial.check(f"{label}: share unlike embree", float(unlike), DIFFERING)

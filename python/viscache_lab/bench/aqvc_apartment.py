@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache.settings.visibility import Visibility
+from viscache_lab.bench.aqvc_frame import without_build
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
 __all__ = ["aqvc_apartment"]
 
@@ -26,37 +25,38 @@ Sky = Literal["mis", "shared"]
 
 def settings(c_e: float) -> dict[str, Visibility]:
     """The visibilities compared; the first has the goal."""
-    cached = Aqvc(c_e=c_e, c_e_groups={"point": 4.0}, exact_groups=())
+    cached = vc.Aqvc(c_e=c_e, c_e_groups={"point": 4.0}, exact_groups=())
     return {
         "rows": cached,
-        "light's cells": replace(cached, paper=PaperForm(cell_density="light")),
+        "light's cells": replace(cached, paper=vc.PaperForm(cell_density="light")),
         "default": replace(cached, exact_groups="auto"),
-        "exact": Exact(),
+        "exact": vc.Exact(),
     }
 
 
-def aqvc_apartment(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "aqvc-apartment", "24 lamps, 1024 virtual lights and 256 sky samples with the quantized cache"
+)
+def aqvc_apartment(trial: Trial) -> None:
     """24 lamps, 1024 virtual lights and 256 sky samples, per pixel or shared by all pixels."""
-    outcome = Outcome()
-    scene = build_scene(f"apartment?triangles={20_000 if quick else 750_000}")
+    scene = build_scene(f"apartment?triangles={20_000 if trial.quick else 750_000}")
     scene.caster()  # not part of any frame
     for sky in ("mis", "shared"):
-        measure(outcome, scene, sky, quick)
-    if not quick:
-        measure_table(outcome, scene)
-    outcome.notes.append(
+        measure(trial, scene, sky, trial.quick)
+    if not trial.quick:
+        measure_table(trial, scene)
+    trial.notes.append(
         "exact: our fastest exact order. Each pixel's own samples: 128 by radiance and 128 by the"
         " BRDF; shared: 256 directions. C_E 10, of lamps 4. Ratios are of CPU seconds of whole"
         " frames, one run each."
     )
-    return outcome
 
 
-def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
+def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
     """The paper's numbers of samples; an eighth of them if quick."""
     share = 8 if quick else 1
     each = 128 // share if sky == "mis" else 256 // share
-    return Whitted(
+    return vc.Whitted(
         **({"n_vpls": 1024 // share} | more),
         n_area=0,
         n_environment=each,
@@ -65,30 +65,14 @@ def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
     )
 
 
-def frame_of(
-    frames: dict[str, Frame], key: str, scene: Scene, light: Whitted, by: Visibility, quick: bool
-) -> Callable[[], Sample]:
-    """Render once, keep the frame, return the time."""
-
-    def run() -> Sample:
-        size = (160, 100) if quick else (1280, 800)
-        frame = frames[key] = render(scene, light, visibility=by, size=size)
-        t = frame.timings
-        return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
-
-    return run
-
-
-def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
+def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
     """Compare whole frames with exact ones."""
-    frames: dict[str, Frame] = {}
-    light = integrator(sky, quick)
-    runs = {
-        key: frame_of(frames, key, scene, light, by, quick) for key, by in settings(10.0).items()
-    }
+    shot = vc.Shot(scene, integrator(sky, quick), size=(160, 100) if quick else (1280, 800))
+    runs = {key: shot.with_(visibility=by).render for key, by in settings(10.0).items()}
     if sky == "shared":
         del runs["light's cells"], runs["default"]
-    samples = interleave(runs, 1, warm_up=False)
+    found = turns(runs, 1, warm_up=False, clock=without_build)
+    samples, frames = found.samples, found.answers
     name = "own sky samples" if sky == "mis" else "shared sky"
     for key in runs:
         if key == "exact":
@@ -112,50 +96,46 @@ def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        outcome.figures.append(row)
-        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+        trial.figures.append(row)
+        trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
 
 
-def measure_table(outcome: Outcome, scene: Scene) -> None:
+def measure_table(trial: Trial, scene: vc.Scene) -> None:
     """Visibility of the sky samples alone: bit rows, the hash table and rays."""
-    frames: dict[str, Frame] = {}
-    light = integrator("mis", False, n_vpls=0)
+    shot = vc.Shot(scene, integrator("mis", False, n_vpls=0), size=(1280, 800))
     ways: dict[str, Visibility] = {
-        "rows": Aqvc(c_e=10, exact_groups=()),
-        "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
-        "exact": Exact(),
+        "rows": vc.Aqvc(c_e=10, exact_groups=()),
+        "table": vc.Aqvc(c_e=10, paper=vc.PaperForm(form="pairs")),
+        "exact": vc.Exact(),
     }
-    for key, by in ways.items():
-        frame_of(frames, key, scene, light, by, False)()
+    frames = {key: shot.with_(visibility=by).render() for key, by in ways.items()}
     queries = frames["exact"].counters["queries"]
     for key in ("rows", "table"):
         took = {
             k: Sample(wall_s=f.timings["visibility_s"], cpu_s=f.timings["visibility_cpu_s"])
             for k, f in frames.items()
         }
-        outcome.figures.append(
-            ratio_figure(
-                f"apartment, lamps and own sky samples, {key}: visibility vs exact",
-                [took[key]],
-                [took["exact"]],
-                nanoseconds_per_query=took[key].cpu_s / queries * 1e9,
-                share_rays=ray_shares(frames[key]),
-                rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
-            )
+        trial.ratio(
+            f"apartment, lamps and own sky samples, {key}: visibility vs exact",
+            [took[key]],
+            [took["exact"]],
+            nanoseconds_per_query=took[key].cpu_s / queries * 1e9,
+            share_rays=ray_shares(frames[key]),
+            rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
         )
 
 
-def stages(frame: Frame) -> dict[str, float]:
+def stages(frame: vc.Frame) -> dict[str, float]:
     """CPU seconds."""
     return {s: frame.timings[f"{s}_cpu_s"] for s in STAGES}
 
 
-def ray_shares(frame: Frame) -> dict[str, float]:
+def ray_shares(frame: vc.Frame) -> dict[str, float]:
     """Rays per query, by light group."""
     groups = frame.counters["groups"]
     return {n: g["rays"] / g["queries"] for n, g in groups.items() if g["queries"]}
 
 
-def _rel_l1(frame: Frame, exact: Frame, layer: str) -> float:
+def _rel_l1(frame: vc.Frame, exact: vc.Frame, layer: str) -> float:
     a, b = frame.layers[layer].astype(float), exact.layers[layer].astype(float)
     return float(abs(a - b).sum() / max(b.sum(), 1e-300))

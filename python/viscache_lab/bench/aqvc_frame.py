@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import scene_file
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
 __all__ = ["aqvc_frame"]
 
@@ -31,7 +29,7 @@ class Case:
     spp: int
     n_vpls: int
     c_e: float
-    tuned: Aqvc | None = None
+    tuned: vc.Aqvc | None = None
     goal: float | None = None
     repeats: int = 3
     with_slow: bool = False
@@ -51,7 +49,7 @@ CASES = (
         c_e=10,
         goal=5,
         with_slow=True,
-        tuned=Aqvc(preset="fast", c_e=12),
+        tuned=vc.Aqvc(preset="fast", c_e=12),
     ),
     Case(
         size=(512, 512),
@@ -60,7 +58,7 @@ CASES = (
         c_e=24,
         goal=10,
         with_slow=True,
-        tuned=Aqvc(preset="fast", c_e=24, c_e_groups={"point": 8.0}),
+        tuned=vc.Aqvc(preset="fast", c_e=24, c_e_groups={"point": 8.0}),
     ),
     Case(size=(512, 512), spp=4, n_vpls=1024, c_e=20),
     Case(
@@ -69,7 +67,7 @@ CASES = (
         n_vpls=0,
         c_e=16,
         goal=4,
-        tuned=Aqvc(c_e=16, c_n=2, c_z=2.0, c_r=2.0),
+        tuned=vc.Aqvc(c_e=16, c_n=2, c_z=2.0, c_r=2.0),
     ),
     Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
 )
@@ -80,20 +78,20 @@ FILES = ("living-room", "veach-ajar")
 REL_L1_GOAL = 0.01
 
 
-def aqvc_frame(quick: bool = False) -> Outcome:
+@BENCHES.add("aqvc-frame", "whole frames with the quantized cache against exact frames")
+def aqvc_frame(trial: Trial) -> None:
     """The room in several sizes, with refinement for all light groups."""
-    outcome = Outcome()
-    scene = build_scene(SMALL if quick else ROOM)
-    for case in QUICK if quick else CASES:
-        measure(outcome, scene, "room", case)
-    for name in () if quick else FILES:
+    scene = build_scene(SMALL if trial.quick else ROOM)
+    for case in QUICK if trial.quick else CASES:
+        measure(trial, scene, "room", case)
+    for name in () if trial.quick else FILES:
         path = scene_file(name)
         if path is None:
-            outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+            trial.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
         else:
             case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
-            measure(outcome, load_scene(path), name, case)
-    outcome.notes.append(
+            measure(trial, vc.load_scene(path), name, case)
+    trial.notes.append(
         "packets: our fastest exact rays (16 neighbouring eye points towards one light); exact:"
         " vc.Exact(), which takes shafts where they pay; exact-by-pixel: 16 lights from one eye"
         " point; hash: the paper's form, one table look-up per query. Ratios are of CPU seconds of"
@@ -101,46 +99,34 @@ def aqvc_frame(quick: bool = False) -> Outcome:
         " camera paths out. tuned: the setting nearest the goal at rel_l1 <= 1 %, found by trial on"
         " this scene."
     )
-    return outcome
 
 
 def measure(
-    outcome: Outcome, scene: Scene, name: str, case: Case, camera: str | None = None
-) -> dict[str, Frame]:
+    trial: Trial, scene: vc.Scene, name: str, case: Case, camera: str | None = None
+) -> dict[str, vc.Frame]:
     """Add the figures of one case."""
     settings: dict[str, Visibility] = {"tuned": case.tuned} if case.tuned else {}
     settings |= {
-        "aqvc": Aqvc(c_e=case.c_e, refinement="on"),
-        "points": Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
-        "packets": Exact(engine="packets"),
-        "exact": Exact(),
+        "aqvc": vc.Aqvc(c_e=case.c_e, refinement="on"),
+        "points": vc.Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
+        "packets": vc.Exact(engine="packets"),
+        "exact": vc.Exact(),
     }
     # Slow, and far from any goal: runs once
     once: dict[str, Visibility] = {}
     if case.with_slow:
-        once["exact-by-pixel"] = Exact(order="by_pixel", engine="packets")
-        once["hash"] = Aqvc(c_e=case.c_e, refinement="on", paper=PaperForm(form="pairs"))
-    frames: dict[str, Frame] = {}
-
-    def runner(key: str) -> Callable[[], Sample]:
-        def run() -> Sample:
-            frame = render(
-                scene,
-                Whitted(n_vpls=case.n_vpls) if case.n_vpls else Direct(),
-                visibility=(settings | once)[key],
-                size=case.size,
-                spp=case.spp,
-                camera=camera,
-            )
-            frames[key] = frame
-            t = frame.timings
-            return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
-
-        return run
-
+        once["exact-by-pixel"] = vc.Exact(order="by_pixel", engine="packets")
+        once["hash"] = vc.Aqvc(c_e=case.c_e, refinement="on", paper=vc.PaperForm(form="pairs"))
+    light = vc.Whitted(n_vpls=case.n_vpls) if case.n_vpls else vc.Direct()
+    shot = vc.Shot(scene, light, size=case.size, spp=case.spp, camera=camera)
     scene.caster()  # not part of any frame
-    samples = interleave({key: runner(key) for key in settings}, case.repeats, warm_up=False)
-    samples |= interleave({key: runner(key) for key in once}, 1, warm_up=False)
+    samples: dict[str, list[Sample]] = {}
+    frames: dict[str, vc.Frame] = {}
+    for some, repeats in ((settings, case.repeats), (once, 1)):
+        runs = {key: shot.with_(visibility=by).render for key, by in some.items()}
+        found = turns(runs, repeats, warm_up=False, clock=without_build)
+        samples |= found.samples
+        frames |= found.answers
     figures = (
         ("tuned, ", "tuned", "packets", case.goal),
         ("tuned, ", "tuned", "exact", None),
@@ -168,21 +154,27 @@ def measure(
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        outcome.figures.append(row)
-        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+        trial.figures.append(row)
+        trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
     for key in ("packets", "exact-by-pixel"):
         if key in frames:
             unlike = float(frames[key].sha256 != frames["exact"].sha256)
-            outcome.check(f"{name} {case.label}: bytes of exact and {key} differ", unlike, 0)
+            trial.check(f"{name} {case.label}: bytes of exact and {key} differ", unlike, 0)
     return frames
 
 
-def _after_first_hits(frame: Frame) -> float:
+def without_build(frame: vc.Frame) -> Sample:
+    """The duration of a frame without the build of its structures."""
+    t = frame.timings
+    return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
+
+
+def _after_first_hits(frame: vc.Frame) -> float:
     """CPU seconds of a frame, without its camera paths."""
     return float(frame.timings["cpu_s"] - frame.timings["eye_paths_cpu_s"])
 
 
-def _shares(frame: Frame) -> dict[str, Any]:
+def _shares(frame: vc.Frame) -> dict[str, Any]:
     c = frame.counters
     queries = max(1, c["queries"])
     seconds: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")

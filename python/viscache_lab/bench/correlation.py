@@ -27,7 +27,8 @@ from viscache.correlation.pairs import (
     phi,
     tile_list,
 )
-from viscache_lab.bench.common import Outcome, Sample, figure, interleave
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, interleave
 
 __all__ = ["correlation"]
 
@@ -119,25 +120,26 @@ def _spheres(
     return cones
 
 
-def correlation(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "correlation", "pairs of rows per second and core against numpy and the machine's bound"
+)
+def correlation(trial: Trial) -> None:
     """The bare kernel and the binned statistics, in and out of the CPU cache, on one thread."""
-    outcome = Outcome()
     # In cache: one pair of groups. Out of cache: the sixteen groups of one of the paper's runs
-    near = make_points(1024 if quick else 16_384, 1)
-    far = make_points(4096 if quick else 195_000, 16, seed=1)
-    _check_answers(outcome, far)
-    _measure(outcome, near, far, quick)
-    outcome.notes.append(
+    near = make_points(1024 if trial.quick else 16_384, 1)
+    far = make_points(4096 if trial.quick else 195_000, 16, seed=1)
+    _check_answers(trial, far)
+    _measure(trial, near, far, trial.quick)
+    trial.notes.append(
         "Millions of pairs per second of processor time on one thread, 9216 directions. bound:"
         " and + popcount + add of 512 bits in registers, the same run; our carry-save adder needs"
         " five operations for two words where the bound's three do one, so it may exceed it. with"
         " bins: 128 distances x 180 angles, preparation and the table included. numpy: float32"
         " matrix product of two blocks of rows on one thread."
     )
-    return outcome
 
 
-def _measure(outcome: Outcome, near: Points, far: Points, quick: bool) -> None:
+def _measure(trial: Trial, near: Points, far: Points, quick: bool) -> None:
     isa = provenance.isa()[0]
     runs: dict[str, Run] = {}
     for label, points in (("in cache", near), ("out of cache", far)):
@@ -162,23 +164,19 @@ def _measure(outcome: Outcome, near: Points, far: Points, quick: bool) -> None:
     rates = {
         name: [runs[name].pairs / s.cpu_s / 1e6 for s in taken] for name, taken in samples.items()
     }
-    _figures(outcome, rates)
+    _figures(trial, rates)
 
 
-def _figures(outcome: Outcome, rates: dict[str, list[float]]) -> None:
+def _figures(trial: Trial, rates: dict[str, list[float]]) -> None:
     def against(name: str, ours: str, theirs: str, goal: float | None = None) -> None:
         ratios = [a / b for a, b in zip(rates[ours], rates[theirs], strict=True)]
         value, base = (statistics.median(rates[k]) for k in (ours, theirs))
-        outcome.figures.append(
-            figure(name, value, "Mpairs/s", baseline=base, ratios=ratios, goal=goal, clock="cpu")
-        )
+        trial.figure(name, value, "Mpairs/s", baseline=base, ratios=ratios, goal=goal, clock="cpu")
 
     def absolute(name: str, ours: str, goal: float) -> None:
         ratios = [rate / goal for rate in rates[ours]]
         value = statistics.median(rates[ours])
-        outcome.figures.append(
-            figure(name, value, "Mpairs/s", baseline=goal, ratios=ratios, goal=1.0, clock="cpu")
-        )
+        trial.figure(name, value, "Mpairs/s", baseline=goal, ratios=ratios, goal=1.0, clock="cpu")
 
     absolute("pairs/s with bins, in cache vs goal", "bins in cache all words", GOAL_IN)
     absolute("pairs/s with bins, out of cache vs goal", "bins out of cache all words", GOAL_OUT)
@@ -194,7 +192,7 @@ def _figures(outcome: Outcome, rates: dict[str, list[float]]) -> None:
         )
         against("pairs/s with bins, in cache vs bound", "bins in cache all words", "bound")
     else:
-        outcome.skip("bound", "needs AVX-512 with VPOPCNTDQ, and VISCACHE_ISA to leave it on")
+        trial.skip("bound", "needs AVX-512 with VPOPCNTDQ, and VISCACHE_ISA to leave it on")
     for label in ("in cache", "out of cache"):
         for what in ("kernel", "bins"):
             name = f"pairs/s, dead words skipped, {what} {label} vs all words"
@@ -242,19 +240,19 @@ def _numpy_product(n: int) -> Sample:
     return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"])
 
 
-def _check_answers(outcome: Outcome, points: Points) -> None:
+def _check_answers(trial: Trial, points: Points) -> None:
     """Compare counts, ρ and sums of a subset with brute force in NumPy."""
     rows = np.random.default_rng(0).choice(len(points.bits), 600, replace=False)
     bits = points.bits[rows]
     seen = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little").astype(np.float64)
     found = intersections(bits, bits)
-    outcome.check("n11 unlike numpy's", float(abs(found - seen @ seen.T).max()), 0)
+    trial.check("n11 unlike numpy's", float(abs(found - seen @ seen.T).max()), 0)
     rho = phi(bits, bits, points.n_directions)
     expected = np.asarray(np.corrcoef(seen))
-    outcome.check("rho unlike numpy's", float(np.nanmax(abs(rho - expected))), 1e-6)
+    trial.check("rho unlike numpy's", float(np.nanmax(abs(rho - expected))), 1e-6)
     total = kernels.total_intersections(points.bits, bits)
     columns = [_columns(points.bits), _columns(bits)]
-    outcome.check("total of n11 unlike numpy's", float(total != int(columns[0] @ columns[1])), 0)
+    trial.check("total of n11 unlike numpy's", float(total != int(columns[0] @ columns[1])), 0)
 
     subset = Points(
         bits=bits,
@@ -268,11 +266,11 @@ def _check_answers(outcome: Outcome, points: Points) -> None:
     # Rounding may move a pair at an edge to either side: count by distance alone
     counts = np.histogram(d, np.append(D_EDGES[:-1], 1e9))[0]
     missed = abs(tables[0].n.sum(axis=(0, 2)) - counts).sum()
-    outcome.check("pairs in other bins of distance", float(missed), 4)
+    trial.check("pairs in other bins of distance", float(missed), 4)
     mean = tables[0].sum_q.sum() / SCALE / len(i)
-    outcome.check("mean rho unlike numpy's", float(abs(mean - expected[i, j].mean())), 1e-6)
+    trial.check("mean rho unlike numpy's", float(abs(mean - expected[i, j].mean())), 1e-6)
     unlike = [(getattr(tables[0], k) != getattr(tables[1], k)).sum() for k in ("n", "sum_q")]
-    outcome.check("sums that skipping dead words changes", float(sum(unlike)), 0)
+    trial.check("sums that skipping dead words changes", float(sum(unlike)), 0)
 
 
 def _columns(bits: Words) -> npt.NDArray[np.int64]:

@@ -7,29 +7,26 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import AmbientOcclusion, Direct
-from viscache.settings.visibility import Exact
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave
+import viscache as vc
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import make_ray_set
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave
 
 __all__ = ["frames"]
 
 
-def frames(quick: bool = False) -> Outcome:
+@BENCHES.add("frames", "exact frames: ambient occlusion and 500 point lights against Mitsuba")
+def frames(trial: Trial) -> None:
     """Ambient occlusion from a G-buffer, and 500 point lights at all pixels."""
-    outcome = Outcome()
-    side, lights, samples = (64, 20, 8) if quick else (512, 500, 64)
-    triangles = 20_000 if quick else 200_000
+    side, lights, samples = (64, 20, 8) if trial.quick else (512, 500, 64)
+    triangles = 20_000 if trial.quick else 200_000
     spec = f"room?triangles={triangles}&lights={lights}"
     scene = build_scene(spec)
     reason = missing("mitsuba", scene)
     if reason:
-        outcome.skip(f"{spec} vs mitsuba", reason)
-        return outcome
+        trial.skip(f"{spec} vs mitsuba", reason)
+        return
     with Peer("mitsuba", scene) as peer:
         points, normals = g_buffer(scene, side)
         positions = np.array([light["position"] for light in scene.lights], np.float32)
@@ -37,20 +34,19 @@ def frames(quick: bool = False) -> Outcome:
         for name, integrator, job in (
             (
                 "AO",
-                AmbientOcclusion(n_samples=samples, max_distance=None),
+                vc.AmbientOcclusion(n_samples=samples, max_distance=None),
                 {"job": "ambient", "samples": samples},
             ),
-            (f"{lights} point lights", Direct(), {"job": "lights"}),
+            (f"{lights} point lights", vc.Direct(), {"job": "lights"}),
         ):
-            _compare(outcome, scene, f"room {side}x{side} {name}", integrator, peer, job, quick)
-    outcome.notes.append(
+            _compare(trial, scene, f"room {side}x{side} {name}", integrator, peer, job, trial.quick)
+    trial.notes.append(
         "Rays per CPU second: ours of whole frames (camera rays and sums included), Mitsuba's of"
         " ray_test over a G-buffer that it is given. Robust scene flag on both sides."
     )
-    return outcome
 
 
-def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def g_buffer(scene: vc.Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """First hits of a square image, moved off the surface towards the camera."""
     rays = make_ray_set(scene, "camera", side * side)
     hits = scene.intersect(rays.origins, rays.directions)
@@ -69,20 +65,22 @@ def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDAr
 
 
 def _compare(
-    outcome: Outcome,
-    scene: Scene,
+    trial: Trial,
+    scene: vc.Scene,
     label: str,
-    integrator: AmbientOcclusion | Direct,
+    integrator: vc.AmbientOcclusion | vc.Direct,
     peer: Peer,
     job: dict[str, Any],
     quick: bool,
 ) -> None:
     side = 64 if quick else 512
-    ours: dict[str, Frame] = {}
+    ours: dict[str, vc.Frame] = {}
     reports: dict[str, Any] = {}
 
     def run(coherent: bool) -> Sample:
-        frame = render(scene, integrator, visibility=Exact(coherent=coherent), size=(side, side))
+        frame = vc.render(
+            scene, integrator, visibility=vc.Exact(coherent=coherent), size=(side, side)
+        )
         ours[str(coherent)] = frame
         return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
 
@@ -103,23 +101,21 @@ def _compare(
         frame.counters["rays"] / a.wall_s * b.wall_s / reports["rays"]
         for a, b in zip(samples[best], samples["mitsuba"], strict=True)
     ]
-    outcome.figures.append(
-        figure(
-            f"{label} rays/s vs mitsuba",
-            float(np.median(rate)),
-            "Mray/s",
-            baseline=float(np.median(base)),
-            ratios=[a / b for a, b in zip(rate, base, strict=True)],
-            goal=1.0,
-            clock="cpu",
-            ratio_wall=float(np.median(wall)),
-            flag=best,
-        )
+    trial.figure(
+        f"{label} rays/s vs mitsuba",
+        float(np.median(rate)),
+        "Mray/s",
+        baseline=float(np.median(base)),
+        ratios=[a / b for a, b in zip(rate, base, strict=True)],
+        goal=1.0,
+        clock="cpu",
+        ratio_wall=float(np.median(wall)),
+        flag=best,
     )
     free = 1 - frame.counters["occluded"] / max(1, frame.counters["rays"])
     their_free = reports.get("open", 1 - reports.get("blocked", 0) / reports["rays"])
-    outcome.check(f"{label}: free share unlike mitsuba's", abs(free - their_free), 0.02)
-    outcome.check(
+    trial.check(f"{label}: free share unlike mitsuba's", abs(free - their_free), 0.02)
+    trial.check(
         f"{label}: bytes unlike under the other flag",
         float(ours["True"].sha256 != ours["False"].sha256),
         0,

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from viscache_lab.bench.common import Outcome, Sample, figure, ratio_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample
 from viscache_lab.parity import renderers
 from viscache_lab.parity.shared import shared_scenes
 
@@ -65,19 +66,18 @@ print(json.dumps(found | {"triangles": count, "tree": tree, "version": mi.__vers
 """
 
 
-def loading(quick: bool = False) -> Outcome:
+@BENCHES.add("loading", "time and memory to load scene files and build their trees against Mitsuba")
+def loading(trial: Trial) -> None:
     """The generated meshes and the shared scenes that Mitsuba reads."""
-    outcome = Outcome()
     if reason := renderers.missing():
-        outcome.skip("loading", reason)
-        return outcome
+        trial.skip("loading", reason)
+        return
     with tempfile.TemporaryDirectory(prefix="viscache-loading-") as made:
-        for name, path in _files(Path(made), quick, outcome):
-            _measure(outcome, name, path, 1 if quick else 3)
-    return outcome
+        for name, path in _files(Path(made), trial.quick, trial):
+            _measure(trial, name, path, 1 if trial.quick else 3)
 
 
-def _measure(outcome: Outcome, name: str, path: Path, repeats: int) -> None:
+def _measure(trial: Trial, name: str, path: Path, repeats: int) -> None:
     found: dict[str, list[dict[str, Any]]] = {"ours": [], "theirs": []}
     programs = {"ours": OURS, "theirs": THEIRS}
     for i in range(repeats):
@@ -89,37 +89,35 @@ def _measure(outcome: Outcome, name: str, path: Path, repeats: int) -> None:
                 check=False,
             )
             if done.returncode != 0:
-                outcome.skip(f"{name}, {side}", done.stderr.strip().rpartition("\n")[2])
+                trial.skip(f"{name}, {side}", done.stderr.strip().rpartition("\n")[2])
                 return
             found[side].append(json.loads(done.stdout))
     ours, theirs = found["ours"], found["theirs"]
     triangles = ours[0]["triangles"]
-    outcome.check(f"{name}: triangles more or less", abs(triangles - theirs[0]["triangles"]), 0)
+    trial.check(f"{name}: triangles more or less", abs(triangles - theirs[0]["triangles"]), 0)
     tree = f"Mitsuba {theirs[0]['version']}, scalar_rgb, builds: {theirs[0]['tree']}"
-    if tree not in outcome.notes:
-        outcome.notes.append(tree)
+    if tree not in trial.notes:
+        trial.notes.append(tree)
     about = f"{name} {triangles}"
     seconds = [
         [Sample(wall_s=s["wall_s"], cpu_s=s["cpu_s"]) for s in side] for side in (ours, theirs)
     ]
     least = statistics.median(s["cpu_s"] for s in theirs) >= LEAST_S
     goal = 1 / LIMIT if least else None
-    outcome.figures.append(ratio_figure(f"{about} CPU seconds vs Mitsuba", *seconds, goal=goal))
+    trial.ratio(f"{about} CPU seconds vs Mitsuba", *seconds, goal=goal)
     peaks = [statistics.median(s["mib"] for s in side) for side in (ours, theirs)]
-    outcome.figures.append(
-        figure(
-            f"{about} peak memory vs Mitsuba",
-            peaks[0],
-            "MiB",
-            baseline=peaks[1],
-            ratios=[b["mib"] / a["mib"] for a, b in zip(ours, theirs, strict=True)],
-            goal=1 / LIMIT if peaks[1] >= LEAST_MIB else None,
-            kept_mib=statistics.median(s["kept_mib"] for s in ours),
-        )
+    trial.figure(
+        f"{about} peak memory vs Mitsuba",
+        peaks[0],
+        "MiB",
+        baseline=peaks[1],
+        ratios=[b["mib"] / a["mib"] for a, b in zip(ours, theirs, strict=True)],
+        goal=1 / LIMIT if peaks[1] >= LEAST_MIB else None,
+        kept_mib=statistics.median(s["kept_mib"] for s in ours),
     )
 
 
-def _files(folder: Path, quick: bool, outcome: Outcome) -> Iterator[tuple[str, Path]]:
+def _files(folder: Path, quick: bool, trial: Trial) -> Iterator[tuple[str, Path]]:
     side = 40 if quick else 400
     for suffix in ("ply", "obj"):
         mesh = folder / f"hills.{suffix}"
@@ -127,7 +125,7 @@ def _files(folder: Path, quick: bool, outcome: Outcome) -> Iterator[tuple[str, P
         yield f"generated {suffix}", _around(mesh, folder)
     for scene in shared_scenes(folder / "shared", quick=quick):
         if scene.path is None:
-            outcome.skip(scene.name, scene.reason)
+            trial.skip(scene.name, scene.reason)
         else:
             yield scene.name, scene.path
 

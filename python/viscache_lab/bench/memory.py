@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from viscache.scenes.sources import scene_file
-from viscache_lab.bench.common import Outcome, figure
+from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["memory"]
 
@@ -17,7 +17,7 @@ PROGRAM = """
 import json, resource, sys
 import numpy as np
 import viscache as vc
-from viscache_lab.bench.common import build_scene
+from viscache_lab.experiment.amounts import build_scene
 spec = sys.argv[1]
 scene = vc.load_scene(spec) if spec.endswith((".xml", ".pbrt")) else build_scene(spec)
 size = (int(sys.argv[2]), int(sys.argv[3]))
@@ -31,22 +31,21 @@ print(json.dumps({"triangles": scene.triangles, "peak_bytes": peak * 1024,
 """
 
 
-def memory(quick: bool = False) -> Outcome:
+@BENCHES.add("memory", "peak memory of a 1280x800 frame of a scene of 2.2 million triangles")
+def memory(trial: Trial) -> None:
     """2.2 million distinct placed triangles at 1280x800 with 1024 VPLs."""
-    outcome = Outcome()
-    specs = ["random_triangles?triangles=" + ("20000" if quick else "2200000")]
-    if not quick:
+    specs = ["random_triangles?triangles=" + ("20000" if trial.quick else "2200000")]
+    if not trial.quick:
         path = scene_file("sanmiguel-part")
         if path is None:
-            outcome.skip("sanmiguel-part", "no scene file; VISCACHE_SCENES names its folder")
+            trial.skip("sanmiguel-part", "no scene file; VISCACHE_SCENES names its folder")
         else:
             specs.append(str(path))
     for spec in specs:
-        _measure(outcome, spec, quick)
-    return outcome
+        _measure(trial, spec, trial.quick)
 
 
-def _measure(outcome: Outcome, spec: str, quick: bool) -> None:
+def _measure(trial: Trial, spec: str, quick: bool) -> None:
     is_file = spec.endswith((".xml", ".pbrt"))
     name = Path(spec).parent.name if is_file else spec.partition("?")[0]
     width, height, n_vpls = (160, 100, 64) if quick else (1280, 800, 1024)
@@ -59,15 +58,13 @@ def _measure(outcome: Outcome, spec: str, quick: bool) -> None:
         )
         found = json.loads(done.stdout)
         gib = found["peak_bytes"] / 2**30
-        outcome.figures.append(
-            figure(
-                f"{name} {found['triangles']} {width}x{height} {visibility} peak memory",
-                gib,
-                "GiB",
-                baseline=LIMIT_GIB,
-                ratios=[LIMIT_GIB / gib],
-                goal=1.0,
-            )
+        trial.figure(
+            f"{name} {found['triangles']} {width}x{height} {visibility} peak memory",
+            gib,
+            "GiB",
+            baseline=LIMIT_GIB,
+            ratios=[LIMIT_GIB / gib],
+            goal=1.0,
         )
-        outcome.check(f"{name} {visibility}: pixels not finite", float(not found["finite"]), 0)
-        outcome.check(f"{name} {visibility}: black image", float(not found["mean"] > 0), 0)
+        trial.check(f"{name} {visibility}: pixels not finite", float(not found["finite"]), 0)
+        trial.check(f"{name} {visibility}: black image", float(not found["mean"] > 0), 0)

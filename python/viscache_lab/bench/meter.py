@@ -14,15 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.audit import AuditPixels, AuditQueries
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Unoccluded
+import viscache as vc
 from viscache.shot.audited import draw_audit_pixels, pixel_estimates
-from viscache.shot.render import render
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, at_most_figure, figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["meter"]
 
@@ -42,31 +37,31 @@ class Case:
 
     name: str
     scene: str
-    integrator: Direct | Whitted
-    cache: Aqvc
+    integrator: vc.Direct | vc.Whitted
+    cache: vc.Aqvc
     size: tuple[int, int] = (400, 250)
     seeds: int = 500
     pixels: tuple[int, ...] = (1024, 4096)
 
 
-VPLS = Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
-LAMPS = Direct(n_area=0, n_environment=0, n_brdf=0)
-ALL = Aqvc(exact_groups=())
+VPLS = vc.Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
+LAMPS = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
+ALL = vc.Aqvc(exact_groups=())
 CASES = (
-    Case(name="room", scene="room?triangles=200000", integrator=VPLS, cache=Aqvc()),
+    Case(name="room", scene="room?triangles=200000", integrator=VPLS, cache=vc.Aqvc()),
     Case(name="room, lamps", scene="room?triangles=200000", integrator=LAMPS, cache=ALL),
-    Case(name="apartment", scene="apartment", integrator=VPLS, cache=Aqvc()),
+    Case(name="apartment", scene="apartment", integrator=VPLS, cache=vc.Aqvc()),
     Case(name="apartment, lamps", scene="apartment", integrator=LAMPS, cache=ALL),
-    Case(name="conference", scene="conference", integrator=VPLS, cache=Aqvc()),
-    Case(name="living-room", scene="living-room/scene.xml", integrator=VPLS, cache=Aqvc()),
-    Case(name="sponza", scene="sponza-dabrovic/scene.xml", integrator=VPLS, cache=Aqvc()),
+    Case(name="conference", scene="conference", integrator=VPLS, cache=vc.Aqvc()),
+    Case(name="living-room", scene="living-room/scene.xml", integrator=VPLS, cache=vc.Aqvc()),
+    Case(name="sponza", scene="sponza-dabrovic/scene.xml", integrator=VPLS, cache=vc.Aqvc()),
 )
 QUICK = (
     Case(
         name="room, 128²",
         scene="room?triangles=3000",
-        integrator=Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0),
-        cache=Aqvc(exact_groups=()),
+        integrator=vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0),
+        cache=vc.Aqvc(exact_groups=()),
         size=(128, 128),
         seeds=200,
         pixels=(1024,),
@@ -77,33 +72,28 @@ LARGE = ("room", "apartment", "conference")
 LARGE_SIZE = (1024, 1024)
 
 
-def meter(quick: bool = False) -> Outcome:
+@BENCHES.add("meter", "audits of cached frames: coverage of their intervals, and their cost")
+def meter(trial: Trial) -> None:
     """Coverage of the intervals, and the cost of audits."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-            continue
-        pixels(outcome, case, scene)
-        if not quick and case.name in LARGE:
-            cost(outcome, case, scene, LARGE_SIZE, MOST_COST)
-        if quick:
-            cost(outcome, case, scene, case.size, None)
-    queries(outcome, seeds=40 if quick else 200)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        pixels(trial, case, scene)
+        if not trial.quick and case.name in LARGE:
+            cost(trial, case, scene, LARGE_SIZE, MOST_COST)
+        if trial.quick:
+            cost(trial, case, scene, case.size, None)
+    queries(trial, seeds=40 if trial.quick else 200)
+    trial.notes.append(
         "Values of coverage: share of seeds whose 95 % interval holds the true error. half_width:"
         " median of the upper end over the value, less 1. Coverage of nrmse: of the interval that"
         " frames do not show, ±1.96 standard errors."
     )
-    return outcome
 
 
-def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
+def pixels(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Coverage of the intervals from whole pixels, of the frame and of its light groups."""
-    exact = render(scene, case.integrator, size=case.size)
-    cached = render(scene, case.integrator, visibility=case.cache, size=case.size)
-    bare = render(scene, case.integrator, visibility=Unoccluded(), size=case.size)
+    exact = vc.render(scene, case.integrator, size=case.size)
+    cached = vc.render(scene, case.integrator, visibility=case.cache, size=case.size)
+    bare = vc.render(scene, case.integrator, visibility=vc.Unoccluded(), size=case.size)
     # As in frames: the light of groups that may be wrong, without shadows
     wrong = [n for n in cached.counters["groups"] if (cached.layers[n] != exact.layers[n]).any()]
     unoccluded = sum(bare.layers[name].sum(axis=2) for name in wrong)
@@ -116,15 +106,13 @@ def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
             name = f"{case.name}, {layer}, {n} pixels: coverage of rel_l1"
             shown = {**found, "true": truth["rel_l1"]}
             coverage = found["coverage"]
-            outcome.figures.append(
-                figure(name, coverage, "", ratios=[coverage], goal=COVERAGE[0], **shown)
-            )
+            trial.figure(name, coverage, "", ratios=[coverage], goal=COVERAGE[0], **shown)
             if layer == "color":
                 limits = COVERAGE if case.seeds >= 500 else _coverage_of_few(case.seeds)
-                _check(outcome, name, found["coverage"], limits)
+                _check(trial, name, found["coverage"], limits)
 
 
-def _error(cached: Frame, exact: Frame, layer: str) -> tuple[Array, float, dict[str, float]]:
+def _error(cached: vc.Frame, exact: vc.Frame, layer: str) -> tuple[Array, float, dict[str, float]]:
     """The error of each pixel, the light of the cached layer, and the true rel_l1 and nrmse."""
     a, b = (f.layers[layer].astype(np.float64) for f in (cached, exact))
     light = float(b.sum())
@@ -160,15 +148,15 @@ def _coverage(
     }
 
 
-def queries(outcome: Outcome, seeds: int) -> None:
+def queries(trial: Trial, seeds: int) -> None:
     """Coverage of the bias and of the share of wrong answers."""
     scene, size = opened("room?triangles=3000"), (96, 64)
-    lights = Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
+    lights = vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
     for share in (0.01, 0.05):
         held, shown = {"bias": 0, "wrong": 0}, {"bias": 0, "wrong": 0}
         for seed in range(seeds):
             one, all_ = (
-                _audited(scene, lights, size, seed, AuditQueries(share=s)) for s in (share, 1.0)
+                _audited(scene, lights, size, seed, vc.AuditQueries(share=s)) for s in (share, 1.0)
             )
             for name in held:
                 found, truth = getattr(one, name), getattr(all_, name).value
@@ -177,34 +165,32 @@ def queries(outcome: Outcome, seeds: int) -> None:
         for name in held:
             what = f"room, 96×64, {share:.0%} of the queries: coverage of {name}"
             value = held[name] / max(1, shown[name])
-            outcome.figures.append(figure(what, value, "", shown=shown[name] / seeds))
-            _check(outcome, what, value, _coverage_of_few(seeds))
+            trial.figure(what, value, "", shown=shown[name] / seeds)
+            _check(trial, what, value, _coverage_of_few(seeds))
 
 
-def _audited(scene: Any, lights: Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
-    return render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
+def _audited(scene: Any, lights: vc.Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
+    return vc.render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
 
 
 def cost(
-    outcome: Outcome, case: Case, scene: Scene, size: tuple[int, int], limit: float | None
+    trial: Trial, case: Case, scene: vc.Scene, size: tuple[int, int], limit: float | None
 ) -> None:
     """CPU seconds of audits over those of the frame without them, in one frame."""
-    for audit in (AuditPixels(), AuditQueries()):
-        frame = render(scene, case.integrator, visibility=case.cache, size=size, audit=audit)
+    for audit in (vc.AuditPixels(), vc.AuditQueries()):
+        frame = vc.render(scene, case.integrator, visibility=case.cache, size=size, audit=audit)
         spent = frame.timings["audit_cpu_s"]
         share = spent / (frame.timings["cpu_s"] - spent)
-        of_pixels = isinstance(audit, AuditPixels)
+        of_pixels = isinstance(audit, vc.AuditPixels)
         what = "1024 pixels" if of_pixels else "1 % of the queries"
-        outcome.figures.append(
-            at_most_figure(
-                f"{case.name}, {size[0]}×{size[1]}: cost of an audit of {what}",
-                share,
-                "of the frame",
-                limit if of_pixels else None,
-                seconds=spent,
-                frame_seconds=frame.timings["cpu_s"],
-                rays=frame.counters["audit"]["rays"],
-            )
+        trial.at_most(
+            f"{case.name}, {size[0]}×{size[1]}: cost of an audit of {what}",
+            share,
+            "of the frame",
+            limit if of_pixels else None,
+            seconds=spent,
+            frame_seconds=frame.timings["cpu_s"],
+            rays=frame.counters["audit"]["rays"],
         )
 
 
@@ -213,6 +199,6 @@ def _coverage_of_few(seeds: int) -> tuple[float, float]:
     return 0.95 - MOST_Z * float(np.sqrt(0.95 * 0.05 / seeds)), 1.0
 
 
-def _check(outcome: Outcome, what: str, value: float, limits: tuple[float, float]) -> None:
-    outcome.check(f"{what}, at least {limits[0]}", limits[0] - value, 0.0)
-    outcome.check(f"{what}, at most {limits[1]}", value, limits[1])
+def _check(trial: Trial, what: str, value: float, limits: tuple[float, float]) -> None:
+    trial.check(f"{what}, at least {limits[0]}", limits[0] - value, 0.0)
+    trial.check(f"{what}, at most {limits[1]}", value, limits[1])

@@ -6,13 +6,9 @@ import statistics
 from dataclasses import dataclass
 from typing import Any
 
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, figure
-from viscache_lab.bench.pass_runs import Run, take_turns
+import viscache as vc
+from viscache_lab.bench.errors import Run, take_turns
+from viscache_lab.experiment import Trial
 
 __all__ = ["CASES", "QUICK", "Case", "never_slower"]
 
@@ -28,63 +24,57 @@ class Case:
 
     name: str
     scene: str
-    light: Direct | Whitted
+    light: vc.Direct | vc.Whitted
     size: tuple[int, int] = (160, 100)
     passes: int = 16
     goal: float | None = GOAL
 
 
-def _alone(n: int) -> Whitted:
+def _alone(n: int) -> vc.Whitted:
     """N virtual lights and no samples of area lights or skies."""
-    return Whitted(n_vpls=n, n_area=0, n_environment=0, n_brdf=0)
+    return vc.Whitted(n_vpls=n, n_area=0, n_environment=0, n_brdf=0)
 
 
 CASES = (
-    Case("24 lamps", "room?triangles=200000", Direct(n_area=0)),
+    Case("24 lamps", "room?triangles=200000", vc.Direct(n_area=0)),
     Case("16 virtual lights", "garage", _alone(16)),
     Case("32 virtual lights", "church", _alone(32)),
-    Case("own samples", "living-room/scene.xml", Direct()),
+    Case("own samples", "living-room/scene.xml", vc.Direct()),
     Case(
         "open sky",
         "courtyard",
-        Direct(n_area=0, environment="shared", n_environment=256, n_brdf=0),
+        vc.Direct(n_area=0, environment="shared", n_environment=256, n_brdf=0),
     ),
-    Case("light through a gap", "veach-ajar/scene.pbrt", Whitted(n_vpls=256)),
+    Case("light through a gap", "veach-ajar/scene.pbrt", vc.Whitted(n_vpls=256)),
 )
-QUICK = (Case("24 lamps", "room?triangles=3000", Direct(n_area=0), (48, 32), 4, None),)
+QUICK = (Case("24 lamps", "room?triangles=3000", vc.Direct(n_area=0), (48, 32), 4, None),)
 
 
-def never_slower(outcome: Outcome, cases: tuple[Case, ...]) -> None:
+def never_slower(trial: Trial, cases: tuple[Case, ...]) -> None:
     """CPU seconds of exact passes over those of corrected ones."""
-    for case in cases:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            _measure(outcome, case, scene)
+    for case, scene in trial.scenes(cases):
+        _measure(trial, case, scene)
 
 
-def _measure(outcome: Outcome, case: Case, scene: Scene) -> None:
-    def picture(visibility: Any, use: Any = None) -> Progressive:
-        return Progressive(scene, case.light, visibility=visibility, use=use, size=case.size)
+def _measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
+    def picture(visibility: Any, use: Any = None) -> vc.Progressive:
+        return vc.Progressive(scene, case.light, visibility=visibility, use=use, size=case.size)
 
-    picture(Exact()).passes(1)  # builds the trees
+    picture(vc.Exact()).passes(1)  # builds the trees
     turns = []
     for _ in range(TURNS if case.goal else 1):
-        exact, ours = Run(picture(Exact())), Run(picture(Aqvc(), "correct"))
+        exact, ours = Run(picture(vc.Exact())), Run(picture(vc.Aqvc(), "correct"))
         take_turns([exact, ours], case.passes)
         turns.append((exact.cpu_s, ours.cpu_s))
     frame = ours.picture.frame
-    outcome.figures.append(
-        figure(
-            f"never slower, {case.name}: corrected vs exact passes, CPU time",
-            statistics.median(cpu_s for _, cpu_s in turns),
-            "s",
-            baseline=statistics.median(cpu_s for cpu_s, _ in turns),
-            ratios=[theirs / ours_s for theirs, ours_s in turns],
-            goal=case.goal,
-            exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
-            becomes_exact=any("exact visibility from" in text for text in frame.warnings),
-            passes=case.passes,
-        )
+    trial.figure(
+        f"never slower, {case.name}: corrected vs exact passes, CPU time",
+        statistics.median(cpu_s for _, cpu_s in turns),
+        "s",
+        baseline=statistics.median(cpu_s for cpu_s, _ in turns),
+        ratios=[theirs / ours_s for theirs, ours_s in turns],
+        goal=case.goal,
+        exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
+        becomes_exact=any("exact visibility from" in text for text in frame.warnings),
+        passes=case.passes,
     )

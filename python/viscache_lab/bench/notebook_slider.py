@@ -10,14 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from viscache import metrics, notebook
+import viscache as vc
 from viscache.base import tonemap
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, at_most_figure, build_scene, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, timed
 
 __all__ = ["notebook_slider"]
 
@@ -31,36 +27,38 @@ C_E = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 class Callback:
     """What the notebook does when the slider moves, with each stage timed."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, scene: vc.Scene, size: tuple[int, int]) -> None:
         self.scene, self.size = scene, size
-        self.exact = render(scene, Direct(), size=size)
+        self.exact = vc.render(scene, vc.Direct(), size=size)
         self.exposure = tonemap.display_exposure(self.exact.image)
         self.stages: dict[str, Sample] = {}
 
-    def __call__(self, c_e: float) -> tuple[Frame, str]:
+    def __call__(self, c_e: float) -> tuple[vc.Frame, str]:
         self.stages["render"], frame = timed(lambda: self.frame(c_e))
         self.stages["metric"], error = timed(
-            lambda: metrics.compare(frame, self.exact, metrics=["rel_l1"])["rel_l1"]
+            lambda: vc.metrics.compare(frame, self.exact, metrics=["rel_l1"])["rel_l1"]
         )
         saved = frame.counters["ray_reduction"]
         return frame, f"{saved:.1f} queries per ray, error {100 * error:.2f} %"
 
-    def frame(self, c_e: float, threads: int | None = None) -> Frame:
-        return render(
-            self.scene, Direct(), visibility=Aqvc(c_e=c_e), size=self.size, threads=threads
+    def frame(self, c_e: float, threads: int | None = None) -> vc.Frame:
+        return vc.render(
+            self.scene, vc.Direct(), visibility=vc.Aqvc(c_e=c_e), size=self.size, threads=threads
         )
 
 
-def notebook_slider(quick: bool) -> Outcome:
+@BENCHES.add(
+    "notebook-slider", "the C_E slider of a notebook, from the move to the picture that is shown"
+)
+def notebook_slider(trial: Trial) -> None:
     """64 lights of the room at 480×270, 1 sample, on all cores; moved to every C_E and back."""
-    outcome = Outcome()
     if importlib.util.find_spec("ipywidgets") is None:
-        outcome.skip("the C_E slider", "ipywidgets is not installed")
-        return outcome
-    size, turns = ((120, 68), 1) if quick else ((480, 270), 5)
-    callback = Callback(build_scene(QUICK_SCENE if quick else SCENE), size)
+        trial.skip("the C_E slider", "ipywidgets is not installed")
+        return
+    size, turns = ((120, 68), 1) if trial.quick else ((480, 270), 5)
+    callback = Callback(build_scene(QUICK_SCENE if trial.quick else SCENE), size)
     began = time.perf_counter()
-    view = notebook.sliders(
+    view = vc.notebook.sliders(
         callback, c_e=list(C_E), first={"c_e": C_E[-1]}, exposure=callback.exposure
     )
     first_ms = 1000 * (time.perf_counter() - began)
@@ -69,27 +67,24 @@ def notebook_slider(quick: bool) -> Outcome:
         for c_e in C_E if turn % 2 == 0 else (*C_E[-2::-1], C_E[-1]):
             moves[c_e].append(_moved(view, callback, c_e))
     wrong = sum(_differs(view, callback, c_e) for c_e in C_E)
-    outcome.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
+    trial.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
     expected = 1 + len(C_E) * (turns + 1)  # a slider reports changes only
-    outcome.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
+    trial.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
     rows = [_row(c_e, taken) for c_e, taken in moves.items()]
     worst = max(rows, key=lambda row: row["wall_ms"])
-    outcome.figures.append(
-        at_most_figure(
-            f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
-            worst["wall_ms"],
-            "ms",
-            None if quick else MILLISECONDS_AT_MOST,
-            c_e=worst["c_e"],
-            first_ms=first_ms,
-            moves=rows,
-        )
+    trial.at_most(
+        f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
+        worst["wall_ms"],
+        "ms",
+        None if trial.quick else MILLISECONDS_AT_MOST,
+        c_e=worst["c_e"],
+        first_ms=first_ms,
+        moves=rows,
     )
-    outcome.notes += [_sentence(row) for row in rows]
-    return outcome
+    trial.notes += [_sentence(row) for row in rows]
 
 
-def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, Sample]:
+def _moved(view: vc.notebook.Sliders, callback: Callback, c_e: float) -> dict[str, Sample]:
     """Move the slider; return the duration of each stage and the total."""
     whole, _ = timed(lambda: setattr(view.widgets["c_e"], "value", c_e))
     stages = dict(callback.stages)
@@ -100,7 +95,7 @@ def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, 
     return {**stages, "picture": Sample(**picture), "move": whole}
 
 
-def _differs(view: notebook.Sliders, callback: Callback, c_e: int) -> int:
+def _differs(view: vc.notebook.Sliders, callback: Callback, c_e: int) -> int:
     """Number of bytes of the tone-mapped picture that differ from a single-threaded frame."""
     from PIL import Image
 

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.oracles.points import EyePoints, FarEnds
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache.shot.connections import connections
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+import viscache as vc
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import build_scene, turns
 
 __all__ = ["oracle"]
 
@@ -27,95 +22,70 @@ class Traced:
     """An oracle written in Python that traces every requested ray."""
 
     def block(
-        self, eyes: EyePoints, lamps: FarEnds, wanted: npt.NDArray[np.bool_]
+        self, eyes: vc.EyePoints, lamps: vc.FarEnds, wanted: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
         """All of them."""
         return eyes.trace(lamps, wanted)
 
 
-def oracle(quick: bool = False) -> Outcome:
+@BENCHES.add("oracle", "caches asked with arrays, and oracles written in Python, beside frames")
+def oracle(trial: Trial) -> None:
     """A million points × 256 lights from NumPy; a frame through Python."""
-    outcome = Outcome()
-    scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
-    arrays(scene, quick, outcome)
-    in_python(scene, quick, outcome)
-    return outcome
+    scene = build_scene("room?triangles=20000" if trial.quick else "room?triangles=200000")
+    arrays(scene, trial.quick, trial)
+    in_python(scene, trial.quick, trial)
 
 
-def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
+def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
     """The renderer's eye points and virtual lights: queried by it, and as arrays."""
     size, light = ((96, 96), 64) if quick else ((1000, 1000), 256)
-    conn = connections(scene, Whitted(n_vpls=light), size=size)
+    conn = vc.connections(scene, vc.Whitted(n_vpls=light), size=size)
     ends, wanted = conn.groups["vpl"], conn.wanted("vpl")
     # Without the renderer's tiles: points in another order
     shuffled = np.random.default_rng(1).permutation(len(conn.eyes))
     back = np.argsort(shuffled)
-    eyes = EyePoints(
+    eyes = vc.EyePoints(
         conn.eyes.positions[shuffled],
         conn.eyes.normals[shuffled],
         np.asarray(conn.eyes.density)[shuffled],
     )
-    for name, visibility in {"exact": Exact(), "aqvc": Aqvc(c_e=10)}.items():
-        ask, found = conn.oracle(visibility), dict[str, Any]()
-
-        def asker(
-            key: str, points: EyePoints, asked: npt.NDArray[np.uint64], ask: Any, found: Any
-        ) -> Callable[[], Sample]:
-            def run() -> Sample:
-                sample, found[key] = timed(lambda: ask.block(points, ends, asked))
-                return sample
-
-            return run
-
-        samples = interleave(
-            {
-                "renderer": asker("renderer", conn.eyes, wanted, ask, found),
-                "arrays": asker("arrays", eyes, wanted[shuffled], ask, found),
-            },
-            1 if quick else 3,
-            warm_up=False,
-        )
-        outcome.figures.append(
-            ratio_figure(
-                f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
-                samples["arrays"],
-                samples["renderer"],
-                goal=GOAL,
-                work=found["renderer"].counters["queries"],
-            )
+    for name, visibility in {"exact": vc.Exact(), "aqvc": vc.Aqvc(c_e=10)}.items():
+        ask = conn.oracle(visibility)
+        runs = {
+            "renderer": partial(ask.block, conn.eyes, ends, wanted),
+            "arrays": partial(ask.block, eyes, ends, wanted[shuffled]),
+        }
+        asked = turns(runs, 1 if quick else 3, warm_up=False)
+        samples, found = asked.samples, asked.answers
+        trial.ratio(
+            f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
+            samples["arrays"],
+            samples["renderer"],
+            goal=GOAL,
+            work=found["renderer"].counters["queries"],
         )
         differ = np.bitwise_count(found["arrays"].bits[back] ^ found["renderer"].bits).sum()
         share = float(differ) / max(1, found["renderer"].counters["queries"])
-        outcome.check(
+        trial.check(
             f"{name}: other answers than the renderer's tiles",
             share,
             0.0 if name == "exact" else 0.05,
         )
 
 
-def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
+def in_python(scene: vc.Scene, quick: bool, trial: Trial) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
-    size, integrator = ((96, 64), Whitted(n_vpls=64)) if quick else ((640, 400), Whitted())
-    frames: dict[str, Frame] = {}
-    ways: dict[str, Any] = {"core": Exact(engine="packets"), "python": Traced()}
-
-    def runner(name: str) -> Callable[[], Sample]:
-        def run() -> Sample:
-            sample, frames[name] = timed(
-                lambda: render(scene, integrator, visibility=ways[name], size=size)
-            )
-            return sample
-
-        return run
-
-    samples = interleave({name: runner(name) for name in ways}, 1 if quick else 3)
-    outcome.figures.append(
-        ratio_figure(
-            f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
-            samples["python"],
-            samples["core"],
-            goal=GOAL,
-        )
+    size, integrator = ((96, 64), vc.Whitted(n_vpls=64)) if quick else ((640, 400), vc.Whitted())
+    ways: dict[str, Any] = {"core": vc.Exact(engine="packets"), "python": Traced()}
+    whole = partial(vc.render, scene, integrator, size=size)
+    runs = {name: partial(whole, visibility=way) for name, way in ways.items()}
+    rendered = turns(runs, 1 if quick else 3)
+    samples, frames = rendered.samples, rendered.answers
+    trial.ratio(
+        f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
+        samples["python"],
+        samples["core"],
+        goal=GOAL,
     )
     same = frames["python"].sha256 == frames["core"].sha256
-    outcome.check("frame in Python: other bytes than exact", float(not same), 0)
+    trial.check("frame in Python: other bytes than exact", float(not same), 0)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict
 from collections.abc import Iterable
-from pathlib import Path
 
-from viscache.base.progress import Progress
-from viscache_lab.bench.common import Outcome, at_most_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import at_most_figure
 from viscache_lab.parity import renderers
 from viscache_lab.parity.judge import VERDICTS, Judged, Verdict
 from viscache_lab.parity.suite import Suite, run_suite
@@ -16,31 +15,23 @@ from viscache_lab.parity.suite import Suite, run_suite
 __all__ = ["parity"]
 
 
-def parity(
-    quick: bool,
-    *,
-    only: str = "*",
-    output: Path | None = None,
-    threads: int | None = None,
-    progress: Progress = False,
-) -> Outcome:
-    """Judge the zoo and the shared scenes; `output` is the folder of the page."""
-    outcome = Outcome()
+@BENCHES.add("parity", "pictures of a zoo of scene files and of shared scenes against Mitsuba 3")
+def parity(trial: Trial) -> None:
+    """Judge the zoo and the shared scenes; options are those of `run_suite`."""
     if reason := renderers.missing():
-        outcome.skip("parity", reason)
-        return outcome
-    suite = run_suite(quick=quick, only=only, output=output, threads=threads, progress=progress)
+        trial.skip("parity", reason)
+        return
+    suite = run_suite(quick=trial.quick, progress=trial.progress, **trial.options)
     misses = suite.silent_misses
-    outcome.check("scenes that differ without a warning", len(misses), 0)
+    trial.check("scenes that differ without a warning", len(misses), 0)
     for miss in misses:
-        outcome.check(f"{miss.name}, {miss.why}, differs without a warning", 1, 0)
-    outcome.figures = _figures(suite)
+        trial.check(f"{miss.name}, {miss.why}, differs without a warning", 1, 0)
+    trial.figures = _figures(suite)
     for scene in suite.skipped:
-        outcome.skip(scene.name, scene.reason)
+        trial.skip(scene.name, scene.reason)
     for verdict in ("warned", "not loaded", "not comparable"):
         for names, why in _by_reason(suite.results, verdict):
-            outcome.skip(names, f"{verdict}: {why}")
-    return outcome
+            trial.skip(names, f"{verdict}: {why}")
 
 
 def _figures(suite: Suite) -> list[dict[str, object]]:

@@ -9,13 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import SceneDescription
-from viscache.frame import Frame
-from viscache.scene import Camera, Scene
-from viscache.settings.aqvc import Aqvc
-from viscache.settings.integrators import AmbientOcclusion, Direct
+import viscache as vc
 from viscache.shot.render import render
-from viscache_lab.bench.common import build_scene
+from viscache_lab.experiment.amounts import build_scene
 
 __all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]
 
@@ -49,7 +45,7 @@ class Way:
     """
 
     label: str
-    render: Callable[[int, int], Frame]
+    render: Callable[[int, int], vc.Frame]
     biased: bool = False
 
 
@@ -80,8 +76,8 @@ class PictureCase:
     """
 
     name: str
-    scene: Scene
-    render: Callable[[int, int], Frame]
+    scene: vc.Scene
+    render: Callable[[int, int], vc.Frame]
     job: dict[str, Any]
     arrays: dict[str, Array]
     spp: int
@@ -106,7 +102,7 @@ def picture_cases(quick: bool = False) -> list[PictureCase]:
         "hairball": f"hairball?triangles={grown}",
     }
     open_air = ("bumpy spheres", "dynamics", "mushrooms")
-    window = Scene.from_arrays(_window_room(), base_color=(ALBEDO,) * 3, env=sky)
+    window = vc.Scene.from_arrays(_window_room(), base_color=(ALBEDO,) * 3, env=sky)
     return [
         _ambient(room, camera, side),
         *(_open_ambient(*_grey(under[name]), side, name) for name in open_air),
@@ -120,7 +116,7 @@ def picture_cases(quick: bool = False) -> list[PictureCase]:
     ]
 
 
-def _grey(spec: str, env: Array | None = None) -> tuple[Scene, Camera]:
+def _grey(spec: str, env: Array | None = None) -> tuple[vc.Scene, vc.Camera]:
     """The triangles of a built-in scene as one grey mesh, and its camera."""
     scene = build_scene(spec)
     meshes = [
@@ -128,13 +124,13 @@ def _grey(spec: str, env: Array | None = None) -> tuple[Scene, Camera]:
         for m in scene.meshes()
         if m["in_world"]
     ]
-    return Scene.from_arrays(meshes, base_color=(ALBEDO,) * 3, env=env), scene.cameras[0]
+    return vc.Scene.from_arrays(meshes, base_color=(ALBEDO,) * 3, env=env), scene.cameras[0]
 
 
-def _ambient(room: Scene, camera: Camera, side: int) -> PictureCase:
+def _ambient(room: vc.Scene, camera: vc.Camera, side: int) -> PictureCase:
     samples = 16
     reach = 0.1 * float(np.linalg.norm(np.diff(room.bounds, axis=0)))
-    integrator = AmbientOcclusion(n_samples=samples, max_distance=reach)
+    integrator = vc.AmbientOcclusion(n_samples=samples, max_distance=reach)
     return PictureCase(
         name=f"AO room {side}x{side}, {samples} rays",
         scene=room,
@@ -148,15 +144,17 @@ def _ambient(room: Scene, camera: Camera, side: int) -> PictureCase:
     )
 
 
-def _open_ambient(scene: Scene, camera: Camera, side: int, name: str) -> PictureCase:
+def _open_ambient(scene: vc.Scene, camera: vc.Camera, side: int, name: str) -> PictureCase:
     """Rays without end, as many per eye point as shared directions lie on its side."""
     samples = SPHERE_DIRECTIONS // 2
 
-    def frame(integrator: AmbientOcclusion, spp: int, seed: int) -> Frame:
+    def frame(integrator: vc.AmbientOcclusion, spp: int, seed: int) -> vc.Frame:
         return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
 
-    own = AmbientOcclusion(n_samples=samples, max_distance=None)
-    shared = AmbientOcclusion(n_samples=SPHERE_DIRECTIONS, max_distance=None, directions="shared")
+    own = vc.AmbientOcclusion(n_samples=samples, max_distance=None)
+    shared = vc.AmbientOcclusion(
+        n_samples=SPHERE_DIRECTIONS, max_distance=None, directions="shared"
+    )
     return PictureCase(
         name=f"AO {name} {side}x{side}, {samples} rays",
         scene=scene,
@@ -169,25 +167,25 @@ def _open_ambient(scene: Scene, camera: Camera, side: int, name: str) -> Picture
     )
 
 
-def _lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
+def _lights(room: vc.Scene, camera: vc.Camera, side: int, quick: bool) -> PictureCase:
     count = 20 if quick else 500
     rng = np.random.Generator(np.random.PCG64(5))
     low, high = np.asarray(room.bounds, np.float64)
     # Under the ceiling, away from the walls
     share = rng.random((count, 3)) * (0.8, 0.15, 0.8) + (0.1, 0.8, 0.1)
     positions = (low + share * (high - low)).astype(np.float32)
-    description = SceneDescription()
+    description = vc.SceneDescription()
     grey = description.add_material(base_color=(ALBEDO,) * 3)
     for mesh in room.meshes():
         description.add_mesh(mesh["vertices"], mesh["triangles"], material=grey)
     for position in positions:
         description.add_point_light(position.tolist(), (INTENSITY / count,) * 3)
-    lit = Scene.from_description(description)
+    lit = vc.Scene.from_description(description)
     return PictureCase(
         name=f"{count} point lights, room {side}x{side}",
         scene=lit,
         render=lambda spp, seed: render(
-            lit, Direct(), size=(side, side), spp=spp, seed=seed, camera=camera
+            lit, vc.Direct(), size=(side, side), spp=spp, seed=seed, camera=camera
         ),
         job={
             "job": "points",
@@ -205,12 +203,12 @@ def _lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
                 label=f"Aqvc(c_e={C_E})",
                 render=lambda spp, seed: render(
                     lit,
-                    Direct(),
+                    vc.Direct(),
                     size=(side, side),
                     spp=spp,
                     seed=seed,
                     camera=camera,
-                    visibility=Aqvc(c_e=C_E),
+                    visibility=vc.Aqvc(c_e=C_E),
                 ),
                 biased=True,
             ),
@@ -218,7 +216,7 @@ def _lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
     )
 
 
-def _many_lights(room: Scene, camera: Camera, side: int, quick: bool) -> PictureCase:
+def _many_lights(room: vc.Scene, camera: vc.Camera, side: int, quick: bool) -> PictureCase:
     """The same in a larger picture, where eye points are dense."""
     case = _lights(room, camera, side, quick)
     if quick:
@@ -233,15 +231,15 @@ def _many_lights(room: Scene, camera: Camera, side: int, quick: bool) -> Picture
 
 
 def _lit_by(
-    sky: Array, scene: Scene, camera: Camera, side: int, quick: bool, name: str
+    sky: Array, scene: vc.Scene, camera: vc.Camera, side: int, quick: bool, name: str
 ) -> PictureCase:
     samples = spp = 4
 
-    def frame(integrator: Direct, spp: int, seed: int) -> Frame:
+    def frame(integrator: vc.Direct, spp: int, seed: int) -> vc.Frame:
         return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
 
-    own = Direct(n_area=0, n_environment=samples, n_brdf=samples)
-    shared = Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
+    own = vc.Direct(n_area=0, n_environment=samples, n_brdf=samples)
+    shared = vc.Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
     dealt = replace(shared, n_environment=DEALT_DIRECTIONS, interleave=SETS)
     return PictureCase(
         name=f"{name} {side}x{side}, {samples} + {samples} samples",
@@ -278,12 +276,7 @@ def _window_room() -> list[tuple[Array, Array]]:
     """A room of 6 x 3 x 6 with a window of 1.6 x 1.2 in the wall at z = -3, and three boxes."""
     inside = _box((-3, 0, -3), (3, 3, 3))
     # The last face of a box is that at the lowest z: four strips around the window take its place
-    strips = (
-        ((-3, 0), (3, 1)),
-        ((-3, 2.2), (3, 3)),
-        ((-3, 1), (-0.8, 2.2)),
-        ((0.8, 1), (3, 2.2)),
-    )
+    strips = (((-3, 0), (3, 1)), ((-3, 2.2), (3, 3)), ((-3, 1), (-0.8, 2.2)), ((0.8, 1), (3, 2.2)))
     meshes = [(inside[0], inside[1][:-2])]
     for (x0, y0), (x1, y1) in strips:
         corners = np.array([(x0, y0, -3), (x1, y0, -3), (x1, y1, -3), (x0, y1, -3)], np.float32)
@@ -305,17 +298,17 @@ def _box(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[Array, Array]
     return corners, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
 
 
-def _window_camera() -> Camera:
-    description = SceneDescription()
+def _window_camera() -> vc.Camera:
+    description = vc.SceneDescription()
     description.add_mesh(*_box((0, 0, 0), (1, 1, 1)))
     description.add_camera((2.4, 1.7, 2.6), (-0.6, 1.0, -1.5), fov_deg=60, width=64, height=64)
-    return Scene.from_description(description).cameras[0]
+    return vc.Scene.from_description(description).cameras[0]
 
 
-def _view(camera: Camera, side: int) -> dict[str, Any]:
+def _view(camera: vc.Camera, side: int) -> dict[str, Any]:
     return {"side": side, "fov_rad": float(camera.fov_rad)}
 
 
-def _axes(camera: Camera) -> Array:
+def _axes(camera: vc.Camera) -> Array:
     rows = (camera.origin, camera.forward, camera.right, camera.up)
     return np.array([np.asarray(row, np.float64) for row in rows])

@@ -46,11 +46,7 @@ class MitsubaPicture:
             {
                 "type": "scene",
                 "embree_use_robust_intersections": True,
-                "integrator": {
-                    "type": "direct",
-                    "emitter_samples": 1,
-                    "bsdf_samples": 1,
-                },
+                "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
                 "sensor": {
                     "type": "perspective",
                     "fov": float(np.degrees(fields["fov_rad"])),
@@ -69,10 +65,7 @@ class MitsubaPicture:
                     "type": "ply",
                     "filename": str(self._folder / "scene.ply"),
                     "face_normals": True,
-                    "bsdf": {
-                        "type": "twosided",
-                        "bsdf": {"type": "diffuse", "reflectance": grey},
-                    },
+                    "bsdf": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": grey}},
                 },
             }
         )

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from viscache.scene import Scene
-from viscache_lab.bench.common import Sample
+import viscache as vc
+from viscache_lab.experiment.amounts import Sample
 
 __all__ = ["PEERS", "Peer", "PeerError", "missing", "missing_scene"]
 
@@ -50,7 +50,7 @@ class PeerError(RuntimeError):
         self.peer = peer
 
 
-def missing(name: str, scene: Scene) -> str | None:
+def missing(name: str, scene: vc.Scene) -> str | None:
     """Why a peer cannot be used with this scene; None if it can."""
     package = PEERS[name][0]
     if importlib.util.find_spec(package) is None:
@@ -58,7 +58,7 @@ def missing(name: str, scene: Scene) -> str | None:
     return missing_scene(scene)
 
 
-def missing_scene(scene: Scene) -> str | None:
+def missing_scene(scene: vc.Scene) -> str | None:
     """Why a scene cannot be handed over to any peer; None if it can."""
     if scene.info()["instances"]:
         return "the scene has instances, which are not handed over"
@@ -86,7 +86,7 @@ class Peer:
         The peer did not start, ended, or reported an error. Its scene may be built already.
     """
 
-    def __init__(self, name: str, scene: Scene, python: Path | None = None) -> None:
+    def __init__(self, name: str, scene: vc.Scene, python: Path | None = None) -> None:
         self._name = name
         self._folder = tempfile.TemporaryDirectory(prefix="viscache-bench-")
         self._path = Path(self._folder.name)

@@ -8,20 +8,17 @@ they hold for one frame alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache.shot.render import render
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+import viscache as vc
+from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["picks"]
 
@@ -41,7 +38,7 @@ class Case:
     scene: str
     size: tuple[int, int] = (192, 120)
     spp: int = 1
-    integrator: Direct | Whitted
+    integrator: vc.Direct | vc.Whitted
     picks: tuple[int, ...] = (8, 16, 64)
     seeds: int = 12
     references: int = 24
@@ -50,8 +47,8 @@ class Case:
 
 
 # Of the lights that all eye points share alone: samples of their own have noise that no way changes
-VPLS = Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
-LAMPS = Direct(n_area=0, n_environment=0, n_brdf=0)
+VPLS = vc.Whitted(n_vpls=1024, n_area=0, n_environment=0, n_brdf=0)
+LAMPS = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
 CASES = (
     Case(name="room", scene="room?triangles=200000", integrator=VPLS, goals={8: 3, 16: 3, 64: 2}),
     Case(name="apartment", scene="apartment", integrator=VPLS, goals={16: 3}),
@@ -91,50 +88,42 @@ QUICK = (
 )
 
 
-def picks(quick: bool = False) -> Outcome:
+@BENCHES.add("picks", "error over time: exact, cached, or a few lights picked by each eye point")
+def picks(trial: Trial) -> None:
     """MSE · CPU time of exact frames over that of picks, of cached frames, and of both."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+    trial.notes.append(
         "Ratios: mean squared error times CPU seconds, exact over the other, with the 95 % interval"
         " of a bootstrap over seeds. Values: the same of the other, relative to the squared mean."
         " gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     scene.caster()
     converged = np.stack([_render(case, scene, s)[0] for s in _reference_seeds(case)])
     errors = Errors(converged)
-    corrected = {"visibility": Aqvc(), "use": "correct"}
+    corrected = {"visibility": vc.Aqvc(), "use": "correct"}
     ways: dict[str, dict[str, Any]] = {
         "exact": {},
-        "cache": {"visibility": Aqvc()},
+        "cache": {"visibility": vc.Aqvc()},
         "corrected": corrected,
         **{f"{n} picks": {"pick": n} for n in case.picks},
         f"{case.picks[-1]} picks, corrected": {"pick": case.picks[-1], **corrected},
     }
-    images: dict[str, list[Array]] = {way: [] for way in ways}
-    seconds: dict[str, list[float]] = {way: [] for way in ways}
-    for options in ways.values():
-        _render(case, scene, 0, **options)
-    for seed in range(case.seeds):
-        for way in ways if seed % 2 else reversed(ways):
-            image, spent = _render(case, scene, seed, **ways[way])
-            images[way].append(image)
-            seconds[way].append(spent)
-    found = {way: errors.of(np.stack(stack)) for way, stack in images.items()}
+    runs: dict[str, Callable[[int], Any]] = {
+        way: partial(_render, case, scene, **options) for way, options in ways.items()
+    }
+    for run in runs.values():
+        run(0)
+    images, seconds = seed_by_seed(runs, case.seeds)
+    found = {way: errors.of(stack) for way, stack in images.items()}
     for way, options in ways.items():
         if way == "exact":
             continue
-        outcome.figures.append(
+        trial.figures.append(
             gain_figure(
                 f"{case.name}: {way} vs exact",
                 found,
@@ -144,8 +133,8 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
             )
         )
         if "pick" in options or "use" in options:
-            z = energy_z(np.stack(images[way]), np.stack(images["exact"]))
-            outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
+            z = energy_z(images[way] - images["exact"])
+            trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def _reference_seeds(case: Case) -> range:
@@ -154,7 +143,7 @@ def _reference_seeds(case: Case) -> range:
 
 def _render(
     case: Case,
-    scene: Scene,
+    scene: vc.Scene,
     seed: int,
     *,
     pick: int = 0,
@@ -162,10 +151,10 @@ def _render(
     use: Any = None,
 ) -> tuple[Array, float]:
     """Light on surfaces, without the noise of lamps' edges, and CPU seconds of the whole frame."""
-    frame = render(
+    frame = vc.render(
         scene,
         replace(case.integrator, pick=pick),
-        visibility=visibility or Exact(),
+        visibility=visibility or vc.Exact(),
         use=use,
         size=case.size,
         spp=case.spp,

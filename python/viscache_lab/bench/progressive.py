@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, at_most_figure, figure
+import viscache as vc
+from viscache_lab.bench.errors import Run, differences, energy_z, persistent_z, take_turns
 from viscache_lab.bench.never_slower import CASES as CANNOT_WIN
 from viscache_lab.bench.never_slower import QUICK as CANNOT_WIN_QUICK
 from viscache_lab.bench.never_slower import never_slower
-from viscache_lab.bench.pass_runs import Run, take_turns
-from viscache_lab.bench.persistent_bias import differences, energy_z, persistent_z
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import student_t
 
 __all__ = ["progressive"]
 
 #: The cache of plain passes, for all scenes, and of corrected ones: the default.
-PLAIN, CORRECTED = Aqvc(c_e=10), Aqvc()
+PLAIN, CORRECTED = vc.Aqvc(c_e=10), vc.Aqvc()
 #: Picks of each eye point, of the rival without a cache.
 PICKS = 16
 #: Limit of the energy's t value; it has 15 degrees of freedom.
@@ -70,33 +64,28 @@ QUICK = (
 )  # fmt: skip
 
 
-def progressive(quick: bool = False) -> Outcome:
+@BENCHES.add("progressive", "error times time of passes: exact, plain and corrected")
+def progressive(trial: Trial) -> None:
     """MSE·time of passes, against a picture of other eye samples; bias over many; time at worst."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-            bias(outcome, case, scene)
-    never_slower(outcome, CANNOT_WIN_QUICK if quick else CANNOT_WIN)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+        bias(trial, case, scene)
+    never_slower(trial, CANNOT_WIN_QUICK if trial.quick else CANNOT_WIN)
+    trial.notes.append(
         "Passes take turns. Errors against two references: exact passes of other eye samples and"
         " the same lights. Their noise cancels. A ratio is MSE·CPU time of the second way over that"
         " of the first: above 1 the first is better. 'plain' keeps the cache's error, so its ratio"
         " falls with more passes. 'many passes': of a smaller picture, beside exact passes of the"
         " same samples."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let the methods take turns pass by pass."""
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
 
-    def picture(visibility: Any, use: Any = None, first: int = 0, pick: int = 0) -> Progressive:
-        return Progressive(
+    def picture(visibility: Any, use: Any = None, first: int = 0, pick: int = 0) -> vc.Progressive:
+        return vc.Progressive(
             scene,
             replace(light, pick=pick),
             visibility=visibility,
@@ -107,14 +96,14 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
 
     picks = f"{PICKS} picks"
     runs = {
-        "packets": Run(picture(Exact(engine="packets"))),
-        "exact": Run(picture(Exact())),
+        "packets": Run(picture(vc.Exact(engine="packets"))),
+        "exact": Run(picture(vc.Exact())),
         "plain": Run(picture(PLAIN, "replace")),
         "corrected": Run(picture(CORRECTED, "correct")),
-        picks: Run(picture(Exact(), pick=PICKS)),
+        picks: Run(picture(vc.Exact(), pick=PICKS)),
     }
     take_turns(list(runs.values()), case.passes)
-    references = [picture(Exact(), first=n).passes(case.reference) for n in FIRST_OF_REFERENCES]
+    references = [picture(vc.Exact(), first=n).passes(case.reference) for n in FIRST_OF_REFERENCES]
     errors = {name: errors_of(run.picture, references) for name, run in runs.items()}
     base = runs["packets"]
     compared: list[tuple[str, str, tuple[float, float] | None]]
@@ -124,24 +113,22 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
         run, against = runs[name], runs[other]
         for i, metric in enumerate(("nMSE", "relMSE")):
             gain = gain_over(errors[other][i], against.cpu_s, errors[name][i], run.cpu_s)
-            outcome.figures.append(
-                figure(
-                    f"{case.name}: {name} vs {other}, {metric}·time",
-                    errors[name][i],
-                    metric,
-                    baseline=errors[other][i],
-                    ratios=[gain],
-                    goal=goals[i] if goals else None,
-                    cpu_s=run.cpu_s,
-                    other_cpu_s=against.cpu_s,
-                    passes=case.passes,
-                )
+            trial.figure(
+                f"{case.name}: {name} vs {other}, {metric}·time",
+                errors[name][i],
+                metric,
+                baseline=errors[other][i],
+                ratios=[gain],
+                goal=goals[i] if goals else None,
+                cpu_s=run.cpu_s,
+                other_cpu_s=against.cpu_s,
+                passes=case.passes,
             )
     same = float(np.abs(base.picture.frame.image - runs["exact"].picture.frame.image).max())
-    outcome.check(f"{case.name}: exact passes differ from those of packets", same, 0)
+    trial.check(f"{case.name}: exact passes differ from those of packets", same, 0)
     found = np.array(runs["corrected"].energies) / np.array(base.energies) - 1
-    z = abs(found.mean()) / (found.std(ddof=1) / math.sqrt(len(found)))
-    outcome.check(f"{case.name}: |t| of the energy of corrected passes", float(z), LIMIT_Z)
+    what = f"{case.name}: |t| of the energy of corrected passes"
+    trial.check(what, abs(student_t(found)), LIMIT_Z)
 
 
 def _goals(case: Case) -> dict[str, tuple[float, float] | None]:
@@ -149,29 +136,27 @@ def _goals(case: Case) -> dict[str, tuple[float, float] | None]:
     return {"packets": case.packets, "exact": case.exact, f"{PICKS} picks": case.picks}
 
 
-def bias(outcome: Outcome, case: Case, scene: Scene) -> None:
+def bias(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """What many corrected passes have that exact ones of the same samples have not."""
     caches = {"correct": CORRECTED, "replace": PLAIN}
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
     both, mean = differences(scene, light, caches, case.many_size, case.many)
     found, plain = both["correct"], both["replace"]
     what = f"{case.name}: {case.many} corrected passes"
-    outcome.check(f"{what}, |z| of the energy", abs(energy_z(found)), LIMIT_MANY)
+    trial.check(f"{what}, |z| of the energy", abs(energy_z(found)), LIMIT_MANY)
     squared, z = persistent_z(found, mean)
-    outcome.check(f"{what}, persistent squared error in standard errors", z, LIMIT_BIAS)
+    trial.check(f"{what}, persistent squared error in standard errors", z, LIMIT_BIAS)
     of_plain, z_plain = persistent_z(plain, mean)
-    outcome.figures.append(
-        at_most_figure(
-            f"{case.name}: many passes, noise of the corrections of one pass",
-            float(np.square(found).mean() / mean**2),
-            "nMSE",
-            None,
-            persistent=squared,
-            plain=of_plain,
-            plain_z=z_plain,
-            plain_energy_z=energy_z(plain),
-            passes=case.many,
-        )
+    trial.at_most(
+        f"{case.name}: many passes, noise of the corrections of one pass",
+        float(np.square(found).mean() / mean**2),
+        "nMSE",
+        None,
+        persistent=squared,
+        plain=of_plain,
+        plain_z=z_plain,
+        plain_energy_z=energy_z(plain),
+        passes=case.many,
     )
 
 
@@ -180,7 +165,7 @@ def gain_over(error: float, cpu_s: float, other_error: float, other_cpu_s: float
     return (error * cpu_s) / (other_error * other_cpu_s)
 
 
-def errors_of(picture: Progressive, references: list[Frame]) -> tuple[float, float]:
+def errors_of(picture: vc.Progressive, references: list[vc.Frame]) -> tuple[float, float]:
     """NMSE and relMSE, by the product of the differences to two independent references.
 
     Their noise is in neither expectation.

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
+import viscache as vc
 
 __all__ = ["SETS", "RaySet", "make_ray_set", "surface_points"]
 
@@ -34,7 +34,7 @@ class RaySet:
         return len(self.origins)
 
 
-def make_ray_set(scene: Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
+def make_ray_set(scene: vc.Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
     """N rays of one of `SETS`; the same arrays for the same arguments."""
     rng = np.random.Generator(np.random.PCG64(seed))
     if name == "camera":
@@ -53,7 +53,7 @@ def make_ray_set(scene: Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
     raise ValueError(f"ray set must be one of {', '.join(SETS)}, got {name!r}")
 
 
-def surface_points(scene: Scene, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
+def surface_points(scene: vc.Scene, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """N points distributed by area over the scene's own meshes, with normals on random sides."""
     corners = np.concatenate(
         [
@@ -86,7 +86,7 @@ def _cosine_directions(normals: Array, rng: np.random.Generator) -> Array:
     return unit
 
 
-def _camera_rays(scene: Scene, n: int) -> RaySet:
+def _camera_rays(scene: vc.Scene, n: int) -> RaySet:
     side = max(1, round(n**0.5))
     camera = scene.cameras[0] if scene.cameras else scene.overview_camera()
     across = np.tan(camera.fov_rad / 2) * ((np.arange(side) + 0.5) / side * 2 - 1)

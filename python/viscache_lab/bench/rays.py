@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+import viscache as vc
 from viscache_lab.bench.peers import Peer, missing
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import build_scene, fastest, turns
 
 __all__ = ["EDGE_TOLERANCE", "rays"]
 
@@ -29,55 +31,55 @@ GOALS = {"embree-loop": 0.97, "mitsuba": 1.0, "embreex": 1.7}
 PLANS = [(w, c) for w in (1, 4, 8, 16) for c in (False, True) if not (w == 1 and c)]
 
 
-def rays(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "rays", "any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex"
+)
+def rays(trial: Trial) -> None:
     """Every scene, ray set and baseline, with Embree's robust flag on all sides."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else SCENES:
+    for spec in QUICK_SCENES if trial.quick else SCENES:
         scene = build_scene(spec)
         peers = {}
         for name in ("mitsuba", "embreex"):
             reason = missing(name, scene)
             if reason:
-                outcome.skip(f"{spec} vs {name}", reason)
+                trial.skip(f"{spec} vs {name}", reason)
             else:
                 peers[name] = Peer(name, scene)
         try:
             for which in SETS:
-                n = 50_000 if quick else 500_000
+                n = 50_000 if trial.quick else 500_000
                 _compare(
-                    outcome, scene, spec, make_ray_set(scene, which, n), peers, 2 if quick else 5
+                    trial,
+                    scene,
+                    spec,
+                    make_ray_set(scene, which, n),
+                    peers,
+                    2 if trial.quick else 5,
                 )
         finally:
             for peer in peers.values():
                 peer.__exit__(None, None, None)
-    outcome.notes.append(
+    trial.notes.append(
         "embree-loop: the best of loops over rtcOccluded1/4/8/16 with either traversal flag, same"
         " threads, same chunks. mitsuba: ray_test of its llvm variant. embreex: its one thread"
         " against all of ours, by the wall clock. Robust scene flag on all sides."
     )
-    return outcome
 
 
 def _compare(
-    outcome: Outcome, scene: Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
+    trial: Trial, scene: vc.Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
 ) -> None:
     caster = scene.caster()
     width, coherent = _best_plan(caster, r)
-    answers: dict[str, npt.NDArray[np.bool_]] = {}
-
-    def ours() -> Sample:
-        time, answers["ours"] = timed(lambda: scene.occluded(r.origins, r.directions, r.t_max))
-        return time
-
-    def bare() -> Sample:
-        time, answers["embree-loop"] = timed(lambda: _loop(caster, r, width, coherent))
-        return time
-
-    runs: dict[str, Callable[[], Sample]] = {"ours": ours, "embree-loop": bare}
+    runs: dict[str, Callable[[], Any]] = {
+        "ours": lambda: scene.occluded(r.origins, r.directions, r.t_max),
+        "embree-loop": lambda: _loop(caster, r, width, coherent),
+    }
     for name, peer in peers.items():
         peer.give(origins=r.origins, directions=r.directions, t_max=r.t_max)
         runs[name] = lambda peer=peer: peer.run({"job": "any_hit"})[0]  # type: ignore[misc]
-    samples = interleave(runs, repeats)
+    found_by = turns(runs, repeats)
+    samples, answers = found_by.samples, found_by.answers
     for name, peer in peers.items():
         found = peer.result()["occluded"]
         # embreex answers 0 where a ray is blocked, −1 where it is free
@@ -90,25 +92,23 @@ def _compare(
         more: dict[str, Any] = {}
         if name == "embree-loop":
             more["plan"] = f"{width}{' coherent' if coherent else ''}"
-        outcome.figures.append(
-            ratio_figure(
-                f"{label} vs {name}",
-                samples["ours"],
-                samples[name],
-                clock="wall_s" if name == "embreex" else "cpu_s",
-                work=len(r),
-                goal=GOALS[name],
-                **more,
-            )
+        trial.ratio(
+            f"{label} vs {name}",
+            samples["ours"],
+            samples[name],
+            clock="wall_s" if name == "embreex" else "cpu_s",
+            work=len(r),
+            goal=GOALS[name],
+            **more,
         )
         differing = float(np.mean(answers["ours"] != answers[name]))
-        outcome.check(
+        trial.check(
             f"{label}: share unlike {name}",
             differing,
             0 if name == "embree-loop" else EDGE_TOLERANCE,
         )
     blocked = float(answers["ours"].mean())
-    outcome.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
+    trial.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
 
 
 def _loop(caster: Any, r: RaySet, width: int, coherent: bool) -> npt.NDArray[np.bool_]:
@@ -118,10 +118,4 @@ def _loop(caster: Any, r: RaySet, width: int, coherent: bool) -> npt.NDArray[np.
 
 def _best_plan(caster: Any, r: RaySet) -> tuple[int, bool]:
     """The packet width and flag of the fastest bare loop on this set."""
-    runs: dict[str, Callable[[], Sample]] = {
-        f"{w} {c}": lambda w=w, c=c: timed(lambda: _loop(caster, r, w, c))[0]  # type: ignore[misc]
-        for w, c in PLANS
-    }
-    samples = interleave(runs, 2, warm_up=False)
-    best = min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))
-    return PLANS[list(samples).index(best)]
+    return fastest({plan: partial(_loop, caster, r, *plan) for plan in PLANS})

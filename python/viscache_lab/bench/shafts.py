@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Exact
+import viscache as vc
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, turns
 
 __all__ = ["shafts"]
 
@@ -51,69 +48,55 @@ CASES = (
 QUICK = (Case("room, 64², 4 samples", "room?triangles=3000", (64, 64), 4, 70, 1),)
 
 
-def shafts(quick: bool = False) -> Outcome:
+@BENCHES.add("shafts", "exact visibility of virtual point lights by shafts against packets of rays")
+def shafts(trial: Trial) -> None:
     """CPU seconds of visibility in some tiles, one thread; frames must have equal bytes."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene, 1 if quick else 3)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene, 1 if trial.quick else 3)
+    trial.notes.append(
         "Visibility of some tiles, one thread, with all preparation but the tree of the scene;"
         " packets by light with the coherent flag. open: share of queries that rays answer."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare the bytes of their frames."""
-    frames: dict[Engine, Frame] = {}
     scene.caster()
-    runs: dict[str, Callable[[], Sample]] = {e: _run(frames, e, case, scene) for e in ENGINES}
-    samples = interleave(runs, repeats)
+    runs = {e: partial(_frame, case, scene, e, coherent=True) for e in ENGINES}
+    found = turns(runs, repeats, clock=_clock)
+    samples, frames = found.samples, found.answers
     packets, incoherent = frames["packets"], _frame(case, scene, "packets", coherent=False)
     queries = packets.counters["queries"]
     for engine in ENGINES[1:]:
         frame = frames[engine]
         work = frame.parameters["engine"]
         asked = max(1, work["shaft_queries"])
-        outcome.figures.append(
-            ratio_figure(
-                f"{case.name}: {engine} vs packets",
-                samples[engine],
-                samples["packets"],
-                goal=case.goal if engine == "shafts" else None,
-                nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
-                packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
-                by_shafts=work["shaft_queries"] / queries,
-                open=(work["shaft_doubted"] + work["shaft_long_lists"]) / asked,
-                counted=work,
-            )
+        trial.ratio(
+            f"{case.name}: {engine} vs packets",
+            samples[engine],
+            samples["packets"],
+            goal=case.goal if engine == "shafts" else None,
+            nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
+            packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
+            by_shafts=work["shaft_queries"] / queries,
+            open=(work["shaft_doubted"] + work["shaft_long_lists"]) / asked,
+            counted=work,
         )
         differ = float(frame.sha256 != incoherent.sha256)
-        outcome.check(f"{case.name}: {engine}, frames with other bytes", differ, 0)
+        trial.check(f"{case.name}: {engine}, frames with other bytes", differ, 0)
     changed = float((packets.image != incoherent.image).any(axis=-1).mean())
-    outcome.check(f"{case.name}: share of pixels that Embree's flag changes", changed, MOST_CHANGED)
+    trial.check(f"{case.name}: share of pixels that Embree's flag changes", changed, MOST_CHANGED)
 
 
-def _frame(case: Case, scene: Scene, engine: Engine, *, coherent: bool) -> Frame:
-    exact = Exact(engine=engine, order="by_light", coherent=coherent)
+def _frame(case: Case, scene: vc.Scene, engine: Engine, *, coherent: bool) -> vc.Frame:
+    exact = vc.Exact(engine=engine, order="by_light", coherent=coherent)
     more: dict[str, Any] = {"size": case.size, "spp": case.spp, "threads": 1}
     part = (min(3, case.parts - 1), case.parts)
-    shot = BareShot(scene, Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
+    shot = BareShot(scene, vc.Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
     return render_part(shot, part)
 
 
-def _run(
-    frames: dict[Engine, Frame], engine: Engine, case: Case, scene: Scene
-) -> Callable[[], Sample]:
-    """Render some tiles; return the time of visibility and keep the frame."""
-
-    def run() -> Sample:
-        frame = frames[engine] = _frame(case, scene, engine, coherent=True)
-        cpu = frame.timings["visibility_cpu_s"]
-        return Sample(wall_s=cpu, cpu_s=cpu)
-
-    return run
+def _clock(frame: vc.Frame) -> Sample:
+    """The time of visibility, all of it on one thread."""
+    cpu = frame.timings["visibility_cpu_s"]
+    return Sample(wall_s=cpu, cpu_s=cpu)

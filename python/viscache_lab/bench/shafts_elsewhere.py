@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Literal
@@ -10,13 +9,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation.rows import SurfacePoints, surface_points
-from viscache.oracles.points import EyePoints, FarEnds
-from viscache.scene import Scene
 from viscache.scene.queries import shaft_matrix, visible_matrix
-from viscache.settings.visibility import Exact
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, Sample, interleave, ratio_figure, timed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import turns
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["shafts_elsewhere"]
 
@@ -79,60 +77,58 @@ QUICK = (
 )
 
 
-def shafts_elsewhere(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "shafts-elsewhere", "visible_matrix and oracle.block by shafts against packets of rays"
+)
+def shafts_elsewhere(trial: Trial) -> None:
     """CPU seconds of `visible_matrix` and `oracle.block`, one thread; bits must be equal."""
-    outcome = Outcome()
-    scenes: dict[str, Scene | None] = {}
-    for case in QUICK if quick else CASES:
+    scenes: dict[str, vc.Scene | None] = {}
+    for case in QUICK if trial.quick else CASES:
         if case.scene not in scenes:
             scenes = {case.scene: opened(case.scene)}  # one at a time
         scene = scenes[case.scene]
         if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+            trial.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
-            measure(outcome, case, scene, 1 if quick else 3)
-    outcome.notes.append(
+            measure(trial, case, scene, 1 if trial.quick else 3)
+    trial.notes.append(
         "Whole calls from NumPy to NumPy, one thread, without the tree of the scene. open: share of"
         " queries that rays answer; left: share that shafts were not asked."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     """Let the engines take turns, and compare their bytes."""
     asked = Asked(scene, case)
     points, targets = asked.ends
     queries = len(points) * len(targets)
-    found: dict[Engine, Answer] = {}
     scene.caster()
     scene.shafts().memory_bytes()  # builds the tree
-    runs: dict[str, Callable[[], Sample]] = {e: partial(_run, found, e, asked) for e in ENGINES}
-    samples = interleave(runs, repeats, warm_up=repeats > 1)
+    taken = turns({e: partial(asked.answer, e) for e in ENGINES}, repeats, warm_up=repeats > 1)
+    samples, found = taken.samples, taken.answers
     bits = found["packets"][0]
     for engine in ENGINES[1:]:
         other, work = found[engine]
         by_shafts = work.get("shaft_queries", 0)
         traced = work.get("shaft_doubted", 0) + work.get("shaft_long_lists", 0)
-        outcome.figures.append(
-            ratio_figure(
-                f"{case.name}: {engine} vs packets",
-                samples[engine],
-                samples["packets"],
-                nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
-                packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
-                open=traced / max(1, by_shafts),
-                left=1 - by_shafts / queries,
-            )
+        trial.ratio(
+            f"{case.name}: {engine} vs packets",
+            samples[engine],
+            samples["packets"],
+            nanoseconds_per_query=1e9 * min(s.cpu_s for s in samples[engine]) / queries,
+            packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
+            open=traced / max(1, by_shafts),
+            left=1 - by_shafts / queries,
         )
         differ = int(np.unpackbits((bits ^ other).view(np.uint8)).sum())
-        outcome.check(f"{case.name}: {engine}, bits that differ", differ, 0)
+        trial.check(f"{case.name}: {engine}, bits that differ", differ, 0)
 
 
 @dataclass(frozen=True)
 class Asked:
     """The arrays of a case."""
 
-    scene: Scene
+    scene: vc.Scene
     case: Case
 
     @cached_property
@@ -167,11 +163,11 @@ class Asked:
         points, targets = self.points, self.targets
         assert points is not None
         if targets is None:
-            ends = FarEnds.points(self.ends[1])
+            ends = vc.FarEnds.points(self.ends[1])
         else:
-            ends = FarEnds.surfaces(targets.positions, targets.normals)
-        exact = Exact(engine=engine, order="by_light", coherent=True)
-        eyes = EyePoints(points.positions, points.normals)
+            ends = vc.FarEnds.surfaces(targets.positions, targets.normals)
+        exact = vc.Exact(engine=engine, order="by_light", coherent=True)
+        eyes = vc.EyePoints(points.positions, points.normals)
         answer = self.scene.oracle(exact, threads=1).block(eyes, ends)
         return answer.bits, answer.engine
 
@@ -184,8 +180,3 @@ class Asked:
     def _in_space(self, count: int, seed: int) -> npt.NDArray[np.float32]:
         low, high = self.scene.bounds
         return np.random.default_rng(seed).uniform(low, high, (count, 3)).astype(np.float32)
-
-
-def _run(found: dict[Engine, Answer], engine: Engine, asked: Asked) -> Sample:
-    sample, found[engine] = timed(partial(asked.answer, engine))
-    return sample

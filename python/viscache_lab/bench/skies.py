@@ -6,19 +6,19 @@ samples with other seeds; its noise is taken out of the errors.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import Direct
-from viscache.shot.render import render
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome
-from viscache_lab.bench.frame_errors import Errors, energy_z, gain_figure
+from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.trial import opened
 
 __all__ = ["skies"]
 
@@ -29,16 +29,16 @@ MOST_Z = 4.0
 #: Seeds of frames of the converged picture start here.
 FIRST_REFERENCE = 1000
 OWN = "4 + 4 own samples"
-SETS = Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
+SETS = vc.Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
 #: Integrator and samples per pixel; the sets are those of `viscache bench peers`, chosen elsewhere.
 WAYS = {
-    OWN: (Direct(n_area=0, n_environment=4, n_brdf=4), 4),
-    "1 + 1 own samples": (Direct(n_area=0, n_environment=1, n_brdf=1), 16),
+    OWN: (vc.Direct(n_area=0, n_environment=4, n_brdf=4), 4),
+    "1 + 1 own samples": (vc.Direct(n_area=0, n_environment=1, n_brdf=1), 16),
     "512 directions in 16 sets": (SETS, 16),
     "the sets, without samples of lobes": (replace(SETS, n_brdf=0), 16),
 }
 
-REFERENCE = Direct(n_area=0, n_environment=8, n_brdf=8)
+REFERENCE = vc.Direct(n_area=0, n_environment=8, n_brdf=8)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,52 +69,47 @@ QUICK = (
 )
 
 
-def skies(quick: bool = False) -> Outcome:
+@BENCHES.add("skies", "error over time under real skies: own samples, or directions in sets")
+def skies(trial: Trial) -> None:
     """MSE · CPU time of own samples over that of the other ways."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
+    for case in QUICK if trial.quick else CASES:
         scene = opened(case.scene)
         sky = made_by_others(case.sky) if isinstance(case.sky, str) else case.sky
         if scene is None or sky is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+            trial.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
-            measure(outcome, case, scene.with_environment(sky))
-    outcome.notes.append(
+            measure(trial, case, scene.with_environment(sky))
+    trial.notes.append(
         f"Ratios: mean squared error times CPU seconds, {OWN} over the other, with the 95 %"
         " interval of a bootstrap over seeds. Values: the same of the other, relative to the"
         " squared mean. gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let all ways take turns, seed by seed."""
     converged = [
         _render(case, scene, seed, REFERENCE, case.reference_spp)[0]
         for seed in range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
     ]
     errors = Errors(np.stack(converged))
-    images: dict[str, list[Array]] = {way: [] for way in WAYS}
-    seconds: dict[str, list[float]] = {way: [] for way in WAYS}
-    for seed in range(case.seeds):
-        for way in WAYS if seed % 2 else reversed(WAYS):
-            image, spent = _render(case, scene, seed, *WAYS[way])
-            images[way].append(image)
-            seconds[way].append(spent)
-    found = {way: errors.of(np.stack(stack)) for way, stack in images.items()}
+    runs: dict[str, Callable[[int], Any]] = {
+        way: partial(_render, case, scene, integrator=light, spp=spp)
+        for way, (light, spp) in WAYS.items()
+    }
+    images, seconds = seed_by_seed(runs, case.seeds)
+    found = {way: errors.of(stack) for way, stack in images.items()}
     for way in WAYS:
         if way == OWN:
             continue
-        outcome.figures.append(
-            gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN)
-        )
-        z = energy_z(np.stack(images[way]), np.stack(images[OWN]))
-        outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
+        trial.figures.append(gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN))
+        z = energy_z(images[way] - images[OWN])
+        trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def _render(
-    case: Case, scene: Scene, seed: int, integrator: Direct, spp: int
+    case: Case, scene: vc.Scene, seed: int, integrator: vc.Direct, spp: int
 ) -> tuple[Array, float]:
     """Light of the sky on surfaces, and CPU seconds of the whole frame."""
-    frame = render(scene, integrator, size=case.size, spp=spp, seed=seed, threads=1)
+    frame = vc.render(scene, integrator, size=case.size, spp=spp, seed=seed, threads=1)
     return np.asarray(frame.layers["environment"], np.float64), float(frame.timings["cpu_s"])

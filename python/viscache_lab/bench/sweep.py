@@ -17,11 +17,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import viscache as vc
 from viscache.base.workers import process_pool
-from viscache.settings.integrators import Whitted
 from viscache.sweeps.store import Store
-from viscache.sweeps.sweep import sweep as run_sweep
-from viscache_lab.bench.common import Outcome, Sample, at_most_figure, figure, interleave
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, interleave
 
 __all__ = ["sweep"]
 
@@ -52,24 +52,23 @@ vc.sweep(scene, vc.Whitted(n_vpls=vpls), over={"c_e": {"log": [2, 32], "n": poin
 """
 
 
-def sweep(quick: bool) -> Outcome:
+@BENCHES.add("sweep", "500 points of a sweep: time outside frames and metrics, kills, dask")
+def sweep(trial: Trial) -> None:
     """500 points at 256² of the room; a killed and resumed sweep; dask against processes."""
-    outcome = Outcome()
     with tempfile.TemporaryDirectory() as folder:
-        _large(quick, Path(folder) / "large", outcome)
-        _killed(quick, Path(folder) / "killed", outcome)
-        _distributed(quick, outcome)
-    return outcome
+        _large(trial.quick, Path(folder) / "large", trial)
+        _killed(trial.quick, Path(folder) / "killed", trial)
+        _distributed(trial.quick, trial)
 
 
-def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
+def _large(quick: bool, folder: Path, trial: Trial) -> None:
     """Many points in this process, on all cores; frames are stored."""
     n, edge, vpls = (12, 64, 32) if quick else (125, 256, 256)
     over = {"c_e": {"log": [2, 32], "n": n}, "c_z": [1, 2, 4, 8]}
     began, cpu = time.perf_counter(), time.process_time()
-    ds = run_sweep(
+    ds = vc.sweep(
         QUICK_SCENE if quick else SCENE,
-        Whitted(n_vpls=vpls),
+        vc.Whitted(n_vpls=vpls),
         over=over,
         size=(edge, edge),
         directory=folder,
@@ -78,26 +77,24 @@ def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
     spent = json.loads(ds.attrs["seconds"])
     outside = 1 - (spent["frames"] + spent["metrics"]) / wall
     points = int(ds.rel_l1.notnull().sum())
-    outcome.check("points that are missing", 4 * n - points, 0)
-    outcome.check(
+    trial.check("points that are missing", 4 * n - points, 0)
+    trial.check(
         "errors that do not grow from the finest to the coarsest C_E",
         float(ds.rel_l1[0].mean() >= ds.rel_l1[-1].mean()),
         0,
     )
     limit = None if quick else SECONDS_AT_MOST
-    outcome.figures += [
-        at_most_figure(f"{points} points at {edge}²", wall, "s", limit, cpu_s=cpu),
-        at_most_figure(
-            f"{points} points: share of the wall time outside frames and metrics",
-            outside,
-            "1",
-            None if quick else OUTSIDE_AT_MOST,
-            **spent,
-        ),
-    ]
+    trial.at_most(f"{points} points at {edge}²", wall, "s", limit, cpu_s=cpu)
+    trial.at_most(
+        f"{points} points: share of the wall time outside frames and metrics",
+        outside,
+        "1",
+        None if quick else OUTSIDE_AT_MOST,
+        **spent,
+    )
 
 
-def _killed(quick: bool, folder: Path, outcome: Outcome) -> None:
+def _killed(quick: bool, folder: Path, trial: Trial) -> None:
     """Kill a sweep repeatedly (kill -9); count the frames rendered twice per kill."""
     points, edge, vpls, kills = (16, 64, 32, 2) if quick else (60, 128, 128, 5)
     log = folder.with_suffix(".log")
@@ -109,14 +106,14 @@ def _killed(quick: bool, folder: Path, outcome: Outcome) -> None:
             time.sleep(0.002)
         process.send_signal(signal.SIGKILL)
         process.wait()
-    outcome.check("exit status of the last run", abs(_start(words).wait()), 0)
+    trial.check("exit status of the last run", abs(_start(words).wait()), 0)
     frames = points + 1
     with Store(folder) as store:
-        outcome.check("frames that are missing", frames - len(store.finished()), 0)
+        trial.check("frames that are missing", frames - len(store.finished()), 0)
     repeated = _begun(log) - frames
-    outcome.check("frames rendered twice, at most one per kill", repeated, kills)
+    trial.check("frames rendered twice, at most one per kill", repeated, kills)
     what = f"{frames} frames and {kills} kills: frames rendered"
-    outcome.figures.append(at_most_figure(what, frames + repeated, "frames", frames + kills))
+    trial.at_most(what, frames + repeated, "frames", frames + kills)
 
 
 def _start(words: list[str]) -> subprocess.Popen[bytes]:
@@ -128,10 +125,10 @@ def _begun(log: Path) -> int:
     return log.read_bytes().count(b"begin") if log.exists() else 0
 
 
-def _distributed(quick: bool, outcome: Outcome) -> None:
+def _distributed(quick: bool, trial: Trial) -> None:
     """The same points with two dask workers and with a pool of two processes, in turns."""
     if importlib.util.find_spec("distributed") is None:
-        outcome.skip("dask beside processes", "dask.distributed is not installed")
+        trial.skip("dask beside processes", "dask.distributed is not installed")
         return
     points, edge, vpls, turns = (4, 64, 32, 2) if quick else (50, 256, 256, 4)
     scene = QUICK_SCENE if quick else SCENE
@@ -140,9 +137,9 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
         over = {"c_e": {"log": [2, 32], "n": n}}
         folder = tempfile.mkdtemp()
         began = time.perf_counter()
-        ds = run_sweep(
+        ds = vc.sweep(
             scene,
-            Whitted(n_vpls=vpls),
+            vc.Whitted(n_vpls=vpls),
             over=over,
             size=(edge, edge),
             threads=1,
@@ -165,18 +162,16 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
             "dask": lambda: points_of(dask, points),
         }
         samples = interleave(runs, turns, warm_up=False)
-    outcome.check("tables that differ", len({e for e in errors if e}) - 1, 0)
+    trial.check("tables that differ", len({e for e in errors if e}) - 1, 0)
     ratios = [p.wall_s / d.wall_s for d, p in zip(samples["dask"], samples["pool"], strict=True)]
     total = {name: sum(s.wall_s for s in taken) for name, taken in samples.items()}
-    outcome.figures.append(
-        figure(
-            f"{turns * points} points, two dask workers vs a pool of two processes",
-            total["dask"],
-            "s",
-            baseline=total["pool"],
-            ratios=ratios,
-            goal=None if quick else 1 / DASK_AT_MOST,
-        )
+    trial.figure(
+        f"{turns * points} points, two dask workers vs a pool of two processes",
+        total["dask"],
+        "s",
+        baseline=total["pool"],
+        ratios=ratios,
+        goal=None if quick else 1 / DASK_AT_MOST,
     )
 
 

@@ -13,13 +13,11 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
-from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted
-from viscache.settings.rays import Vlf
-from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
-from viscache.shot.render import render
-from viscache_lab.bench.common import Outcome, Sample, build_scene, figure, interleave, timed
+import viscache as vc
+from viscache.settings.integrators import Integrator
+from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
 __all__ = ["threads"]
 
@@ -28,13 +26,13 @@ GOAL_OF_TWO = 1.9
 REPEATS, QUICK_REPEATS = 3, 1
 ROOM = "room?triangles=200000"
 SEGMENTS = 4_000_000
-FIELD = Vlf(n_directions=129, n_tiles=64)
+FIELD = vc.Vlf(n_directions=129, n_tiles=64)
 
 
 class Work(Protocol):
     """What a case times, e.g. a frame."""
 
-    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
+    def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
         """The answers, whose bytes must not depend on `threads`."""
 
 
@@ -43,12 +41,12 @@ class Picture:
     """A frame."""
 
     integrator: Integrator
-    visibility: Visibility = field(default_factory=lambda: Exact(engine="packets"))
+    visibility: Visibility = field(default_factory=lambda: vc.Exact(engine="packets"))
     size: tuple[int, int] = (512, 512)
     spp: int = 1
 
-    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
-        return render(
+    def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
+        return vc.render(
             scene,
             self.integrator,
             visibility=self.visibility,
@@ -64,26 +62,26 @@ class Passes:
 
     size: tuple[int, int] = (512, 512)
 
-    def __call__(self, scene: Scene, threads: int) -> npt.NDArray[Any]:
-        picture = Progressive(scene, Whitted(n_vpls=256), size=self.size, threads=threads)
+    def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
+        picture = vc.Progressive(scene, vc.Whitted(n_vpls=256), size=self.size, threads=threads)
         return picture.passes(2).image
 
 
 @cache
-def random_ends(scene: Scene) -> npt.NDArray[np.float32]:
+def random_ends(scene: vc.Scene) -> npt.NDArray[np.float32]:
     """Both ends of segments in the scene's box; the turn that warms up makes them."""
     ends = np.random.default_rng(0).random((2, SEGMENTS, 3), dtype=np.float32)
     low, high = scene.bounds
     return np.asarray(ends * (high - low) + low, np.float32)
 
 
-def segments(scene: Scene, threads: int) -> npt.NDArray[Any]:
+def segments(scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
     """Visibility of pairs of random points."""
     x, y = random_ends(scene)
     return scene.visible(x, y, threads=threads)
 
 
-def built_field(scene: Scene, threads: int) -> npt.NDArray[Any]:
+def built_field(scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
     """Answers of a visibility field to some rays, its build included."""
     made = FIELD.build(scene, threads=threads)
     rays = np.random.default_rng(0).normal(size=(2, 1000, 3)).astype(np.float32)
@@ -99,15 +97,15 @@ class Case:
     scene: str = ROOM
 
 
-LIGHTS, AQVC = Whitted(n_vpls=256), Aqvc(c_e=10)
-SETS = Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
-OWN = Direct(n_area=0, n_environment=4, n_brdf=4)
+LIGHTS, AQVC = vc.Whitted(n_vpls=256), vc.Aqvc(c_e=10)
+SETS = vc.Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
+OWN = vc.Direct(n_area=0, n_environment=4, n_brdf=4)
 CASES = (
     Case(name="packets, 192x192", work=Picture(integrator=LIGHTS, size=(192, 192))),
     Case(name="packets, 512x512", work=Picture(integrator=LIGHTS)),
     Case(
         name="shafts, 512x512",
-        work=Picture(integrator=LIGHTS, visibility=Exact(engine="shafts")),
+        work=Picture(integrator=LIGHTS, visibility=vc.Exact(engine="shafts")),
     ),
     Case(
         name="quantized cache, 192x192",
@@ -116,17 +114,17 @@ CASES = (
     Case(name="quantized cache, 512x512", work=Picture(integrator=LIGHTS, visibility=AQVC)),
     Case(
         name="quantized cache, 256x256, 16 samples",
-        work=Picture(integrator=LIGHTS, visibility=Aqvc(c_e=24), size=(256, 256), spp=16),
+        work=Picture(integrator=LIGHTS, visibility=vc.Aqvc(c_e=24), size=(256, 256), spp=16),
     ),
     Case(name="2 corrected passes, 512x512", work=Passes()),
     Case(
         name="ambient occlusion, 16 rays of each pixel's own",
-        work=Picture(integrator=AmbientOcclusion(n_samples=16)),
+        work=Picture(integrator=vc.AmbientOcclusion(n_samples=16)),
     ),
     Case(
         name="ambient occlusion, 513 shared directions",
         scene="bumpy_spheres?triangles=15000",
-        work=Picture(integrator=AmbientOcclusion(n_samples=513, directions="shared")),
+        work=Picture(integrator=vc.AmbientOcclusion(n_samples=513, directions="shared")),
     ),
     Case(name="sky, 4 + 4 own samples", scene="stairs", work=Picture(integrator=OWN, spp=4)),
     Case(
@@ -138,38 +136,35 @@ CASES = (
         name="sky, visibility maps, 320x240",
         scene="garage",
         work=Picture(
-            integrator=Direct(environment="product"), visibility=VisMaps(), size=(320, 240)
+            integrator=vc.Direct(environment="product"), visibility=vc.VisMaps(), size=(320, 240)
         ),
     ),
     Case(
         name="bidirectional paths, quantized cache, 256x256, 4 samples",
         scene="cornell_box",
-        work=Picture(integrator=Bdpt(), visibility=Aqvc(), size=(256, 256), spp=4),
+        work=Picture(integrator=vc.Bdpt(), visibility=vc.Aqvc(), size=(256, 256), spp=4),
     ),
     Case(name="4 million random segments", work=segments),
     Case(name="a visibility field", scene="bumpy_spheres?triangles=15000", work=built_field),
 )
-SMALL = Picture(integrator=Whitted(n_vpls=16), visibility=AQVC, size=(80, 50))
+SMALL = Picture(integrator=vc.Whitted(n_vpls=16), visibility=AQVC, size=(80, 50))
 QUICK = (
     Case(name="quantized cache, 80x50", scene="room?triangles=3000", work=SMALL),
-    Case(
-        name="2 corrected passes, 80x50",
-        scene="room?triangles=3000",
-        work=Passes(size=(80, 50)),
-    ),
+    Case(name="2 corrected passes, 80x50", scene="room?triangles=3000", work=Passes(size=(80, 50))),
 )
 
 
-def threads(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "threads", "wall-clock time with one thread, two, … and all cores; the bytes are the same"
+)
+def threads(trial: Trial) -> None:
     """Each case with every number of threads, in turns."""
-    outcome = Outcome()
     counts = thread_counts(len(os.sched_getaffinity(0)))
     if counts == [1]:
-        outcome.skip("speed-ups", "this process may use one core only")
-    for case in QUICK if quick else CASES:
-        measure(outcome, case, counts, QUICK_REPEATS if quick else REPEATS)
-    outcome.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
-    return outcome
+        trial.skip("speed-ups", "this process may use one core only")
+    for case in QUICK if trial.quick else CASES:
+        measure(trial, case, counts, QUICK_REPEATS if trial.quick else REPEATS)
+    trial.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
 
 
 def thread_counts(cores: int) -> list[int]:
@@ -177,7 +172,7 @@ def thread_counts(cores: int) -> list[int]:
     return sorted({1 << k for k in range(cores.bit_length())} | {cores})
 
 
-def measure(outcome: Outcome, case: Case, counts: list[int], repeats: int) -> None:
+def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
     """Let all numbers of threads take turns."""
     scene = build_scene(case.scene)
     digests: dict[int, str] = {}
@@ -193,19 +188,17 @@ def measure(outcome: Outcome, case: Case, counts: list[int], repeats: int) -> No
     for n in counts[1:]:
         mine = samples[str(n)]
         pairs = list(zip(one, mine, strict=True))
-        outcome.figures.append(
-            figure(
-                f"{case.name}: {n} threads vs one",
-                statistics.median(s.wall_s for s in mine),
-                "s",
-                baseline=statistics.median(s.wall_s for s in one),
-                ratios=[a.wall_s / b.wall_s for a, b in pairs],
-                goal=GOAL_OF_TWO if n == 2 else None,
-                clock="wall",
-                cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
-            )
+        trial.figure(
+            f"{case.name}: {n} threads vs one",
+            statistics.median(s.wall_s for s in mine),
+            "s",
+            baseline=statistics.median(s.wall_s for s in one),
+            ratios=[a.wall_s / b.wall_s for a, b in pairs],
+            goal=GOAL_OF_TWO if n == 2 else None,
+            clock="wall",
+            cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
         )
-    outcome.check(
+    trial.check(
         f"{case.name}: numbers of threads whose answers differ from those of one",
         float(sum(digest != digests[1] for digest in digests.values())),
         0.0,

@@ -8,13 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import viscache as vc
 from viscache.metrics import compare
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.shot.render import render
-from viscache.sweeps.tune import tune
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, at_most_figure, figure
+from viscache_lab.experiment import BENCHES, Trial
 
 __all__ = ["tune_scenes"]
 
@@ -49,33 +45,28 @@ CASES = (
 QUICK = (Case(name="church", scene="church?triangles=4000", rel_l1=0.04, n_vpls=32, size=(96, 60)),)
 
 
-def tune_scenes(quick: bool = False) -> Outcome:
+@BENCHES.add("tune", "errors of whole frames at the settings that vc.tune chose, on nine scenes")
+def tune_scenes(trial: Trial) -> None:
     """Target, error of the whole frame, settings, and the speed-up over exact visibility."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+    trial.notes.append(
         "Values: error of the whole frame over the target; at most 1.3 holds. low, high: the"
         " interval that tune gave, on pixels that no pilot saw. rays_saved: rays of C_E alone at"
         " its own error over rays of the three parameters. speedup: CPU seconds of the exact frame"
         " over those of this one."
     )
-    return outcome
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Tune three parameters and one, then render whole frames."""
-    light = Whitted(n_vpls=case.n_vpls)
+    light = vc.Whitted(n_vpls=case.n_vpls)
     given: dict[str, Any] = {"size": case.size, "threads": 1}
-    found = tune(scene, light, rel_l1_reflected=case.rel_l1, **given)
-    alone = tune(scene, light, rel_l1_reflected=case.rel_l1, parameter="c_e", **given)
-    exact = render(scene, light, **given)
+    found = vc.tune(scene, light, rel_l1_reflected=case.rel_l1, **given)
+    alone = vc.tune(scene, light, rel_l1_reflected=case.rel_l1, parameter="c_e", **given)
+    exact = vc.render(scene, light, **given)
     frames = {
-        name: render(scene, light, visibility=one.visibility, **given)
+        name: vc.render(scene, light, visibility=one.visibility, **given)
         for name, one in (("found", found), ("alone", alone))
     }
     error, of_alone = (
@@ -83,40 +74,36 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
         for frame in frames.values()
     )
     assert error is not None
-    outcome.check(
+    trial.check(
         f"{case.name}: error of the frame against the foretold one, relative",
         abs(error / max(found.error, 1e-12) - 1),
         FORETOLD,
     )
     settings = ", ".join(f"{n} {v:.3g}" for n, v in {"c_e": found.value, **found.also}.items())
     rays = {name: frame.counters["rays"] for name, frame in frames.items()}
-    outcome.figures.append(
-        at_most_figure(
-            f"{case.name}: rel_l1_reflected of the frame over the target {case.rel_l1:g}",
-            error / case.rel_l1,
-            "×",
-            WITHIN,
-            settings=settings,
-            target=case.rel_l1,
-            error=error,
-            foretold=found.error,
-            interval=list(found.interval),
-            outcome=found.outcome,
-            message=found.message,
-            queries_per_ray=exact.counters["queries"] / max(1, rays["found"]),
-            speedup=exact.timings["cpu_s"] / frames["found"].timings["cpu_s"],
-            alone_c_e=alone.value,
-            alone_error=of_alone,
-            rays_saved=rays["alone"] / max(1, rays["found"]),
-            pilots=len(found.pilots),
-        )
+    trial.at_most(
+        f"{case.name}: rel_l1_reflected of the frame over the target {case.rel_l1:g}",
+        error / case.rel_l1,
+        "×",
+        WITHIN,
+        settings=settings,
+        target=case.rel_l1,
+        error=error,
+        foretold=found.error,
+        interval=list(found.interval),
+        outcome=found.outcome,
+        message=found.message,
+        queries_per_ray=exact.counters["queries"] / max(1, rays["found"]),
+        speedup=exact.timings["cpu_s"] / frames["found"].timings["cpu_s"],
+        alone_c_e=alone.value,
+        alone_error=of_alone,
+        rays_saved=rays["alone"] / max(1, rays["found"]),
+        pilots=len(found.pilots),
     )
-    outcome.figures.append(
-        figure(
-            f"{case.name}: CPU seconds of the frame vs exact",
-            frames["found"].timings["cpu_s"],
-            "s",
-            baseline=exact.timings["cpu_s"],
-            ratios=[exact.timings["cpu_s"] / frames["found"].timings["cpu_s"]],
-        )
+    trial.figure(
+        f"{case.name}: CPU seconds of the frame vs exact",
+        frames["found"].timings["cpu_s"],
+        "s",
+        baseline=exact.timings["cpu_s"],
+        ratios=[exact.timings["cpu_s"] / frames["found"].timings["cpu_s"]],
     )

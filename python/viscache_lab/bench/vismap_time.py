@@ -11,16 +11,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics.variance import variance_ratio
-from viscache.settings.visibility import VisMaps
-from viscache_lab.bench.common import Outcome, build_scene, figure
 from viscache_lab.cases.map_renders import Picture, images, paper_maps, samples_in
+from viscache_lab.experiment import Trial
+from viscache_lab.experiment.amounts import build_scene
 
 __all__ = ["equal_time"]
 
 SAMPLES = 30
-GUIDED = VisMaps(sampling="guided")
+GUIDED = vc.VisMaps(sampling="guided")
 #: The rival without maps: shared directions in sets, as in `viscache bench peers`.
 DEALT, SETS = 512, 16
 #: Limit of look-ups, J and records together, in µs per pixel and core.
@@ -59,7 +59,7 @@ CASES = (
 QUICK_SIZE, QUICK_RENDERS = (24, 18), 2
 
 
-def equal_time(outcome: Outcome, quick: bool) -> None:
+def equal_time(trial: Trial, quick: bool) -> None:
     """Gains in equal time, the cost of look-ups, the time to build a cache."""
     for full in CASES:
         # Small pictures have too few pixels to share records, so they have no goals
@@ -72,22 +72,22 @@ def equal_time(outcome: Outcome, quick: bool) -> None:
         for name, maps in ways.items():
             frames = [picture.maps(SAMPLES, maps) for _ in range(3)]
             kept = replace(maps, cache=picture.build_cache(), update=False)
-            _gain(outcome, case, picture, name, frames, partial(picture.maps, SAMPLES, kept))
+            _gain(trial, case, picture, name, frames, partial(picture.maps, SAMPLES, kept))
             if name == "guided":
-                _costs(outcome, case, picture, frames)
+                _costs(trial, case, picture, frames)
         frames = [picture.dealt(DEALT, SETS) for _ in range(3)]
         rival = f"{DEALT} shared directions in {SETS} sets"
-        _gain(outcome, case, picture, rival, frames, partial(picture.dealt, DEALT, SETS))
-    outcome.notes.append("equal time is that of all processors, records made anew each time")
+        _gain(trial, case, picture, rival, frames, partial(picture.dealt, DEALT, SETS))
+    trial.notes.append("equal time is that of all processors, records made anew each time")
 
 
 def _gain(
-    outcome: Outcome,
+    trial: Trial,
     case: Case,
     picture: Picture,
     name: str,
-    frames: list[Frame],
-    make: Callable[[int], Frame],
+    frames: list[vc.Frame],
+    make: Callable[[int], vc.Frame],
 ) -> None:
     """The variance of `make(seed)` beside product sampling in the time of `frames`."""
     equal = samples_in(picture, statistics.median(frame.timings["cpu_s"] for frame in frames))
@@ -95,21 +95,19 @@ def _gain(
         images(make, range(case.renders)),
         images(lambda seed: picture.product(equal, seed), range(100, 100 + case.renders)),
     )
-    outcome.figures.append(
-        figure(
-            f"{case.scene}, {name}, equal time vs product sampling",
-            left.ratio,
-            "of the variance",
-            baseline=1.0,
-            ratios=left.gains,
-            goal=case.goals.get(name),
-            samples_of_baseline=equal,
-            energy_z=left.energy_z,
-        )
+    trial.figure(
+        f"{case.scene}, {name}, equal time vs product sampling",
+        left.ratio,
+        "of the variance",
+        baseline=1.0,
+        ratios=left.gains,
+        goal=case.goals.get(name),
+        samples_of_baseline=equal,
+        energy_z=left.energy_z,
     )
 
 
-def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[Frame]) -> None:
+def _costs(trial: Trial, case: Case, picture: Picture, frames: list[vc.Frame]) -> None:
     pixels = picture.size[0] * picture.size[1]
 
     def us(*stages: str) -> float:
@@ -126,27 +124,23 @@ def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[Frame]) 
     )
     quick = not case.goals
     maps_us = us("maps_cpu_s") + max(records, 0.0) / pixels * 1e6
-    outcome.figures.append(
-        figure(
-            f"{case.scene}, look-ups, J and records vs {MOST_US:g} us per pixel",
-            maps_us,
-            "us per pixel",
-            baseline=MOST_US,
-            ratios=[MOST_US / maps_us],
-            goal=None if quick else 1.0,
-            trees_us=us("trees_cpu_s"),
-            sample_us=us("samples_cpu_s") / SAMPLES,
-        )
+    trial.figure(
+        f"{case.scene}, look-ups, J and records vs {MOST_US:g} us per pixel",
+        maps_us,
+        "us per pixel",
+        baseline=MOST_US,
+        ratios=[MOST_US / maps_us],
+        goal=None if quick else 1.0,
+        trees_us=us("trees_cpu_s"),
+        sample_us=us("samples_cpu_s") / SAMPLES,
     )
     built = statistics.median(frame.timings["records_s"] for frame in frames)
     small = picture.size == (128, 96)
-    outcome.figures.append(
-        figure(
-            f"{case.scene}, records of {picture.size[0]}x{picture.size[1]} pixels vs 1 s",
-            built,
-            "s",
-            baseline=MOST_BUILD_S,
-            ratios=[MOST_BUILD_S / max(built, 1e-9)],
-            goal=1.0 if small else None,
-        )
+    trial.figure(
+        f"{case.scene}, records of {picture.size[0]}x{picture.size[1]} pixels vs 1 s",
+        built,
+        "s",
+        baseline=MOST_BUILD_S,
+        ratios=[MOST_BUILD_S / max(built, 1e-9)],
+        goal=1.0 if small else None,
     )

@@ -15,11 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
-from viscache_lab.bench.common import Outcome, build_scene, figure
 from viscache_lab.bench.vismap_time import equal_time
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import build_scene
 
 __all__ = ["vismap_variance"]
 
@@ -99,26 +100,30 @@ FULL, QUICK = {"n_pixels": 512, "replicates": 64}, {"n_pixels": 24, "replicates"
 SIZE, QUICK_SIZE = (640, 480), (160, 120)
 
 
-def vismap_variance(quick: bool = False) -> Outcome:
+@BENCHES.add("vismap-variance", "variance with visibility maps against product sampling")
+def vismap_variance(trial: Trial) -> None:
     """Run every case, way and point set."""
-    outcome = Outcome()
-    size = QUICK_SIZE if quick else SIZE
+    size = QUICK_SIZE if trial.quick else SIZE
     for case in CASES:
-        scene = build_scene(case.quick_scene if quick else case.scene)
-        cache = VisibilityMapCache(scene, MapSettings(m=case.m))
+        scene = build_scene(case.quick_scene if trial.quick else case.scene)
+        cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=case.m))
         cache.update(case.camera, size=size)
-        samples = QUICK_SAMPLES if quick else SAMPLES
+        samples = QUICK_SAMPLES if trial.quick else SAMPLES
         found = simulate(
-            cache, all_ways(), samples, camera=case.camera, size=size, **(QUICK if quick else FULL)
+            cache,
+            all_ways(),
+            samples,
+            camera=case.camera,
+            size=size,
+            **(QUICK if trial.quick else FULL),
         )
-        add_figures(outcome, case, found, samples, len(cache))
-        check_means(outcome, case.name, found)
-    equal_time(outcome, quick)
-    outcome.notes.append(
+        add_figures(trial, case, found, samples, len(cache))
+        check_means(trial, case.name, found)
+    equal_time(trial, trial.quick)
+    trial.notes.append(
         "values are variances left; ratios are gains, product sampling over ours, with the 95 % "
         "interval of a bootstrap over replicates; in the world of the environment's texels"
     )
-    return outcome
 
 
 def all_ways() -> list[Way]:
@@ -140,25 +145,23 @@ def _pairs() -> dict[tuple[str, str], tuple[Way, Way]]:
 
 
 def add_figures(
-    outcome: Outcome, case: Case, found: PixelEstimates, samples: Sequence[int], n_records: int
+    trial: Trial, case: Case, found: PixelEstimates, samples: Sequence[int], n_records: int
 ) -> None:
     """A figure of every way, point set and number of samples."""
     for (name, points), (baseline, way) in _pairs().items():
         for n in samples:
             left = _left(found.estimates[way, n], found.estimates[baseline, n])
             limit = case.goals.get((name, points, n))
-            outcome.figures.append(
-                figure(
-                    f"{case.name}, {name}, {points}, {n} samples vs product sampling",
-                    left.ratio,
-                    "of the variance",
-                    baseline=1.0,
-                    ratios=left.gains,
-                    goal=None if limit is None else 1 / limit,
-                    records=n_records,
-                    trimmed=left.trimmed,
-                    worse_share=left.worse_share,
-                )
+            trial.figure(
+                f"{case.name}, {name}, {points}, {n} samples vs product sampling",
+                left.ratio,
+                "of the variance",
+                baseline=1.0,
+                ratios=left.gains,
+                goal=None if limit is None else 1 / limit,
+                records=n_records,
+                trimmed=left.trimmed,
+                worse_share=left.worse_share,
             )
 
 
@@ -169,7 +172,7 @@ def _left(ours: npt.NDArray[np.float64], baseline: npt.NDArray[np.float64]) -> V
     )
 
 
-def check_means(outcome: Outcome, name: str, found: PixelEstimates) -> None:
+def check_means(trial: Trial, name: str, found: PixelEstimates) -> None:
     """Check for each way that sums over pixels agree with the true values within chance."""
     from scipy.stats import t  # type: ignore[import-untyped,unused-ignore]
 
@@ -181,4 +184,4 @@ def check_means(outcome: Outcome, name: str, found: PixelEstimates) -> None:
         worst = max(worst, abs(float(error.mean())) / max(float(spread), 1e-300))
     single = 1 - (1 - FALSE_ALARM) ** (1 / (len(found.estimates) * len(CASES)))
     limit = float(t.ppf(1 - single / 2, n_replicates - 1))
-    outcome.check(f"{name}: largest |z| of {len(found.estimates)} means", worst, limit)
+    trial.check(f"{name}: largest |z| of {len(found.estimates)} means", worst, limit)

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation import DirectionSet, surface_points, visibility_rows
-from viscache.correlation.rows import VisibilityRows
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import made_by_others
-from viscache.settings.integrators import AmbientOcclusion
-from viscache.shot.render import render
 from viscache.vlf import direction_frames, trace_aligned
 from viscache.vlf.aligned import embree_rows
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.bench.frames import g_buffer
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import build_scene, fastest, frame_clock, turns
 
 __all__ = ["CASES", "Case", "vlf_ao"]
 
@@ -27,6 +26,7 @@ PLANS = tuple((by_axis, w, c) for by_axis in (True, False) for w in (8, 16) for 
 #: Rays that pass an edge within rounding may be answered differently.
 DIFFERING = 1e-5
 THREADS = 2
+ENGINES: tuple[Literal["auto", "embree"], ...] = ("auto", "embree")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,132 +75,107 @@ ROWS = (
 QUICK_ROWS = (Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=48, goal=0.9),)
 
 
-def vlf_ao(quick: bool = False) -> Outcome:
+@BENCHES.add("vlf-ao", "ambient occlusion along shared axes against the best of Embree's orders")
+def vlf_ao(trial: Trial) -> None:
     """Every case: the engine of the lowest predicted cost against the fastest of Embree's plans."""
-    outcome = Outcome()
-    scenes: dict[str, Scene] = {}
-    for case in QUICK_CASES if quick else CASES:
+    scenes: dict[str, vc.Scene] = {}
+    for case in QUICK_CASES if trial.quick else CASES:
         scene = scenes.setdefault(case.spec, build_scene(case.spec))
-        _compare(outcome, case, scene, 2 if quick else 3)
-    for case in QUICK_ROWS if quick else ROWS:
-        _compare_rows(outcome, case, scenes.setdefault(case.spec, build_scene(case.spec)))
-    if not quick:
-        living_room(outcome)
-    outcome.notes.append(
+        _compare(trial, case, scene, 2 if trial.quick else 3)
+    for case in QUICK_ROWS if trial.quick else ROWS:
+        _compare_rows(trial, case, scenes.setdefault(case.spec, build_scene(case.spec)))
+    if not trial.quick:
+        living_room(trial)
+    trial.notes.append(
         "embree: loops over rtcOccluded8/16 with either traversal flag, axis by axis over packets"
         " of neighbouring points or point by point over packets of axes, whichever is fastest;"
         " robust scene flag, the same points in the same order, two threads on both sides. ours:"
         " engine=auto, which is reported with its reason; the batch is built beforehand, as"
         " Embree's structure is; everything per call is in the time."
     )
-    return outcome
 
 
-def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
+def _compare(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
     points, normals = g_buffer(scene, case.side)
     frames = direction_frames(case.n_directions)
-    caster, answers = scene.caster(), {}
+    caster = scene.caster()
     scene.aligned_batch()
     plan = _best_plan(caster, points, normals, frames)
-    chosen: dict[str, Any] = {}
-
-    def ours() -> Sample:
-        time, rows = timed(
-            lambda: trace_aligned(scene, points, normals, case.n_directions, threads=THREADS)
-        )
-        answers["ours"] = rows.bits
-        chosen.update(engine=rows.engine, reason=rows.reason)
-        return time
-
-    def theirs() -> Sample:
-        time, answers["embree"] = timed(lambda: _embree(caster, points, normals, frames, plan))
-        return time
-
-    samples = interleave({"ours": ours, "embree": theirs}, repeats, warm_up=False)
+    given = (scene, points, normals, case.n_directions)
+    runs: dict[str, Callable[[], Any]] = {
+        "ours": partial(trace_aligned, *given, threads=THREADS),
+        "embree": partial(_embree, caster, points, normals, frames, plan),
+    }
+    found = turns(runs, repeats, warm_up=False)
+    samples, rows = found.samples, found.answers["ours"]
     order = "by axis" if plan[0] else "by point"
-    outcome.figures.append(
-        ratio_figure(
-            f"{case.label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            work=len(points) * case.n_directions,
-            goal=case.goal,
-            plan=f"{order}, {plan[1]}{' coherent' if plan[2] else ''}",
-            points=len(points),
-            triangles=scene.triangles,
-            **chosen,
-        )
+    trial.ratio(
+        f"{case.label} vs embree",
+        samples["ours"],
+        samples["embree"],
+        work=len(points) * case.n_directions,
+        goal=case.goal,
+        plan=f"{order}, {plan[1]}{' coherent' if plan[2] else ''}",
+        points=len(points),
+        triangles=scene.triangles,
+        engine=rows.engine,
+        reason=rows.reason,
     )
     rays = len(points) * case.n_directions
-    differing = _ones(answers["ours"] ^ answers["embree"]) / rays
-    outcome.check(f"{case.label}: share unlike embree", differing, DIFFERING)
-    free = _ones(answers["ours"]) / rays
-    outcome.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
+    differing = _ones(rows.bits ^ found.answers["embree"]) / rays
+    trial.check(f"{case.label}: share unlike embree", differing, DIFFERING)
+    free = _ones(rows.bits) / rays
+    trial.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
 
 
-def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
+def _compare_rows(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Rows of visibility: the chosen engine against Embree in its faster packet order."""
     label = f"rows {case.name} {case.side**2} points"
     at, directions = surface_points(scene, case.side**2), DirectionSet()
     scene.aligned_batch(), scene.caster()
-    rows: dict[str, VisibilityRows] = {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        time, rows[engine] = timed(
-            lambda: visibility_rows(scene, at, directions, engine=engine, threads=THREADS)
-        )
-        return time
-
-    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
+    every = partial(visibility_rows, scene, at, directions, threads=THREADS)
+    found = turns({engine: partial(every, engine=engine) for engine in ENGINES}, 3)
+    samples, rows = found.samples, found.answers
     n_rays = rows["auto"].n_rays
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            work=n_rays,
-            goal=case.goal,
-            points=len(at.positions),
-            triangles=scene.triangles,
-            engine=rows["auto"].engine,
-            reason=rows["auto"].reason,
-        )
+    trial.ratio(
+        f"{label} vs embree",
+        samples["auto"],
+        samples["embree"],
+        work=n_rays,
+        goal=case.goal,
+        points=len(at.positions),
+        triangles=scene.triangles,
+        engine=rows["auto"].engine,
+        reason=rows["auto"].reason,
     )
     differing = _ones(rows["auto"].bits ^ rows["embree"].bits) / n_rays
-    outcome.check(f"{label}: share unlike embree", differing, DIFFERING)
-    outcome.check(f"{label}: nothing traced", float(n_rays == 0), 0)
+    trial.check(f"{label}: share unlike embree", differing, DIFFERING)
+    trial.check(f"{label}: nothing traced", float(n_rays == 0), 0)
 
 
-def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
+def living_room(trial: Trial, side: int = 1024, repeats: int = 3) -> None:
     """A whole frame of a closed room: camera rays, shadow rays, sums."""
     label = f"AO living-room {side}x{side} frame"
     path = made_by_others("living-room/scene.xml")
     if path is None:
-        outcome.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
+        trial.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
         return
-    scene, frames = load_scene(path), {}
-
-    def run(engine: Literal["auto", "embree"]) -> Sample:
-        settings = AmbientOcclusion(
-            n_samples=513, max_distance=None, directions="shared", engine=engine
-        )
-        frames[engine] = render(scene, settings, size=(side, side), threads=THREADS)
-        times = frames[engine].timings
-        return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
-
-    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
-    outcome.figures.append(
-        ratio_figure(
-            f"{label} vs embree",
-            samples["ours"],
-            samples["embree"],
-            goal=2.0,
-            plan="by axis, 16, flag by width",
-            engine=frames["auto"].parameters["engine"],
-        )
+    scene = vc.load_scene(path)
+    light = vc.AmbientOcclusion(n_samples=513, max_distance=None, directions="shared")
+    whole = partial(vc.render, scene, size=(side, side), threads=THREADS)
+    runs = {engine: partial(whole, replace(light, engine=engine)) for engine in ENGINES}
+    found = turns(runs, repeats, clock=frame_clock)
+    samples, frames = found.samples, found.answers
+    trial.ratio(
+        f"{label} vs embree",
+        samples["auto"],
+        samples["embree"],
+        goal=2.0,
+        plan="by axis, 16, flag by width",
+        engine=frames["auto"].parameters["engine"],
     )
     difference = np.abs(frames["auto"].image - frames["embree"].image).mean()
-    outcome.check(f"{label}: mean difference to embree's", float(difference), DIFFERING)
+    trial.check(f"{label}: mean difference to embree's", float(difference), DIFFERING)
 
 
 def _ones(bits: npt.NDArray[np.uint64]) -> int:
@@ -235,12 +210,4 @@ def _best_plan(
 ) -> tuple[bool, int, bool]:
     """The fastest of the plans on 16 of the axes."""
     some = np.ascontiguousarray(frames[:: max(1, len(frames) // 16)][:16])
-    runs: dict[str, Callable[[], Sample]] = {
-        str(plan): lambda plan=plan: timed(  # type: ignore[misc]
-            lambda: _embree(caster, points, normals, some, plan)
-        )[0]
-        for plan in PLANS
-    }
-    samples = interleave(runs, 2, warm_up=False)
-    best = min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))
-    return PLANS[list(samples).index(best)]
+    return fastest({p: partial(_embree, caster, points, normals, some, p) for p in PLANS})

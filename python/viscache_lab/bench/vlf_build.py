@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
-from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache_lab.bench.common import (
-    Outcome,
-    Sample,
-    build_scene,
-    interleave,
-    ratio_figure,
-    timed,
-)
+import viscache as vc
 from viscache_lab.bench.ray_sets import RaySet, make_ray_set
 from viscache_lab.bench.vlf_update import compare_updates
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import build_scene, timed, turns
 
 __all__ = ["vlf_build"]
 
@@ -29,83 +23,65 @@ SCENES = (
     "classroom_like",
 )
 QUICK_SCENES = ("bumpy_spheres?triangles=1500",)
-FIELD, QUICK_FIELD = Vlf(bsp_depth=3, max_bytes=4 << 30), Vlf(n_directions=33, n_tiles=64)
+FIELD, QUICK_FIELD = vc.Vlf(bsp_depth=3, max_bytes=4 << 30), vc.Vlf(n_directions=33, n_tiles=64)
 #: Depths and leaf sizes of the BSP; each ray set uses the fastest combination.
 DEPTHS, LEAVES = (16, 20, 24), (4, 8, 16)
-TREES = tuple(Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
-QUICK_TREES = (Bsp(kernel="wald"),)
+TREES = tuple(vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
+QUICK_TREES = (vc.Bsp(kernel="wald"),)
 #: The paper's single-ray tracer must reach this share of Embree's single-ray speed.
 GUARD = 0.25
 EDGE_TOLERANCE = 1e-3
 RAYS, QUICK_RAYS = 100_000, 4_000
 
 
-def vlf_build(quick: bool = False) -> Outcome:
+@BENCHES.add(
+    "vlf-build", "building visibility fields; the paper's tracers against Embree ray by ray"
+)
+def vlf_build(trial: Trial) -> None:
     """Build time and memory of fields; rays per second of the paper's tracers on one thread."""
-    outcome = Outcome()
-    for spec in QUICK_SCENES if quick else SCENES:
+    for spec in QUICK_SCENES if trial.quick else SCENES:
         scene = build_scene(spec)
-        _compare_builds(outcome, scene, QUICK_FIELD if quick else FIELD, 1 if quick else 3)
-        field = (QUICK_FIELD if quick else FIELD).build(scene)
+        _compare_builds(
+            trial, scene, QUICK_FIELD if trial.quick else FIELD, 1 if trial.quick else 3
+        )
+        field = (QUICK_FIELD if trial.quick else FIELD).build(scene)
         for name in ("camera", "hemi"):
-            rays = make_ray_set(scene, name, QUICK_RAYS if quick else RAYS)
-            _compare_rays(outcome, scene, rays, field, quick)
-    compare_updates(outcome, quick)
-    outcome.notes.append(
+            rays = make_ray_set(scene, name, QUICK_RAYS if trial.quick else RAYS)
+            _compare_rays(trial, scene, rays, field, trial.quick)
+    compare_updates(trial, trial.quick)
+    trial.notes.append(
         "Embree ray by ray: rtcIntersect1 and rtcOccluded1, robust; Bsp: the fastest of a grid, "
         "Wald's triangle test as in the paper. A ray of the BSP "
         "visits the nodes counted in nodes_per_ray, one load after the other."
     )
-    return outcome
 
 
-def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int) -> None:
-    built: dict[str, Any] = {}
-
-    def run(name: str, settings: Any, threads: int) -> Callable[[], Sample]:
-        def build() -> Sample:
-            time, built[name] = timed(lambda: settings.build(scene, threads))
-            return time
-
-        return build
-
-    runs = {
-        "one thread": run("one thread", settings, 1),
-        "two threads": run("two threads", settings, 2),
-        "embree": run("embree", Embree(), 0),
+def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
+    runs: dict[str, Callable[[], Any]] = {
+        "one thread": partial(settings.build, scene, 1),
+        "two threads": partial(settings.build, scene, 2),
+        "embree": partial(vc.Embree().build, scene, 0),
     }
-    samples = interleave(runs, repeats, warm_up=False)
+    found = turns(runs, repeats, warm_up=False)
+    samples, built = found.samples, found.answers
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
-    outcome.figures.append(
-        ratio_figure(
-            f"{label}: build on two threads vs one",
-            samples["two threads"],
-            samples["one thread"],
-            clock="wall_s",
-            bytes=stats["bytes"],
-        )
+    trial.ratio(
+        f"{label}: build on two threads vs one",
+        samples["two threads"],
+        samples["one thread"],
+        clock="wall_s",
+        bytes=stats["bytes"],
     )
-    outcome.figures.append(
-        ratio_figure(f"{label}: build vs embree", samples["one thread"], samples["embree"])
-    )
+    trial.ratio(f"{label}: build vs embree", samples["one thread"], samples["embree"])
     changed = stats != built["two threads"].stats
-    outcome.check(f"{label}: threads change the field", float(changed), 0)
+    trial.check(f"{label}: threads change the field", float(changed), 0)
 
 
-def _compare_rays(outcome: Outcome, scene: Scene, r: RaySet, field: Any, quick: bool) -> None:
+def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: bool) -> None:
     caster = scene.caster()
     trees = QUICK_TREES if quick else TREES
     bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
-    answers: dict[str, npt.NDArray[Any]] = {}
-
-    def run(name: str, trace: Callable[[], npt.NDArray[Any]]) -> Callable[[], Sample]:
-        def go() -> Sample:
-            time, answers[name] = timed(trace)
-            return time
-
-        return go
-
     rays = (r.origins, r.directions)
     jobs: dict[str, dict[str, Callable[[], npt.NDArray[Any]]]] = {
         "any-hit": {
@@ -123,23 +99,22 @@ def _compare_rays(outcome: Outcome, scene: Scene, r: RaySet, field: Any, quick: 
     of_bsp = {f"{what}_per_ray": n / len(r.origins[:2000]) for what, n in steps.items()}
     of_bsp |= {name: bsp.stats[name] for name in ("max_depth", "bytes")}
     for job, tracers in jobs.items():
-        samples = interleave({n: run(n, t) for n, t in tracers.items()}, 2 if quick else 5)
+        found = turns(tracers, 2 if quick else 5)
+        samples, answers = found.samples, found.answers
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
-            outcome.figures.append(
-                ratio_figure(
-                    f"{label} vs embree1",
-                    samples[name],
-                    samples["embree"],
-                    work=len(r),
-                    goal=GUARD if name == "bsp" else None,
-                    **(of_bsp if name == "bsp" else {}),
-                )
+            trial.ratio(
+                f"{label} vs embree1",
+                samples[name],
+                samples["embree"],
+                work=len(r),
+                goal=GUARD if name == "bsp" else None,
+                **(of_bsp if name == "bsp" else {}),
             )
             hit = [
                 np.isfinite(a) if a.dtype != bool else a for a in (answers[name], answers["embree"])
             ]
-            outcome.check(
+            trial.check(
                 f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])), EDGE_TOLERANCE
             )
 
@@ -151,5 +126,5 @@ def _trial(tree: Any, r: RaySet) -> float:
     return min(timed(lambda: tree.intersect(origins, directions, 1))[0].cpu_s for _ in range(2))
 
 
-def _label(scene: Scene) -> str:
+def _label(scene: vc.Scene) -> str:
     return f"{(scene.spec or scene.name).partition('?')[0]} {scene.triangles}"

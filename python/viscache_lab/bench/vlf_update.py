@@ -8,18 +8,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from viscache.scene import Scene
-from viscache.settings.rays import Vlf
+import viscache as vc
 from viscache.vlf.dynamic import DynamicField
-from viscache_lab.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
+from viscache_lab.experiment import Trial
+from viscache_lab.experiment.amounts import build_scene, turns
 
 __all__ = ["compare_updates"]
 
 SCENE, QUICK_SCENE = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
-FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
-QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+FIELD = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
+QUICK_FIELD = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
 #: Triangles of the object that moves.
 SIZES, QUICK_SIZES = (100, 1000, 10_000), (100,)
 RAYS, QUICK_RAYS = 20_000, 2000
@@ -28,7 +28,7 @@ REPEATS = 2
 DIFFERING = 1e-4
 
 
-def compare_updates(outcome: Outcome, quick: bool) -> None:
+def compare_updates(trial: Trial, quick: bool) -> None:
     """CPU seconds of an update, in both modes, and of a field built with the object in place."""
     scene = build_scene(QUICK_SCENE if quick else SCENE)
     settings = QUICK_FIELD if quick else FIELD
@@ -41,29 +41,22 @@ def compare_updates(outcome: Outcome, quick: bool) -> None:
             number = field.insert(vertices, triangles)
             moved = with_object(scene, vertices + np.array(STOPS[REPEATS - 1]), triangles)
             stops = iter(STOPS)
-            built: dict[str, Any] = {}
             runs: dict[str, Callable[[], Any]] = {
                 "update": partial(_move, field, number, stops),
-                "rebuild": partial(_rebuild, settings, moved, built),
+                "rebuild": partial(settings.build, moved),
             }
-            samples = interleave(runs, REPEATS, warm_up=False)
+            taken = turns(runs, REPEATS, warm_up=False)
+            samples = taken.samples
             label = f"field of {scene.triangles} triangles, {mode}, {len(triangles)} moved"
-            outcome.figures.append(
-                ratio_figure(f"{label} vs rebuild", samples["update"], samples["rebuild"])
-            )
+            trial.ratio(f"{label} vs rebuild", samples["update"], samples["rebuild"])
             found = field.intersect(beams.origins, beams.directions).t
-            expected = built["field"].intersect(beams.origins, beams.directions)[0]
+            expected = taken.answers["rebuild"].intersect(beams.origins, beams.directions)[0]
             differ = float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0)))
-            outcome.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
+            trial.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
             field.delete(number)
 
 
-def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> Sample:
+def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> None:
     matrix = np.eye(4)
     matrix[:3, 3] = next(stops)
-    return timed(lambda: field.transform(number, matrix))[0]
-
-
-def _rebuild(settings: Vlf, scene: Scene, built: dict[str, Any]) -> Sample:
-    time, built["field"] = timed(lambda: settings.build(scene))
-    return time
+    field.transform(number, matrix)

@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.oracles.correct import Correct
-from viscache.passes.progressive import Progressive
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, VisMaps
-from viscache_lab.bench.aligned import opened
-from viscache_lab.bench.common import Outcome, figure
-from viscache_lab.bench.pass_runs import Run, take_turns
+import viscache as vc
+from viscache_lab.bench.errors import Run, take_turns
 from viscache_lab.bench.progressive import FIRST_OF_REFERENCES
+from viscache_lab.experiment import BENCHES, Trial
+from viscache_lab.experiment.amounts import figure, student_t
 
 __all__ = ["which_cache"]
 
@@ -68,22 +64,17 @@ QUICK = (
 )
 
 
-def which_cache(quick: bool = False) -> Outcome:
+@BENCHES.add("which-cache", "which way wins where: error times time of passes over 14 pictures")
+def which_cache(trial: Trial) -> None:
     """MSE·time of exact passes over that of every other way, scene by scene."""
-    outcome = Outcome()
-    for case in QUICK if quick else CASES:
-        scene = opened(case.scene)
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(outcome, case, scene)
-    outcome.notes.append(
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        measure(trial, case, scene)
+    trial.notes.append(
         "A ratio is MSE·CPU time of vc.Exact() over that of the way, with the 95 % interval of a"
         " bootstrap over blocks of pixels; gain_rel has squared errors relative to each pixel."
         " Light that the camera sees directly is left out. Two references of exact passes: their"
         " noise cancels. Ways take turns pass by pass."
     )
-    return outcome
 
 
 @dataclass(frozen=True)
@@ -108,44 +99,46 @@ def ways(case: Case, edge: float = 1.0) -> dict[str, tuple[Any, Any, Any]]:
     `edge` is that of the cells of the oracle in Python.
     """
     voxels = {
-        "nee++, roulette": (NeePlusPlus(), "replace"),
-        "nee++, corrected": (NeePlusPlus(), "correct"),
+        "nee++, roulette": (vc.NeePlusPlus(), "replace"),
+        "nee++, corrected": (vc.NeePlusPlus(), "correct"),
     }
     if case.sky:
-        light: Any = Direct(n_environment=case.n_environment, n_brdf=0)
+        light: Any = vc.Direct(n_environment=case.n_environment, n_brdf=0)
         return {
-            "exact": (light, Exact(), None),
-            "product sampling": (replace(light, environment="product"), Exact(), None),
-            "maps": (light, VisMaps(), "correct"),
+            "exact": (light, vc.Exact(), None),
+            "product sampling": (replace(light, environment="product"), vc.Exact(), None),
+            "maps": (light, vc.VisMaps(), "correct"),
             **{name: (light, *way) for name, way in voxels.items()},
         }
-    many = Whitted(n_vpls=case.n_vpls)
+    many = vc.Whitted(n_vpls=case.n_vpls)
     return {
-        "exact": (many, Exact(), None),
-        "aqvc, corrected": (many, Aqvc(), "correct"),
-        "16 picks": (replace(many, pick=16), Exact(), None),
-        "64 picks, corrected": (replace(many, pick=64), Aqvc(), "correct"),
-        "oracle in Python": (many, Cells(edge), Correct(share=0.1)),
+        "exact": (many, vc.Exact(), None),
+        "aqvc, corrected": (many, vc.Aqvc(), "correct"),
+        "16 picks": (replace(many, pick=16), vc.Exact(), None),
+        "64 picks, corrected": (replace(many, pick=64), vc.Aqvc(), "correct"),
+        "oracle in Python": (many, Cells(edge), vc.Correct(share=0.1)),
         **{name: (many, *way) for name, way in voxels.items()},
     }
 
 
-def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let the ways take turns pass by pass."""
     runs: dict[str, Run] = {}
     baseline = ways(case)["exact"][0]
-    Progressive(scene, baseline, visibility="exact", size=case.size).passes(1)  # builds the trees
+    vc.Progressive(scene, baseline, visibility="exact", size=case.size).passes(
+        1
+    )  # builds the trees
     low, high = scene.bounds
     edge = EDGE * float(np.linalg.norm(np.subtract(high, low)))
     for name, (light, visibility, use) in ways(case, edge).items():
-        made = Progressive(scene, light, visibility=visibility, use=use, size=case.size)
+        made = vc.Progressive(scene, light, visibility=visibility, use=use, size=case.size)
         runs[name] = Run(made)
     take_turns(list(runs.values()), case.passes)
     light = ways(case)["exact"][0]
     if case.sky:  # the noise of plain samples of a sky through a window is too large
         light = replace(light, environment="product", n_environment=2 * case.n_environment)
     references = [
-        reflected(Progressive(scene, light, visibility="exact", size=case.size, first_pass=n),
+        reflected(vc.Progressive(scene, light, visibility="exact", size=case.size, first_pass=n),
                   case.passes)
         for n in FIRST_OF_REFERENCES
     ]  # fmt: skip
@@ -157,12 +150,11 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
             continue
         what = f"{label}: {name} vs exact"
         seconds = (base.cpu_s, run.cpu_s)
-        outcome.figures.append(
+        trial.figures.append(
             gain_figure(what, squares["exact"], squares[name], seconds, case.passes)
         )
         found = np.array(run.energies) / np.array(base.energies) - 1
-        t = abs(found.mean()) / max(found.std(ddof=1) / np.sqrt(len(found)), 1e-12)
-        outcome.check(f"{label}: {name}, |t| of the energy", float(t), LIMIT_T)
+        trial.check(f"{label}: {name}, |t| of the energy", abs(student_t(found)), LIMIT_T)
 
 
 def gain_figure(
@@ -190,7 +182,7 @@ def gain_figure(
     )
 
 
-def reflected(picture: Progressive, passes: int = 0) -> Array:
+def reflected(picture: vc.Progressive, passes: int = 0) -> Array:
     """Light on surfaces, after some more passes."""
     frame = picture.passes(passes)
     return np.asarray(frame.image, np.float64) - frame.layers["emitted"]

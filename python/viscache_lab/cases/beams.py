@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scene.about import sphere
 
 __all__ = ["Beams", "chords"]
@@ -44,7 +44,7 @@ class Beams:
         return np.asarray(caster.intersect(self.origins, self.directions, 1)[0])
 
 
-def chords(scene: Scene, n: int) -> Beams:
+def chords(scene: vc.Scene, n: int) -> Beams:
     """Rays between random points of the scene's bounding sphere."""
     rng = np.random.default_rng(5)
     ends = rng.normal(size=(2, n, 3))

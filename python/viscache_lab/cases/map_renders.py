@@ -9,12 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.frame import Frame
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import VisMaps
-from viscache.shot.render import render
-from viscache.vismap import MapSettings, VisibilityMapCache
+import viscache as vc
 
 __all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]
 
@@ -27,40 +22,42 @@ Images = list[npt.NDArray[np.floating[Any]]]
 class Picture:
     """A scene's picture with rays through pixel centres, so that only light samples vary."""
 
-    scene: Scene
+    scene: vc.Scene
     size: tuple[int, int]
     camera: int = 0
 
-    def build_cache(self, settings: MapSettings | None = None) -> VisibilityMapCache:
+    def build_cache(self, settings: vc.MapSettings | None = None) -> vc.VisibilityMapCache:
         """A cache with records for every pixel."""
-        cache = VisibilityMapCache(self.scene, settings)
+        cache = vc.VisibilityMapCache(self.scene, settings)
         cache.update(self.camera, size=self.size)
         return cache
 
-    def product(self, samples: int, seed: int = 0) -> Frame:
+    def product(self, samples: int, seed: int = 0) -> vc.Frame:
         """A frame with product sampling only."""
         return self._frame(samples, seed, None)
 
-    def maps(self, samples: int, visibility: VisMaps, seed: int = 0) -> Frame:
+    def maps(self, samples: int, visibility: vc.VisMaps, seed: int = 0) -> vc.Frame:
         """A frame with maps."""
         return self._frame(samples, seed, visibility)
 
-    def dealt(self, directions: int, sets: int, seed: int = 0) -> Frame:
+    def dealt(self, directions: int, sets: int, seed: int = 0) -> vc.Frame:
         """A frame with directions that all eye points share, one eye point for each set."""
-        return render(
+        return vc.render(
             self.scene,
-            Direct(environment="shared", n_environment=directions, interleave=sets, centred=True),
+            vc.Direct(
+                environment="shared", n_environment=directions, interleave=sets, centred=True
+            ),
             camera=self.camera,
             size=self.size,
             spp=sets,
             seed=seed,
         )
 
-    def _direct(self, samples: int) -> Direct:
-        return Direct(environment="product", n_environment=samples, centred=True)
+    def _direct(self, samples: int) -> vc.Direct:
+        return vc.Direct(environment="product", n_environment=samples, centred=True)
 
-    def _frame(self, samples: int, seed: int, visibility: VisMaps | None) -> Frame:
-        return render(
+    def _frame(self, samples: int, seed: int, visibility: vc.VisMaps | None) -> vc.Frame:
+        return vc.render(
             self.scene,
             self._direct(samples),
             visibility=visibility,
@@ -70,17 +67,17 @@ class Picture:
         )
 
 
-def paper_maps(cache: VisibilityMapCache | None) -> VisMaps:
+def paper_maps(cache: vc.VisibilityMapCache | None) -> vc.VisMaps:
     """The paper's estimator: α = 1, no guiding. A given cache is not updated."""
-    return VisMaps(cache=cache, update=cache is None, alpha="one", sampling="product")
+    return vc.VisMaps(cache=cache, update=cache is None, alpha="one", sampling="product")
 
 
-def images(make: Callable[[int], Frame], seeds: Sequence[int]) -> Images:
+def images(make: Callable[[int], vc.Frame], seeds: Sequence[int]) -> Images:
     """Independent renders."""
     return [make(seed).image for seed in seeds]
 
 
-def cpu_median(frames: list[Frame]) -> float:
+def cpu_median(frames: list[vc.Frame]) -> float:
     """Median CPU seconds of all threads."""
     return float(np.median([frame.timings["cpu_s"] for frame in frames]))
 

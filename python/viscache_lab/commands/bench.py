@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from viscache.commands.shared import print_json
+from viscache_lab.experiment.registry import print_list
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +32,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     own.add_argument("--threads", type=int, metavar="N", help="all cores by default")
 
 
+#: Benches that take an option, in words.
+OPTIONS = {
+    "environments": ("peers",),
+    "output": ("parity", "peers"),
+    "only": ("parity", "peers"),
+    "threads": ("parity",),
+}
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Exit status 0: done; 1: an answer was wrong."""
     from viscache_lab import bench
@@ -40,13 +48,15 @@ def run(arguments: argparse.Namespace) -> int:
     from viscache_lab.bench.text import text
 
     if arguments.name == "list":
-        return _list(arguments.json)
+        return print_list(bench.BENCHES, as_json=arguments.json)
     if arguments.make_environments:
         return _make_environments(arguments)
-    own = _peers(arguments) if arguments.name == "peers" else _parity(arguments)
+    options = _options(arguments)
     results = []
     for name in bench.BENCHES if arguments.name == "all" else [arguments.name]:
-        results.append(bench.run(name, arguments.quick, own))
+        results.append(
+            bench.run_bench(name, arguments.quick, progress=sys.stderr.isatty(), **options)
+        )
         if name == "peers" and arguments.output is not None:
             write_pages(Path(arguments.output), results[-1])
         if not arguments.json:
@@ -58,13 +68,20 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if all(r["answers_hold"] for r in results) else 1
 
 
-def _peers(arguments: argparse.Namespace) -> Callable[[bool], Any]:
-    from viscache_lab.bench.against_peers import against_peers
-
-    if arguments.threads is not None:
-        raise ValueError("--threads is an option of the bench parity alone")
-    only = {} if arguments.only is None else {"only": arguments.only}
-    return partial(against_peers, environments=_environments(arguments), **only)
+def _options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The options of the bench alone; the peers' page is written here."""
+    given = {name: getattr(arguments, name) for name in OPTIONS}
+    given = {name: value for name, value in given.items() if value is not None}
+    for name in given:
+        benches = OPTIONS[name]
+        if arguments.name not in benches:
+            whose = f"bench{'es' * bool(benches[1:])} {' and '.join(benches)}"
+            raise ValueError(f"--{name} is an option of the {whose} alone")
+    if given.get("threads", 1) < 1:
+        raise ValueError(f"threads must be >= 1, got {arguments.threads}")
+    if arguments.name == "peers":
+        given.pop("output", None)
+    return given | {n: Path(given[n]) for n in ("environments", "output") if n in given}
 
 
 def _environments(arguments: argparse.Namespace) -> Path:
@@ -86,37 +103,3 @@ def _make_environments(arguments: argparse.Namespace) -> int:
         for name, why in made.items():
             print(f"{name}: {why or 'made'}")
     return 1 if any(made.values()) else 0
-
-
-def _parity(arguments: argparse.Namespace) -> Callable[[bool], Any] | None:
-    """The bench with the options that it alone takes; None without them."""
-    from viscache_lab.bench.parity import parity
-
-    given = {"only": arguments.only, "output": arguments.output, "threads": arguments.threads}
-    set_ = {name: value for name, value in given.items() if value is not None}
-    if arguments.name != "parity":
-        if arguments.environments is not None:
-            raise ValueError("--environments is an option of the bench peers alone")
-        if arguments.output is not None:
-            raise ValueError("--output is an option of the benches parity and peers alone")
-        if set_:
-            name = next(iter(set_))
-            whose = "benches parity and peers" if name == "only" else "bench parity"
-            raise ValueError(f"--{name} is an option of the {whose} alone")
-        return None
-    if arguments.threads is not None and arguments.threads < 1:
-        raise ValueError(f"threads must be >= 1, got {arguments.threads}")
-    if "output" in set_:
-        set_["output"] = Path(arguments.output)
-    return partial(parity, progress=sys.stderr.isatty(), **set_)
-
-
-def _list(as_json: bool) -> int:
-    from viscache_lab.bench import BENCHES
-
-    if as_json:
-        print_json({"benches": [{"bench": name} for name in BENCHES]})
-        return 0
-    for name, info in BENCHES.items():
-        print(name, f"({info.description})")
-    return 0

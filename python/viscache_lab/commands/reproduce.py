@@ -9,6 +9,7 @@ from typing import Any
 
 from viscache.commands.shared import print_json
 from viscache.commands.shared import size as pixels
+from viscache_lab.experiment.registry import print_list
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     from viscache_lab import figures
 
     if arguments.name == "list":
-        return _list(arguments.json)
+        return print_list(figures.FIGURES, as_json=arguments.json)
     if arguments.name == "all":
         return _all(arguments)
     result = figures.reproduce(
@@ -102,14 +103,3 @@ def _print(result: dict[str, Any], folder: str) -> None:
         print(note)
     for left in result["skipped"]:
         print(f"skipped: {left['what']}: {left['reason']}")
-
-
-def _list(as_json: bool) -> int:
-    from viscache_lab.figures import FIGURES
-
-    if as_json:
-        print_json({"figures": [{"figure": name} for name in FIGURES]})
-        return 0
-    for name, info in FIGURES.items():
-        print(f"{name} ({info.description})")
-    return 0

@@ -4,7 +4,6 @@
 """
 
 from viscache_lab.extremes.case import Case, Check
-from viscache_lab.extremes.registry import FAMILIES, Family
 from viscache_lab.extremes.runner import run
 
-__all__ = ["FAMILIES", "Case", "Check", "Family", "run"]
+__all__ = ["Case", "Check", "run"]

@@ -27,11 +27,7 @@ AXES: dict[str, tuple[str, list[float], list[float]]] = {
         [1.0, 1e3, 1e5],
         [1.0, 10.0, 1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 1e6],
     ),
-    "c_e": (
-        "C_E",
-        [1e-3, 1.0, 1e2, 1e4],
-        [10.0 ** (k / 2) for k in range(-6, 9)],
-    ),
+    "c_e": ("C_E", [1e-3, 1.0, 1e2, 1e4], [10.0 ** (k / 2) for k in range(-6, 9)]),
 }
 #: An error holds where it grows by less than this share of the light.
 GROWTH = 0.01

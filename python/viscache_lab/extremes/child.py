@@ -14,9 +14,9 @@ import sys
 import time
 from typing import Any
 
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import families  # registers them
 from viscache_lab.extremes.case import checked
-from viscache_lab.extremes.registry import FAMILIES
 
 __all__ = ["main"]
 
@@ -33,7 +33,7 @@ def main(name: str, descriptor: int, skip: int, full: bool) -> None:
         os.write(descriptor, (json.dumps(what) + "\n").encode())
 
     tell(ready=True)
-    for case in itertools.islice(family.cases(full), skip, None):
+    for case in itertools.islice(family.function(full), skip, None):
         limit = list(case.limit) if isinstance(case.limit, tuple) else case.limit
         tell(begins=case.name, limit=limit, why=case.why)
         start = time.process_time()

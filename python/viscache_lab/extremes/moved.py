@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import SceneDescription
-from viscache.scene import Scene
+import viscache as vc
 
 Array = npt.NDArray[np.float64]
 
@@ -16,14 +15,14 @@ __all__ = ["description_of", "moved"]
 
 
 def description_of(
-    made: Scene,
+    made: vc.Scene,
     *,
     scale: float = 1.0,
     rotation: npt.ArrayLike | None = None,
     shift: npt.ArrayLike = (0.0, 0.0, 0.0),
     noise: float = 0.0,
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-) -> SceneDescription:
+) -> vc.SceneDescription:
     """A scene rotated, then scaled, then moved. Point lights have `scale²` times their intensity.
 
     Materials without textures, meshes in world space, point and directional lights, and cameras.
@@ -50,7 +49,7 @@ def description_of(
         moved_to: list[float] = point(p).tolist()
         return moved_to
 
-    old, new = made.description(), SceneDescription(origin)
+    old, new = made.description(), vc.SceneDescription(origin)
     for material in old.materials:
         new.add_material(material.pop("kind"), **material)
     for mesh in made.meshes():
@@ -79,6 +78,6 @@ def description_of(
     return new
 
 
-def moved(made: Scene, **transform: Any) -> Scene:
+def moved(made: vc.Scene, **transform: Any) -> vc.Scene:
     """The scene of `description_of`."""
-    return Scene.from_description(description_of(made, **transform))
+    return vc.Scene.from_description(description_of(made, **transform))

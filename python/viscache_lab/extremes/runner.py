@@ -19,10 +19,10 @@ from typing import Any
 from viscache.base import provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import families  # registers them
 from viscache_lab.extremes.case import Check
 from viscache_lab.extremes.isas import instruction_sets
-from viscache_lab.extremes.registry import FAMILIES
 
 __all__ = ["run"]
 

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache import SceneDescription
 from viscache_lab.extremes.moved import description_of
 
 __all__ = ["Arrays", "closed_box", "cube", "described", "floor", "lit_box", "sky", "sphere"]
@@ -61,7 +60,7 @@ def described(
         (0.0, 0.35, 0.0),
         38.0,
     ),
-) -> SceneDescription:
+) -> vc.SceneDescription:
     """Grey two-sided meshes, point lights (place, intensity) and a camera (from, to, fov)."""
     description = vc.SceneDescription()
     grey = description.add_material(base_color=(0.5, 0.5, 0.5))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from viscache import scenes
+import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
+from viscache_lab.experiment import Row
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_errors import Interval, bias, mean_interval
 from viscache_lab.figures.aqvc_runs import Shot
-from viscache_lab.figures.outcome import Row
 
 C_E = 16.0
 GRIDS, QUICK_GRIDS = 32, 3
@@ -32,11 +30,12 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
     """Rows and a table, by scene, form and variant."""
-    rows, table = [], []
+    rows: list[Row] = []
+    table = []
     for name in SCENES:
         shot = Shot(
-            scene=getattr(scenes, name)(),
-            integrator=Direct(),
+            scene=getattr(vc.scenes, name)(),
+            integrator=vc.Direct(),
             size=size or (QUICK_SIZE if quick else SIZE),
         )
         for form in FORMS:
@@ -72,7 +71,7 @@ def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float
                 **FORMS[form],
                 **VARIANTS[variant],
             }
-            frame = shot.frame(replaced(Aqvc(), given, "visibility"))
+            frame = shot.frame(replaced(vc.Aqvc(), given, "visibility"))
             values.append(bias(frame, exact))
             errors.append(float(abs(frame.image - exact.image).sum(dtype="f8")) / total)
             reductions.append(float(frame.counters["ray_reduction"]))
@@ -86,26 +85,20 @@ def _mean(values: list[float]) -> float:
 
 def _rows(
     name: str, form: str, found: Mapping[str, tuple[Interval, float, float]], quick: bool
-) -> list[Row]:
-    rows = []
+) -> Iterator[Row]:
     for variant, (interval, rel_l1, reduction) in found.items():
         what = f"{name}, {form}, {variant}: bias of the energy"
         banded = not quick and variant == "refinement" and form != "waves"
-        rows.append(
-            Row(
-                what,
-                interval.mean,
-                band=bands.REFINED_BIAS[name] if banded else None,
-                note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
-            )
+        yield Row(
+            what,
+            interval.mean,
+            band=bands.REFINED_BIAS[name] if banded else None,
+            note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
         )
         # The paper's order is the same for all grids, so it favours the same representatives
         if variant == "no refinement" and form != "pairs":
-            rows.append(
-                Row(
-                    f"{what} over half of its interval",
-                    interval.mean / interval.half,
-                    band=None if quick else bands.PLAIN_BIAS,
-                )
+            yield Row(
+                f"{what} over half of its interval",
+                interval.mean / interval.half,
+                band=None if quick else bands.PLAIN_BIAS,
             )
-    return rows

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from viscache import scenes
-from viscache.frame import Frame
+import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, PaperForm
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_flicker import flicker_rows
 from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 Size = tuple[int, int] | None
 
@@ -45,57 +39,49 @@ ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 
-@figure(
+@FIGURES.add(
     "aqvc-claims",
     "numbers in the paper's text: rays, shading, table size, collisions, parameters, flicker",
+    sized=True,
 )
-def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
+def claims(trial: Trial) -> None:
     """All claims, in the order of the paper's sections."""
-    outcome = Outcome()
     for part in (rays_left, shading_share, table_size, collisions, simple_scene):
-        outcome.rows += part(quick, size)
-    rows, table = parameters(quick, size)
-    outcome.rows += rows
-    outcome.rows += frames_per_second(quick, size)
-    outcome.rows += flicker_rows(quick, size)
-    outcome.files += [
-        _draw_parameters(table, folder / "aqvc-claims.png"),
-        write_csv(folder / "aqvc-claims.csv", table),
-    ]
-    return outcome
+        trial.rows += part(trial.quick, trial.size)
+    rows, table = parameters(trial.quick, trial.size)
+    trial.rows += rows
+    trial.rows += frames_per_second(trial.quick, trial.size)
+    trial.rows += flicker_rows(trial.quick, trial.size)
+    trial.draw("aqvc-claims.png", [_panels(table)], (9.0, 3.2))
+    trial.csv("aqvc-claims.csv", table)
 
 
-def rays_left(quick: bool, size: Size) -> list[Row]:
+def rays_left(quick: bool, size: Size) -> Iterator[Row]:
     """H1: less than 2 % of the queries become rays."""
     setup = SETUPS["delta"]
     shot = setup.shot(quick, size, spp=4 if quick else setup.antialiased)
     settings = {(c_e, p): setup.cache(p, c_e) for c_e in H1_C_E for p in PRESETS}
-    trades, rows = shot.trades(settings, quick), []
+    trades = shot.trades(settings, quick)
     for (c_e, preset), trade in trades.items():
         label = f"H1 {preset}, C_E {c_e:g}, AA"
-        rows += [
-            Row(
-                f"{label}: share of the queries that become rays",
-                1 / trade.ray_reduction,
-                printed=1 / (printed.RAY_REDUCTION + 1),
-                band=None if quick else bands.H1_RAYS_LEFT,
-                note=trade.note,
-            ),
-            Row(
-                f"{label}: rel_l1",
-                trade.rel_l1,
-                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-            ),
-        ]
-    rows.append(
-        Row(
-            f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
-            largest_reduction(trades.values()),
-            printed=printed.RAY_REDUCTION,
-            band=None if quick else bands.H1_REDUCTION,
+        yield Row(
+            f"{label}: share of the queries that become rays",
+            1 / trade.ray_reduction,
+            printed=1 / (printed.RAY_REDUCTION + 1),
+            band=None if quick else bands.H1_RAYS_LEFT,
+            note=trade.note,
         )
+        yield Row(
+            f"{label}: rel_l1",
+            trade.rel_l1,
+            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+        )
+    yield Row(
+        f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
+        largest_reduction(trades.values()),
+        printed=printed.RAY_REDUCTION,
+        band=None if quick else bands.H1_REDUCTION,
     )
-    return rows
 
 
 def largest_reduction(trades: Iterable[Trade]) -> float:
@@ -103,67 +89,63 @@ def largest_reduction(trades: Iterable[Trade]) -> float:
     return max((t.ray_reduction for t in trades if t.rel_l1 <= H1_REL_L1), default=0.0)
 
 
-def shading_share(quick: bool, size: Size) -> list[Row]:
+def shading_share(quick: bool, size: Size) -> Iterator[Row]:
     """H2: the time outside visibility bounds the speed-up."""
     setup = SETUPS["apartment"]
     shot = setup.shot(quick, size)
     trade = shot.trades({"default": setup.cache("default", C_E)}, quick)["default"]
     exact = trade.exact
     share = 1 - exact.timings["visibility_cpu_s"] / exact.timings["cpu_s"]
-    return [
-        Row(
-            "H2: share of the apartment's exact frame that is not visibility",
-            share,
-            printed=printed.CPU_SHADING_SHARE,
-            band=None if quick else bands.H2_SHADING_SHARE,
-            note="camera paths, lights, contributions and sums",
-        ),
-        Row("H2: bound on the speed-up", 1 / share, printed=printed.CPU_BOUND),
-        Row(
-            "H2 default: speed-up times that share",
-            trade.speedup * share,
-            band=None if quick else bands.H2_WITHIN_BOUND,
-            note=trade.note,
-        ),
-    ]
+    yield Row(
+        "H2: share of the apartment's exact frame that is not visibility",
+        share,
+        printed=printed.CPU_SHADING_SHARE,
+        band=None if quick else bands.H2_SHADING_SHARE,
+        note="camera paths, lights, contributions and sums",
+    )
+    yield Row("H2: bound on the speed-up", 1 / share, printed=printed.CPU_BOUND)
+    yield Row(
+        "H2 default: speed-up times that share",
+        trade.speedup * share,
+        band=None if quick else bands.H2_WITHIN_BOUND,
+        note=trade.note,
+    )
 
 
-def table_size(quick: bool, size: Size) -> list[Row]:
+def table_size(quick: bool, size: Size) -> Iterator[Row]:
     """H3: a larger table gains little once it holds all keys."""
     shot = replace(SETUPS["delta"].shot(quick, size), size=QUICK_TILE if quick else TILE)
-    lossless = shot.frame(Aqvc(preset="paper", c_e=8, paper=PaperForm(storage="exact")))
+    lossless = shot.frame(vc.Aqvc(preset="paper", c_e=8, paper=vc.PaperForm(storage="exact")))
     keys = lossless.counters["rays"]
     tables = {load: max(64, int(4 * load * keys)) for load in SLOTS_PER_KEY}
     frames = shot.in_turns(
-        {load: Aqvc(preset="paper", c_e=8, table_bytes=size) for load, size in tables.items()},
+        {load: vc.Aqvc(preset="paper", c_e=8, table_bytes=size) for load, size in tables.items()},
         quick,
     )
     rays = {load: frame.counters["rays"] for load, frame in frames.items()}
     largest = SLOTS_PER_KEY[-1]
     small, enough = SLOTS_PER_KEY[0], SLOTS_PER_KEY[-2]
     time = frames[enough].timings["cpu_s"] / frames[largest].timings["cpu_s"]
-    return [
-        Row(
-            f"H3: rays with {enough:g} slots per key over those with {largest:g}",
-            rays[enough] / rays[largest],
-            printed=printed.LARGER_TABLE,
-            band=bands.H3_LARGE_TABLES,
-            note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys",
-        ),
-        Row(
-            f"H3: rays with {small:g} slots per key over those with {largest:g}",
-            rays[small] / rays[largest],
-            band=bands.H3_SMALL_TABLE,
-        ),
-        *kept_tables(shot, quick),
-    ]
+    yield Row(
+        f"H3: rays with {enough:g} slots per key over those with {largest:g}",
+        rays[enough] / rays[largest],
+        printed=printed.LARGER_TABLE,
+        band=bands.H3_LARGE_TABLES,
+        note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys",
+    )
+    yield Row(
+        f"H3: rays with {small:g} slots per key over those with {largest:g}",
+        rays[small] / rays[largest],
+        band=bands.H3_SMALL_TABLE,
+    )
+    yield from kept_tables(shot, quick)
 
 
 def kept_tables(shot: Shot, quick: bool) -> list[Row]:
     """H3 on the CPU: tiles of 32², and tables per thread of the paper's 4 MB and other sizes."""
-    tiles = PaperForm(storage="paper_tiles")
+    tiles = vc.PaperForm(storage="paper_tiles")
     frames = shot.in_turns(
-        {s: Aqvc(preset="paper", c_e=8, table_bytes=s, paper=tiles) for s in KEPT_TABLES}, quick
+        {s: vc.Aqvc(preset="paper", c_e=8, table_bytes=s, paper=tiles) for s in KEPT_TABLES}, quick
     )
     largest = frames[KEPT_TABLES[-1]]
     return [
@@ -179,66 +161,60 @@ def kept_tables(shot: Shot, quick: bool) -> list[Row]:
     ]
 
 
-def collisions(quick: bool, size: Size) -> list[Row]:
+def collisions(quick: bool, size: Size) -> Iterator[Row]:
     """H4: rays that a lossless table would not have traced."""
-    rows = []
     for name in ("delta", "apartment"):
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
         if name == "apartment" and not quick:
-            shot = replace(shot, integrator=Whitted(n_vpls=256, n_environment=32, n_brdf=32))
-        lossless = shot.frame(setup.cache("paper", C_E, paper=PaperForm(storage="exact")))
+            shot = replace(shot, integrator=vc.Whitted(n_vpls=256, n_environment=32, n_brdf=32))
+        lossless = shot.frame(setup.cache("paper", C_E, paper=vc.PaperForm(storage="exact")))
         edge = lossless.parameters["tile_edge_px"]
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))
-        rows.append(
-            Row(
-                f"H4 {name}: share of the rays that collisions caused",
-                share_of_collisions(lossy, lossless),
-                printed="well below a few percent",
-                band=bands.H4_COLLISIONS,
-                note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
-                "paper's 4 MB for 32²; "
-                f"{lossy.counters['evictions']} evictions",
-            )
+        yield Row(
+            f"H4 {name}: share of the rays that collisions caused",
+            share_of_collisions(lossy, lossless),
+            printed="well below a few percent",
+            band=bands.H4_COLLISIONS,
+            note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
+            "paper's 4 MB for 32²; "
+            f"{lossy.counters['evictions']} evictions",
         )
-    return rows
 
 
-def share_of_collisions(lossy: Frame, lossless: Frame) -> float:
+def share_of_collisions(lossy: vc.Frame, lossless: vc.Frame) -> float:
     """Share of the rays that a lossless table would not have traced."""
     rays, needed = (float(frame.counters["rays"]) for frame in (lossy, lossless))
     return (rays - needed) / rays
 
 
-def simple_scene(quick: bool, size: Size) -> list[Row]:
+def simple_scene(quick: bool, size: Size) -> Iterator[Row]:
     """H5: no speed-up in the Cornell box."""
     pixels = size or ((160, 160) if quick else (512, 512))
-    integrator = Whitted(n_vpls=32, n_area=8) if quick else Whitted(n_vpls=256, n_area=64)
-    shot = Shot(scene=scenes.cornell_box(), size=pixels, integrator=integrator)
+    integrator = vc.Whitted(n_vpls=32, n_area=8) if quick else vc.Whitted(n_vpls=256, n_area=64)
+    shot = Shot(scene=vc.scenes.cornell_box(), size=pixels, integrator=integrator)
     trades = shot.trades(presets(C_E), quick)
     paper, default = trades["paper"], trades["default"]
-    return [
-        Row(
-            "H5 paper: speed-up in the Cornell box",
-            paper.speedup,
-            printed="none",
-            band=bands.H5_NO_SPEEDUP,
-            note=paper.note,
-        ),
-        Row("H5 paper: RR there", paper.ray_reduction, band=bands.H5_REDUCTION),
-        Row("H5 default: speed-up there", default.speedup, printed="none", note=default.note),
-    ]
+    yield Row(
+        "H5 paper: speed-up in the Cornell box",
+        paper.speedup,
+        printed="none",
+        band=bands.H5_NO_SPEEDUP,
+        note=paper.note,
+    )
+    yield Row("H5 paper: RR there", paper.ray_reduction, band=bands.H5_REDUCTION)
+    yield Row("H5 default: speed-up there", default.speedup, printed="none", note=default.note)
 
 
 def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
     """H6: C_N = C_Z = 8 and C_R = 1.2 are best."""
     shot = Shot(
-        scene=scenes.room(triangles=QUICK_ROOM if quick else ROOM),
-        integrator=Direct(),
+        scene=vc.scenes.room(triangles=QUICK_ROOM if quick else ROOM),
+        integrator=vc.Direct(),
         size=size or (QUICK_SMALL if quick else SMALL),
     )
-    base = Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
+    base = vc.Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
     settings = {
         (name, value): replaced(base, {name: value}, "visibility")
         for name, values in PARAMETERS.items()
@@ -271,37 +247,36 @@ def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]
     return rows, table
 
 
-def frames_per_second(quick: bool, size: Size) -> list[Row]:
+def frames_per_second(quick: bool, size: Size) -> Iterator[Row]:
     """H7: interactive frame rates with fewer samples; reported without a band."""
-    rows = []
     for name in ("apartment", "courtyard", "delta", "conference"):
         setup = SETUPS[name]
         shot = setup.shot(quick, size)
         shot = replace(shot, integrator=setup.integrator(True))
         frame = shot.in_turns({"default": setup.cache("default", C_E)}, quick)["default"]
         key = "san miguel" if name == "courtyard" else name
-        rows.append(
-            Row(
-                f"H7 {name}: frames per second with an eighth of the samples",
-                1 / frame.timings["total_s"],
-                printed=printed.FRAMES_PER_SECOND[key],
-                note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
-                "threads; the paper's on a GPU, samples not told",
-            )
+        yield Row(
+            f"H7 {name}: frames per second with an eighth of the samples",
+            1 / frame.timings["total_s"],
+            printed=printed.FRAMES_PER_SECOND[key],
+            note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
+            "threads; the paper's on a GPU, samples not told",
         )
-    return rows
 
 
-def _draw_parameters(table: list[dict[str, Any]], path: Path) -> Path:
-    figure = new_figure(9.0, 3.2)
-    for column, name in enumerate(PARAMETERS):
+def _panels(table: list[dict[str, Any]]) -> list[Panel]:
+    """RR over each parameter, and rel_l1 on axes of its own at the right."""
+
+    def panel(name: str) -> Panel:
         found = [r for r in table if r["parameter"] == name]
-        axes = figure.add_subplot(1, len(PARAMETERS), column + 1)
-        axes.plot(
-            [r["value"] for r in found], [r["ray_reduction"] for r in found], "o-", label="RR"
-        )
-        axes.set(xlabel=name, ylabel="RR", ylim=(0, None))
-        other = axes.twinx()
-        other.plot([r["value"] for r in found], [r["rel_l1"] for r in found], "s--", color="C1")
-        other.set(ylabel="rel_l1", ylim=(0, None))
-    return save_figure(figure, path)
+        x, rr, errors = ([r[k] for r in found] for k in ("value", "ray_reduction", "rel_l1"))
+
+        def more(axes: Any) -> None:
+            other = axes.twinx()
+            other.plot(x, errors, "s--", color="C1", label="rel_l1")
+            for one, label in ((axes, "RR"), (other, "rel_l1")):
+                one.set(ylabel=label, ylim=(0, None))
+
+        return Panel(series=[Series("RR", x, rr)], x=name, y="RR", legend=False, more=more)
+
+    return [panel(name) for name in PARAMETERS]

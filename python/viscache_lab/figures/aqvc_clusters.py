@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import SceneDescription, scenes
+import viscache as vc
 from viscache.aqvc import eye_keys, hash_keys, resolution_eye
-from viscache.scene import Scene
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
 from viscache.shot.connections import trace_eye_points
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panels, images
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
-from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 C_E, FINER_C_E = 16.0, 4.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
@@ -33,13 +29,13 @@ Floats = npt.NDArray[np.float64]
 class EyeSamples:
     """The surfaces that the camera sees, one sample per pixel."""
 
-    scene: Scene
+    scene: vc.Scene
     position: Floats
     normal: Floats
     density: Floats
     pixel: npt.NDArray[np.int64]
 
-    def keys(self, settings: Aqvc, moved: Floats | None = None) -> npt.NDArray[np.int32]:
+    def keys(self, settings: vc.Aqvc, moved: Floats | None = None) -> npt.NDArray[np.int32]:
         """Cluster keys (N, 8) of the samples, or of displaced points, at the first level of C_E."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
@@ -55,7 +51,7 @@ class EyeSamples:
         assert valid.all()
         return keys
 
-    def resolutions(self, settings: Aqvc) -> Floats:
+    def resolutions(self, settings: vc.Aqvc) -> Floats:
         """R of Eq. 7, before it is rounded to a level."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
@@ -77,43 +73,39 @@ def eye_samples(shot: Shot) -> EyeSamples:
     )
 
 
-@figure("aqvc-fig2", "cells that follow normals and footprints")
-def figure2(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-fig2", "cells that follow normals and footprints", sized=True)
+def figure2(trial: Trial) -> None:
     """Cells in false colours; whether they follow normals and the footprint of samples."""
-    pixels = size or (QUICK_SIZE if quick else SIZE)
+    pixels = trial.size or (QUICK_SIZE if trial.quick else SIZE)
     above, aslant = (
-        eye_samples(Shot(scene=_plane(), integrator=Direct(), size=pixels, camera=view))
+        eye_samples(Shot(scene=_plane(), integrator=vc.Direct(), size=pixels, camera=view))
         for view in (0, 1)
     )
     room = Shot(
-        scene=scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
-        integrator=Direct(),
+        scene=vc.scenes.room(triangles=QUICK_TRIANGLES if trial.quick else TRIANGLES),
+        integrator=vc.Direct(),
         size=pixels,
     )
     inside = eye_samples(room)
-    outcome = Outcome()
     for preset, settings in presets(C_E).items():
-        outcome.rows += _plane_rows(preset, above, aslant, settings)
-        outcome.rows += _normal_rows(preset, inside, settings)
-    outcome.files.append(_draw(room, inside, folder / "aqvc-fig2.png"))
-    outcome.notes.append(
+        trial.rows += _plane_rows(preset, above, aslant, settings)
+        trial.rows += _normal_rows(preset, inside, settings)
+    trial.draw("aqvc-fig2.png", _panels(room, inside), (10.0, 6.5))
+    trial.notes.append(
         f"C_E {C_E:g}, {pixels[0]}x{pixels[1]}, one sample per pixel. The plane is seen from "
         "above and aslant; near samples are several times as dense as far ones in the second."
     )
-    return outcome
 
 
-def _plane() -> Scene:
+def _plane() -> vc.Scene:
     """A horizontal plane, larger than its cameras see, from above and at an angle."""
-    d = SceneDescription()
+    d = vc.SceneDescription()
     corners = [[-40, 0, 40], [40, 0, 40], [40, 0, -40], [-40, 0, -40]]
     d.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], material=d.add_material())
     d.add_point_light((0, 9, 0), (1, 1, 1))
     d.add_camera((0, 10, 0), (0, 0, 0), up=(0, 0, -1), fov_deg=20, name="above")
     d.add_camera((0, 6, 10), (0, 0, -1), fov_deg=45, name="aslant")
-    return Scene.from_description(d)
+    return vc.Scene.from_description(d)
 
 
 class Cells:
@@ -127,34 +119,34 @@ class Cells:
         self.first, self.number, self.count = first, number.reshape(-1), count
 
 
-def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: Aqvc) -> list[Row]:
+def _plane_rows(
+    preset: str, above: EyeSamples, aslant: EyeSamples, settings: vc.Aqvc
+) -> Iterator[Row]:
     whole, cells = Cells(above.keys(settings)), Cells(aslant.keys(settings))
     # The near and far halves of the cells, by the density of their samples
     density = np.bincount(cells.number, aslant.density) / cells.count
     far = density < np.median(density)
     both = float(cells.count[far].mean() / cells.count[~far].mean())
-    return [
-        Row(
-            f"{preset}: eye samples per cell of a plane over C_E²",
-            float(whole.count.mean()) / settings.c_e**2,
-            band=bands.SAMPLES_PER_CELL,
-            note=f"{len(whole.count)} cells, those at the picture's edge cut",
-        ),
-        Row(
-            f"{preset}: samples per cell, the far half over the near half",
-            both,
-            band=bands.CELLS_FOLLOW_FOOTPRINT,
-            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
-        ),
-        Row(
-            f"{preset}: samples {APART:g} cells apart that share a cell",
-            _share_of_neighbours(above, settings),
-            band=bands.NEIGHBOURS_SHARE,
-        ),
-    ]
+    yield Row(
+        f"{preset}: eye samples per cell of a plane over C_E²",
+        float(whole.count.mean()) / settings.c_e**2,
+        band=bands.SAMPLES_PER_CELL,
+        note=f"{len(whole.count)} cells, those at the picture's edge cut",
+    )
+    yield Row(
+        f"{preset}: samples per cell, the far half over the near half",
+        both,
+        band=bands.CELLS_FOLLOW_FOOTPRINT,
+        note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
+    )
+    yield Row(
+        f"{preset}: samples {APART:g} cells apart that share a cell",
+        _share_of_neighbours(above, settings),
+        band=bands.NEIGHBOURS_SHARE,
+    )
 
 
-def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
+def _share_of_neighbours(samples: EyeSamples, settings: vc.Aqvc) -> float:
     """Share of samples with the key of their neighbour in a random direction on the surface."""
     along = np.random.default_rng(0).normal(size=samples.normal.shape)
     along -= (along * samples.normal).sum(axis=1, keepdims=True) * samples.normal
@@ -164,25 +156,22 @@ def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
     return float(same.mean())
 
 
-def _normal_rows(preset: str, inside: EyeSamples, settings: Aqvc) -> list[Row]:
+def _normal_rows(preset: str, inside: EyeSamples, settings: vc.Aqvc) -> Iterator[Row]:
     cells = Cells(inside.keys(settings))
     limit = 2 * greatest_angle_deg(settings)
     cosine = (inside.normal * inside.normal[cells.first][cells.number]).sum(axis=1)
     angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
     mixed = np.zeros(len(cells.count), bool)
     mixed[cells.number[angle > limit + 0.1]] = True
-    return [
-        Row(
-            f"{preset}: cells of a room that mix orientations",
-            int(mixed.sum()),
-            band=bands.MIXED_NORMALS,
-            note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow "
-            f"{limit:.1f}°",
-        )
-    ]
+    yield Row(
+        f"{preset}: cells of a room that mix orientations",
+        int(mixed.sum()),
+        band=bands.MIXED_NORMALS,
+        note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow {limit:.1f}°",
+    )
 
 
-def greatest_angle_deg(settings: Aqvc) -> float:
+def greatest_angle_deg(settings: vc.Aqvc) -> float:
     """The largest angle between a normal and the axis of its bin, over random normals."""
     rng = np.random.default_rng(1)
     n = rng.normal(size=(200_000, 3))
@@ -210,15 +199,11 @@ def false_colors(
     return image.reshape(*shape, 3)
 
 
-def _draw(room: Shot, inside: EyeSamples, path: Path) -> Path:
-    figure = new_figure(10.0, 6.5)
-    frame = room.frame()
+def _panels(room: Shot, inside: EyeSamples) -> Panels:
     shape = (room.size[1], room.size[0])
-    draw_image(figure.add_subplot(2, 2, 1), frame.image, "the room")
-    views = [("default", C_E), ("default", FINER_C_E), ("paper", C_E)]
-    for k, (preset, c_e) in enumerate(views):
-        settings = presets(c_e)[preset]
-        colors = false_colors(inside, inside.keys(settings), shape)
-        title = f"cells, {preset}, C_E {c_e:g}"
-        draw_image(figure.add_subplot(2, 2, k + 2), colors, title, exposure=1.0)
-    return save_figure(figure, path)
+    cells = {}
+    for preset, c_e in (("default", C_E), ("default", FINER_C_E), ("paper", C_E)):
+        keys = inside.keys(presets(c_e)[preset])
+        cells[f"cells, {preset}, C_E {c_e:g}"] = false_colors(inside, keys, shape)
+    panels = images({"the room": room.frame()}) + images(cells, 1.0)
+    return [panels[:2], panels[2:]]

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from viscache import scenes
-from viscache.oracles.correct import Correct
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, Unoccluded, Visibility
-from viscache.shot.render import render
+import viscache as vc
+from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import FIGURES, Trial
+from viscache_lab.experiment.amounts import student_t
+from viscache_lab.experiment.drawing import lines as panels_of
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.drawing import draw_lines
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 SIZE, QUICK_SIZE = (192, 120), (64, 40)
 #: q, the share of the queries that are also traced; None: no correction.
 SHARES = (None, 0.05, 0.1, 0.25, 0.5)
 #: The share whose rows have bands.
 SHOWN = 0.1
-METHODS: dict[str, Visibility] = {"AQVC C_E 12": Aqvc(exact_groups=()), "no shadows": Unoccluded()}
+METHODS: dict[str, Visibility] = {
+    "AQVC C_E 12": vc.Aqvc(exact_groups=()),
+    "no shadows": vc.Unoccluded(),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +40,14 @@ class Corrected:
     """The energy error in standard errors."""
 
 
-@figure("aqvc-correct", 'use="correct": noise over rays, with the cache and without shadows')
-def correction(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add(
+    "aqvc-correct", 'use="correct": noise over rays, with the cache and without shadows', sized=True
+)
+def correction(trial: Trial) -> None:
     """Both are unbiased; a cache pays off if its corrections have less noise."""
-    outcome, table, lines = Outcome(), [], {}
-    for scene, shot in shots(quick, size).items():
-        found = corrected(shot, seeds=6 if quick else 16)
+    table, lines = [], {}
+    for scene, shot in shots(trial.quick, trial.size).items():
+        found = corrected(shot, seeds=6 if trial.quick else 16)
         for method in METHODS:
             mine = {share: found[method, share] for share in SHARES}
             drawn = [c for share, c in mine.items() if share]
@@ -68,45 +66,40 @@ def correction(
             ]
             plain, shown = mine[None], mine[SHOWN]
             note = f"{shown.energy:+.2%} of the light, {plain.energy:+.2%} without corrections"
-            outcome.rows.append(
-                Row(f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note)
+            trial.row(
+                f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note
             )
         cache, none = (found[method, SHOWN] for method in METHODS)
         ratio = (cache.noise / none.noise) ** 2
         note = f"rays over queries {cache.rays_left:.3f} and {none.rays_left:.3f}"
-        outcome.rows.append(
-            Row(
-                f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
-                ratio,
-                band=bands.CACHE_IS_THE_BETTER_VARIATE,
-                note=note,
-            )
+        trial.row(
+            f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
+            ratio,
+            band=bands.CACHE_IS_THE_BETTER_VARIATE,
+            note=note,
         )
-    outcome.files += [
-        draw_lines(lines, folder / "aqvc-correct.png", x="rays over queries", y="noise"),
-        write_csv(folder / "aqvc-correct.csv", table),
-    ]
-    return outcome
+    trial.draw("aqvc-correct.png", panels_of(lines, x="rays over queries", y="noise"))
+    trial.csv("aqvc-correct.csv", table)
 
 
 def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:
     """Many lights in one room, mostly hidden lamps, an area light."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
-    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
-    lit = {"room": Shot(scene=scenes.room(), integrator=room, size=pixels)}
+    room = vc.Whitted(n_vpls=32 if quick else 256, n_area=0)
+    lit = {"room": Shot(scene=vc.scenes.room(), integrator=room, size=pixels)}
     return lit | {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
 
 
 def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Corrected]:
     """Every method with every share, from frames of several seeds."""
-    exact = [np.asarray(shot.frame(Exact(), seed=s).image, np.float64) for s in range(seeds)]
+    exact = [np.asarray(shot.frame(vc.Exact(), seed=s).image, np.float64) for s in range(seeds)]
     light = np.array([image.mean() for image in exact])
     found = {}
     for method, visibility in METHODS.items():
         for share in SHARES:
-            use = None if share is None else Correct(share=share)
+            use = None if share is None else vc.Correct(share=share)
             frames = [
-                render(
+                vc.render(
                     shot.scene,
                     shot.integrator,
                     visibility=visibility,
@@ -125,6 +118,6 @@ def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Correcte
                 rays_left=rays / queries,
                 noise=float(np.sqrt(np.mean(np.square(off))) / light.mean()),
                 energy=float(sums.sum() / light.sum()),
-                z=float(sums.mean() / (sums.std(ddof=1) / np.sqrt(seeds))),
+                z=student_t(sums),
             )
     return found

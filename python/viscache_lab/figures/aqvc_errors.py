@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscache.frame import Frame
+import viscache as vc
 
 __all__ = ["Interval", "bias", "mean_interval", "stray_light"]
 
@@ -32,7 +32,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
     return Interval(float(np.mean(values)), float(t.ppf(0.975, n - 1)) * spread)
 
 
-def bias(frame: Frame, exact: Frame) -> float:
+def bias(frame: vc.Frame, exact: vc.Frame) -> float:
     """Relative error of the picture's energy, without emitted light."""
     cached, truth = (
         np.asarray(f.image, np.float64) - np.asarray(f.layers["emitted"], np.float64)
@@ -41,7 +41,7 @@ def bias(frame: Frame, exact: Frame) -> float:
     return float((cached - truth).sum() / truth.sum())
 
 
-def stray_light(frame: Frame, exact: Frame) -> float:
+def stray_light(frame: vc.Frame, exact: vc.Frame) -> float:
     """Light on pixels that are black in the exact picture, over that picture's total light."""
     cached, truth = (np.asarray(f.image, np.float64).sum(axis=2) for f in (frame, exact))
     return float(cached[truth == 0].sum() / truth.sum())

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+import viscache as vc
 from viscache.base import tonemap
 from viscache.metrics.temporal import mean_temporal_variance, seen
-from viscache.scene import Camera, look_at
-from viscache.settings.integrators import Direct
+from viscache_lab.experiment import Row
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.outcome import Row
 
 #: C_E, and the number of frames of the path.
 C_E = 16.0
@@ -22,18 +23,17 @@ PATH = ((-0.1, 1.65, 0.35), (-0.4, 1.6, 0.15))
 TARGET, FOV_DEG = (-4.6, 0.85, -3.2), 56.0
 
 
-def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
+def flicker_rows(quick: bool, size: tuple[int, int] | None) -> Iterator[Row]:
     """H8: refinement reduces flicker."""
     scene = SETUPS["delta"].scene(quick)
     pixels = size or (QUICK_SIZE if quick else SIZE)
     shots = [
-        Shot(scene=scene, integrator=Direct(), size=pixels, camera=camera)
+        Shot(scene=scene, integrator=vc.Direct(), size=pixels, camera=camera)
         for camera in cameras(QUICK_FRAMES if quick else FRAMES)
     ]
     frames = [shot.frame() for shot in shots]
     exposure = tonemap.auto_exposure(frames[0].image, 95.0)
     exact = [seen(frame, exposure) for frame in frames]
-    rows = []
     for preset in ("default", "paper"):
         found = {
             refinement: mean_temporal_variance(
@@ -44,23 +44,20 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
             )
             for refinement in ("off", "on")
         }
-        rows.append(
-            Row(
-                f"H8 {preset}: temporal variance of the error, refinement over none",
-                found["on"] / found["off"],
-                band=bands.H8_FLICKER,
-                note=f"deviation {np.sqrt(found['off']):.3f} to "
-                f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
-                f"C_E {C_E:g}",
-            )
+        yield Row(
+            f"H8 {preset}: temporal variance of the error, refinement over none",
+            found["on"] / found["off"],
+            band=bands.H8_FLICKER,
+            note=f"deviation {np.sqrt(found['off']):.3f} to "
+            f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
+            f"C_E {C_E:g}",
         )
-    return rows
 
 
-def cameras(frames: int) -> list[Camera]:
+def cameras(frames: int) -> list[vc.Camera]:
     """Views along the path."""
     start, end = (np.array(place) for place in PATH)
     return [
-        look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
+        vc.look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
         for t in np.linspace(0, 1, frames)
     ]

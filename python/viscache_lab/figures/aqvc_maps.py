@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+import viscache as vc
 from viscache.base import tonemap
-from viscache.scene import look_at
-from viscache.settings.visibility import ShadowMap
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, images, lines
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import CLOSE_UP, SETUPS
-from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 #: Texels per edge; the small maps are for equal time.
 RESOLUTIONS = (64, 128, 256, 512, 1024, 2048, 4096)
@@ -27,35 +25,31 @@ QUICK_RESOLUTIONS = (16, 32, 64, 128)
 MEMORY_SHARE = 0.6
 
 
-@figure("aqvc-fig8", "error over time beside shadow maps, from afar and close up")
-def figure8(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-fig8", "error over time beside shadow maps, from afar and close up", sized=True)
+def figure8(trial: Trial) -> None:
     """Error and time of both, from a distance and close up."""
-    outcome, table = Outcome(), []
-    overview = SETUPS["delta"].shot(quick, size)
+    table = []
+    overview = SETUPS["delta"].shot(trial.quick, trial.size)
     place, target, fov_deg = CLOSE_UP
-    close = replace(overview, camera=look_at(place, target, (0.0, 1.0, 0.0), fov_deg))
-    resolutions = fitting(QUICK_RESOLUTIONS if quick else RESOLUTIONS, outcome)
+    close = replace(overview, camera=vc.look_at(place, target, (0.0, 1.0, 0.0), fov_deg))
+    resolutions = fitting(QUICK_RESOLUTIONS if trial.quick else RESOLUTIONS, trial)
     found: dict[str, dict[str, Trade]] = {}
     for view, shot in (("overview", overview), ("close-up", close)):
-        found[view] = trades = compare(shot, resolutions, quick)
+        found[view] = trades = compare(shot, resolutions, trial.quick)
         table += [{"view": view, "method": n, **t.record()} for n, t in trades.items()]
-        outcome.rows += _view_rows(view, trades, resolutions, quick)
-    outcome.files += [
-        _draw(found, resolutions, folder / "aqvc-fig8.png"),
-        _draw_trade(found, resolutions, folder / "aqvc-fig8-trade.png"),
-        write_csv(folder / "aqvc-fig8.csv", table),
-    ]
-    outcome.notes.append(
+        trial.rows += _view_rows(view, trades, resolutions, trial.quick)
+    shown = [_panels(trades, resolutions) for trades in found.values()]
+    trial.draw("aqvc-fig8.png", shown, (12.0, 4.6))
+    trial.draw("aqvc-fig8-trade.png", _trade(found, resolutions))
+    trial.csv("aqvc-fig8.csv", table)
+    trial.notes.append(
         f"24 omni lights and a sun, C_E {printed.MAPS_C_E:g}. Our maps are traced by the ray "
         "caster, the paper's rasterized by a GPU; their time includes making them."
     )
-    return outcome
 
 
-def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> list[int]:
-    """The resolutions whose maps fit into memory; the others are recorded in `outcome.skipped`."""
+def fitting(resolutions: Sequence[int], trial: Trial, lights: int = 24) -> list[int]:
+    """The resolutions whose maps fit into memory; the others are recorded in `trial.skipped`."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     kept = []
     for resolution in resolutions:
@@ -63,7 +57,7 @@ def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> l
         if needed <= MEMORY_SHARE * memory:
             kept.append(resolution)
         else:
-            outcome.skip(
+            trial.skip(
                 f"maps of {resolution}x{resolution}",
                 f"they need {needed / 2**30:.1f} GiB of memory",
             )
@@ -74,7 +68,7 @@ def compare(shot: Shot, resolutions: Sequence[int], quick: bool) -> dict[str, Tr
     """Frames by name: of the cache with both presets, and of maps."""
     setup, c_e = SETUPS["delta"], printed.MAPS_C_E
     settings: dict[str, Any] = {p: setup.cache(p, c_e) for p in ("default", "paper")}
-    settings |= {_map(r): ShadowMap(resolution=r, max_bytes=1 << 40) for r in resolutions}
+    settings |= {_map(r): vc.ShadowMap(resolution=r, max_bytes=1 << 40) for r in resolutions}
     return shot.trades(settings, quick)
 
 
@@ -120,61 +114,50 @@ def _view_rows(
 
 def _preset_rows(
     view: str, preset: str, trades: dict[str, Trade], resolutions: Sequence[int], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     cache = trades[preset]
     alike = equal_time(trades, resolutions, preset)
     other = trades[_map(alike)]
     slower = "" if seconds(other) <= seconds(cache) else ", though it takes longer"
     close = view == "close-up" and preset == "default"
-    rows = [
-        Row(
-            f"{view}, {preset}: rel_l1 at equal time, map over cache",
-            other.rel_l1 / cache.rel_l1,
-            band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
-            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
-        ),
-        Row(
-            f"{view}, {preset}: rel_l1, largest map over cache",
-            trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
-            printed="> 1",
-            note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
-            "no band",
-        ),
-    ]
+    yield Row(
+        f"{view}, {preset}: rel_l1 at equal time, map over cache",
+        other.rel_l1 / cache.rel_l1,
+        band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
+        note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
+    )
+    yield Row(
+        f"{view}, {preset}: rel_l1, largest map over cache",
+        trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+        printed="> 1",
+        note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
+        "no band",
+    )
     if printed.MAPS_RESOLUTION in resolutions:
-        rows.append(
-            Row(
-                f"{view}, {preset}: time with maps of 1024² over the cache's",
-                seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
-                printed=printed.MAPS_SLOWER,
-                band=bands.MAPS_SLOWER if preset == "default" else None,
-            )
+        yield Row(
+            f"{view}, {preset}: time with maps of 1024² over the cache's",
+            seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
+            printed=printed.MAPS_SLOWER,
+            band=bands.MAPS_SLOWER if preset == "default" else None,
         )
-    return rows
 
 
-def _draw(found: dict[str, dict[str, Trade]], resolutions: Sequence[int], path: Path) -> Path:
-    """The middle of the picture for both views: exact, with the cache, with maps."""
+def _panels(trades: dict[str, Trade], resolutions: Sequence[int]) -> list[Panel]:
+    """The middle of the picture: exact, with the cache, with maps."""
     maps = [_map(r) for r in resolutions[-3:]]
-    figure = new_figure(12.0, 4.6)
-    for row, trades in enumerate(found.values()):
-        exact = trades["default"].exact
-        exposure = tonemap.auto_exposure(exact.image, 95.0)
-        panels = {"exact": exact, **{n: trades[n].frame for n in ("default", "paper", *maps)}}
-        for column, (name, frame) in enumerate(panels.items()):
-            axes = figure.add_subplot(2, len(panels), row * len(panels) + column + 1)
-            height, width = frame.image.shape[:2]
-            part = frame.image[height // 4 : 3 * height // 4, width // 4 : 3 * width // 4]
-            draw_image(axes, part, name, exposure=exposure)
-    return save_figure(figure, path)
+    exact = trades["default"].exact
+    shown = {"exact": exact, **{n: trades[n].frame for n in ("default", "paper", *maps)}}
+    height, width = exact.image.shape[:2]
+    middle = np.s_[height // 4 : 3 * height // 4, width // 4 : 3 * width // 4]
+    exposure = tonemap.auto_exposure(exact.image, 95.0)
+    return images({name: frame.image[middle] for name, frame in shown.items()}, exposure)
 
 
-def _draw_trade(found: dict[str, dict[str, Trade]], resolutions: Sequence[int], path: Path) -> Path:
-    lines = {}
+def _trade(found: dict[str, dict[str, Trade]], resolutions: Sequence[int]) -> Panels:
+    points = {}
     for view, trades in found.items():
-        maps = [trades[_map(r)] for r in resolutions]
-        lines[f"maps, {view}"] = ([seconds(t) for t in maps], [t.rel_l1 for t in maps])
-        for preset in ("default", "paper"):
-            trade = trades[preset]
-            lines[f"{preset}, {view}"] = ([seconds(trade)], [trade.rel_l1])
-    return draw_lines(lines, path, x="CPU seconds", y="rel_l1")
+        ways = {"maps": [trades[_map(r)] for r in resolutions]}
+        ways |= {preset: [trades[preset]] for preset in ("default", "paper")}
+        for name, way in ways.items():
+            points[f"{name}, {view}"] = ([seconds(t) for t in way], [t.rel_l1 for t in way])
+    return lines(points, x="CPU seconds", y="rel_l1")

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes
-from viscache.frame import Frame
-from viscache.settings.integrators import Whitted
-from viscache.settings.nee_plus_plus import NeePlusPlus
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+import viscache as vc
+from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import FIGURES, Row, Trial, references
+from viscache_lab.experiment.drawing import lines as drawn
 from viscache_lab.figures import aqvc_bands as bands
-from viscache_lab.figures import references
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.drawing import draw_lines
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
 #: C_E of the cache: points of its curve of error over rays.
@@ -34,33 +27,28 @@ EXPONENTS = (0.25, 0.5, 1.0)
 SEEDS, REFERENCE_SPP = 5, 64
 
 
-@figure("aqvc-nee", "rays and error beside Next Event Estimation++")
-def comparison(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-nee", "rays and error beside Next Event Estimation++", sized=True)
+def comparison(trial: Trial) -> None:
     """Rays and error at equal samples; variance against a converged picture."""
-    outcome, table, lines = Outcome(), [], {}
-    for name, shot in shots(quick, size).items():
-        found = same_samples(shot, quick)
+    table, lines = [], {}
+    for name, shot in shots(trial.quick, trial.size).items():
+        found = same_samples(shot, trial.quick)
         table += [
             {"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
             for m, t in found.items()
         ]
-        outcome.rows += _same_rows(name, found, quick)
+        trial.rows += _same_rows(name, found, trial.quick)
         for kind in ("NEE++", "AQVC"):
             mine = [t for m, t in found.items() if m.startswith(kind)]
             lines[f"{kind}, {name}"] = ([rays_left(t) for t in mine], [t.rel_l1 for t in mine])
         if not shot.integrator.n_vpls:  # type: ignore[union-attr]
-            outcome.rows += _noise_rows(name, noise(shot, quick))
-    outcome.files += [
-        draw_lines(lines, folder / "aqvc-nee.png", x="rays per query", y="rel_l1"),
-        write_csv(folder / "aqvc-nee.csv", table),
-    ]
-    outcome.notes.append(
+            trial.rows += _noise_rows(name, noise(shot, trial.quick))
+    trial.draw("aqvc-nee.png", drawn(lines, x="rays per query", y="rel_l1"))
+    trial.csv("aqvc-nee.csv", table)
+    trial.notes.append(
         "NEE++ is ours, after the paper's idea: Russian roulette alone, its map learnt before the "
         "frame. Its error is noise and leaves with more samples; the cache's is partly bias."
     )
-    return outcome
 
 
 def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:
@@ -69,18 +57,18 @@ def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:
     setups = {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
     hairball = SETUPS["hairball"].shot(quick, pixels)
     sky = replace(SETUPS["hairball"].integrator(quick), n_vpls=0)
-    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
+    room = vc.Whitted(n_vpls=32 if quick else 256, n_area=0)
     return setups | {
         "hairball": replace(hairball, integrator=sky),
-        "room": Shot(scene=scenes.room(), integrator=room, size=pixels),
+        "room": Shot(scene=vc.scenes.room(), integrator=room, size=pixels),
     }
 
 
 def methods(quick: bool) -> dict[str, Visibility]:
     """Settings by name."""
-    plain = NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else NeePlusPlus()
+    plain = vc.NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else vc.NeePlusPlus()
     roulette = {f"NEE++ p^{e:g}": replace(plain, exponent=e) for e in EXPONENTS}
-    return {**roulette, **{f"AQVC C_E {c_e:g}": Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
+    return {**roulette, **{f"AQVC C_E {c_e:g}": vc.Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
 
 
 def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
@@ -93,7 +81,7 @@ def rays_left(trade: Trade) -> float:
     return 1 / trade.ray_reduction
 
 
-def discarded(frame: Frame) -> float:
+def discarded(frame: vc.Frame) -> float:
     """Share of the connections that the roulette skipped."""
     return float(frame.counters["discarded"] / frame.counters["queries"])
 
@@ -152,7 +140,7 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
             shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
         )
     )
-    chosen: dict[str, Visibility] = {"exact": Exact(engine="packets"), **methods(quick)}
+    chosen: dict[str, Visibility] = {"exact": vc.Exact(engine="packets"), **methods(quick)}
     seeds = range(2 if quick else SEEDS)
     frames = {n: [shot.frame(v, seed=s) for s in seeds] for n, v in chosen.items()}
     return {
@@ -164,24 +152,20 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
     }
 
 
-def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
+def _noise_rows(name: str, found: Mapping[str, Noise]) -> Iterator[Row]:
     exact = found["exact"]
-    rows = []
     for method, mine in found.items():
         if method == "exact":
             continue
         full = method == "NEE++ p^1"
-        rows.append(
-            Row(
-                f"{name}, {method}: squared error at equal samples over the exact frame's",
-                mine.mse / exact.mse,
-                band=bands.NEE_ADDS_NOISE if full else None,
-                note=f"at equal time {mine.at_equal_time(exact):.2f}",
-            )
+        yield Row(
+            f"{name}, {method}: squared error at equal samples over the exact frame's",
+            mine.mse / exact.mse,
+            band=bands.NEE_ADDS_NOISE if full else None,
+            note=f"at equal time {mine.at_equal_time(exact):.2f}",
         )
-    return rows
 
 
-def _double(frame: Frame) -> npt.NDArray[Any]:
+def _double(frame: vc.Frame) -> npt.NDArray[Any]:
     """Reflected light only, because directly visible emitters have noise of their own."""
     return np.asarray(frame.image, np.float64) - frame.layers["emitted"]

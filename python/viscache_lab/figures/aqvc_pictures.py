@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes
+import viscache as vc
 from viscache.base import tonemap
-from viscache.settings.integrators import Bdpt
-from viscache.settings.visibility import Aqvc
+from viscache_lab.experiment import FIGURES, Band, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
-from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import figure
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class Case:
     """One picture: its C_E, and its samples per pixel in full and quick runs."""
 
     setup: str
@@ -37,71 +33,68 @@ class Panel:
 #: The paper's samples are 9, 1, 16 and 16. A cluster spans C_E/√spp pixels, so fewer samples need
 #: a smaller C_E.
 PANELS = (
-    Panel("courtyard", 2, 1, printed.SAN_MIGUEL_C_E * (2 / 9) ** 0.5, "36 at 9 samples"),
-    Panel("conference", 1, 1, 12.0, "not told"),
-    Panel("apartment", 1, 1, 12.0, "not told; 4 for the lamps"),
-    Panel("delta", 16, 4, printed.MAPS_C_E, "14 in Figure 8"),
+    Case("courtyard", 2, 1, printed.SAN_MIGUEL_C_E * (2 / 9) ** 0.5, "36 at 9 samples"),
+    Case("conference", 1, 1, 12.0, "not told"),
+    Case("apartment", 1, 1, 12.0, "not told; 4 for the lamps"),
+    Case("delta", 16, 4, printed.MAPS_C_E, "14 in Figure 8"),
 )
 BIDIRECTIONAL_SIZE, QUICK_BIDIRECTIONAL_SIZE = (256, 256), (48, 48)
 BIDIRECTIONAL_SPP, QUICK_BIDIRECTIONAL_SPP = 64, 4
 
 
-@figure("aqvc-fig5", "exact and cached images, amplified difference")
-def figure5(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add("aqvc-fig5", "exact and cached images, amplified difference", sized=True)
+def figure5(trial: Trial) -> None:
     """Four scenes with three presets, and bidirectional path tracing with two."""
-    outcome = Outcome()
     for panel in PANELS:
         setup = SETUPS[panel.setup]
-        shot = setup.shot(quick, size, spp=panel.quick_spp if quick else panel.spp)
-        caches: dict[str, Aqvc] = {p: setup.cache(p, panel.c_e) for p in PRESETS}
-        trades = shot.trades(caches, quick)
-        outcome.rows += _panel_rows(panel, trades, quick)
-        outcome.files.append(draw_panel(panel.setup, trades, folder))
-        outcome.notes.append(
+        shot = setup.shot(
+            trial.quick, trial.size, spp=panel.quick_spp if trial.quick else panel.spp
+        )
+        caches: dict[str, vc.Aqvc] = {p: setup.cache(p, panel.c_e) for p in PRESETS}
+        trades = shot.trades(caches, trial.quick)
+        trial.rows += _panel_rows(panel, trades, trial.quick)
+        trial.draw(f"aqvc-fig5-{panel.setup}.png", *drawing(panel.setup, trades))
+        trial.notes.append(
             f"{panel.setup}: {shot.size[0]}x{shot.size[1]}, {shot.spp} samples, C_E "
             f"{panel.c_e:.3g}; the paper's C_E: {panel.c_e_note}"
         )
-    light_paths = bidirectional(quick, size)
+    light_paths = bidirectional(trial.quick, trial.size)
     for preset, trade in light_paths.items():
-        band = bands.BIDIRECTIONAL_RR if preset == "paper" and not quick else None
-        outcome.rows += _rows(
+        band = bands.BIDIRECTIONAL_RR if preset == "paper" and not trial.quick else None
+        trial.rows += _rows(
             "bidirectional", preset, trade, band, printed_rr=printed.BIDIRECTIONAL_REDUCTION
         )
-    outcome.files.append(draw_panel("bidirectional", light_paths, folder))
-    outcome.notes.append(
-        f"bidirectional: Cornell box, {QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP} "
-        f"paths per pixel, C_E {printed.BIDIRECTIONAL_C_E:g}, no refinement; the paper's 750 "
+    trial.draw("aqvc-fig5-bidirectional.png", *drawing("bidirectional", light_paths))
+    trial.notes.append(
+        "bidirectional: Cornell box, "
+        f"{QUICK_BIDIRECTIONAL_SPP if trial.quick else BIDIRECTIONAL_SPP} paths per pixel, "
+        f"C_E {printed.BIDIRECTIONAL_C_E:g}, no refinement; the paper's 750 "
         "paths in a scene that it does not name"
     )
-    return outcome
 
 
 def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]:
     """Bidirectional path tracing, by preset."""
     shot = Shot(
-        scene=scenes.cornell_box(),
-        integrator=Bdpt(),
+        scene=vc.scenes.cornell_box(),
+        integrator=vc.Bdpt(),
         size=size or (QUICK_BIDIRECTIONAL_SIZE if quick else BIDIRECTIONAL_SIZE),
         spp=QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP,
     )
     return shot.trades(presets(printed.BIDIRECTIONAL_C_E), quick)
 
 
-def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
+def _panel_rows(panel: Case, trades: Mapping[str, Trade], quick: bool) -> Iterator[Row]:
     stand_in = SETUPS[panel.setup]
     band = bands.QUICK_PICTURE_RR if quick else bands.PICTURE_RR[panel.setup]
     error = bands.QUICK_PICTURE_ERROR if quick else bands.PICTURE_ERROR
-    rows = [
-        Row(
-            f"{panel.setup}: triangles",
-            stand_in.scene(quick).triangles,
-            printed=printed.SCENES[stand_in.printed].triangles,
-        )
-    ]
+    yield Row(
+        f"{panel.setup}: triangles",
+        stand_in.scene(quick).triangles,
+        printed=printed.SCENES[stand_in.printed].triangles,
+    )
     for preset, trade in trades.items():
-        rows += _rows(
+        yield from _rows(
             panel.setup,
             preset,
             trade,
@@ -109,7 +102,6 @@ def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[
             printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
             error=error if preset != "fast" else None,
         )
-    return rows
 
 
 def _rows(
@@ -121,19 +113,17 @@ def _rows(
     printed_rr: float | None = None,
     printed_speedup: float | None = None,
     error: Band | None = None,
-) -> list[Row]:
+) -> Iterator[Row]:
     label = f"{name}, {preset}"
-    return [
-        Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note),
-        Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup),
-        Row(
-            f"{label}: rel_l1",
-            trade.rel_l1,
-            band=error,
-            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-        ),
-        *group_rows(label, trade),
-    ]
+    yield Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note)
+    yield Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup)
+    yield Row(
+        f"{label}: rel_l1",
+        trade.rel_l1,
+        band=error,
+        note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+    )
+    yield from group_rows(label, trade)
 
 
 def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -147,19 +137,19 @@ def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[An
     return picture
 
 
-def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
+def drawing(name: str, trades: Mapping[str, Trade]) -> tuple[Panels, tuple[float, float]]:
     """Per preset: the exact picture above the cached one, and the amplified difference."""
-    figure = new_figure(9.0, 3.0 * len(trades))
-    for row, (preset, trade) in enumerate(trades.items()):
+    rows = []
+    for preset, trade in trades.items():
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
-        seconds = [f"{f.timings['cpu_s']:.1f}" for f in (trade.exact, trade.frame)]
-        axes = figure.add_subplot(len(trades), 2, 2 * row + 1)
-        draw_image(
-            axes,
-            diagonal(trade.exact.image, trade.frame.image),
-            f"{name}: exact, {seconds[0]} CPU s, over {preset}, {seconds[1]} CPU s",
-            exposure=exposure,
+        exact, cached = (f"{f.timings['cpu_s']:.1f} CPU s" for f in (trade.exact, trade.frame))
+        both = diagonal(trade.exact.image, trade.frame.image)
+        title = f"{name}: exact, {exact}, over {preset}, {cached}"
+        amplified = f"{AMPLIFIED:g} × difference"
+        rows.append(
+            [
+                Panel(title=title, image=both, exposure=exposure),
+                Panel(title=amplified, image=difference(trade), exposure=1.0),
+            ]
         )
-        axes = figure.add_subplot(len(trades), 2, 2 * row + 2)
-        draw_image(axes, difference(trade), f"{AMPLIFIED:g} × difference", exposure=1.0)
-    return save_figure(figure, folder / f"aqvc-fig5-{name}.png")
+    return rows, (9.0, 3.0 * len(trades))

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from viscache import scenes
+import viscache as vc
 from viscache.aqvc import eye_keys
 from viscache.settings.by_name import replaced
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, PaperForm
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_bias import bias_rows
 from viscache_lab.figures.aqvc_errors import bias, stray_light
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 Size = tuple[int, int] | None
 
@@ -36,28 +32,29 @@ KINDS = {
 }
 
 
-@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement, bias")
-def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
+@FIGURES.add(
+    "aqvc-quality",
+    "quality choices of the quantized cache: normals, grids, refinement, bias",
+    sized=True,
+)
+def quality(trial: Trial) -> None:
     """All choices, and a table."""
-    outcome = Outcome(rows=leaking_cells())
-    rows, table = normals(quick, size)
-    outcome.rows += rows
-    outcome.rows += grids_and_neighbours(quick, size)
-    outcome.rows += light_kinds(quick, size)
-    rows, biases = bias_rows(quick, size)
-    outcome.rows += rows
-    outcome.files += [
-        write_csv(folder / "aqvc-quality.csv", table),
-        write_csv(folder / "aqvc-quality-bias.csv", biases),
-    ]
-    outcome.notes.append(
+    trial.rows += leaking_cells()
+    rows, table = normals(trial.quick, trial.size)
+    trial.rows += rows
+    trial.rows += grids_and_neighbours(trial.quick, trial.size)
+    trial.rows += light_kinds(trial.quick, trial.size)
+    rows, biases = bias_rows(trial.quick, trial.size)
+    trial.rows += rows
+    trial.csv("aqvc-quality.csv", table)
+    trial.csv("aqvc-quality-bias.csv", biases)
+    trial.notes.append(
         "Choices are changed one at a time in the preset default; the apartment has 24 lamps and a "
         f"sun, C_E {C_E:g}. Errors are means over grids, a shift of the grids each."
     )
-    return outcome
 
 
-def leaking_cells() -> list[Row]:
+def leaking_cells() -> Iterator[Row]:
     """How many cells on the front of a wall, 1/1000 cell thick, also contain its back."""
     radius, cells = 7.5, 40.0
     rng = np.random.default_rng(1)
@@ -65,23 +62,19 @@ def leaking_cells() -> list[Row]:
     front[:, 1] = 0.0303
     up = np.tile(np.array([0, 1, 0], np.float32), (len(front), 1))
     behind = front - np.float32(1e-3 * 2 * radius / cells) * up
-    rows = []
     for mode in MODES:
-        settings = replaced(Aqvc(), {"normal_mode": mode}, "visibility")
+        settings = replaced(vc.Aqvc(), {"normal_mode": mode}, "visibility")
         sides = [
             eye_keys(settings, (0, 0, 0), radius, x, n, np.full(len(x), cells))[0]
             for x, n in ((front, up), (behind, -up))
         ]
         seen, hidden = ([key.tobytes() for key in side] for side in sides)
         shared = np.isin(seen, hidden).mean()
-        rows.append(
-            Row(
-                f"normals {mode}: cells of a thin wall's front that hold its back",
-                float(shared),
-                band=bands.LEAKING_CELLS[mode],
-            )
+        yield Row(
+            f"normals {mode}: cells of a thin wall's front that hold its back",
+            float(shared),
+            band=bands.LEAKING_CELLS[mode],
         )
-    return rows
 
 
 def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
@@ -89,7 +82,7 @@ def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
-        cache = Aqvc(c_e=C_E, exact_groups=(), paper=PaperForm(grid_seed=grid))
+        cache = vc.Aqvc(c_e=C_E, exact_groups=(), paper=vc.PaperForm(grid_seed=grid))
         settings = replaced(cache, given, "visibility")
         trade = Trade(frame=shot.frame(settings), exact=exact)
         found.append(
@@ -112,7 +105,7 @@ def _shot(quick: bool, size: Size) -> Shot:
 def normals(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
     """Bins of normals: rays and errors in the apartment, and stray light behind a thin wall."""
     apartment = _shot(quick, size)
-    wall = Shot(scene=scenes.thin_wall(), integrator=Direct(), size=apartment.size)
+    wall = Shot(scene=vc.scenes.thin_wall(), integrator=vc.Direct(), size=apartment.size)
     found = {m: mean_trade(apartment, quick, normal_mode=m) for m in MODES}
     stray = {m: mean_trade(wall, quick, normal_mode=m, refinement="off") for m in MODES}
     rows = []
@@ -150,37 +143,34 @@ def _note(found: dict[str, float]) -> str:
     )
 
 
-def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
+def grids_and_neighbours(quick: bool, size: Size) -> Iterator[Row]:
     """Offsets of the grids, and neighbours along the tangent plane."""
     shot = _shot(quick, size)
     base = mean_trade(shot, quick)
     fixed = mean_trade(shot, quick, grid_offset=False)
     level = mean_trade(shot, quick, tangent_neighbours=False)
-    return [
-        Row(
-            "grids without offset: rays over those with it",
-            fixed["rays"] / base["rays"],
-            band=None if quick else bands.RAYS_WITHOUT_OFFSET,
-            note=_note(fixed),
-        ),
-        Row(
-            "tangent neighbours: rel_l1 over that with the same v_z",
-            base["rel_l1"] / level["rel_l1"],
-            band=None if quick else bands.TANGENT_ERROR,
-            note=f"without: {_note(level)}",
-        ),
-        Row(
-            "tangent neighbours: rays over those with the same v_z",
-            base["rays"] / level["rays"],
-            band=None if quick else bands.TANGENT_RAYS,
-            note=_note(base),
-        ),
-    ]
+    yield Row(
+        "grids without offset: rays over those with it",
+        fixed["rays"] / base["rays"],
+        band=None if quick else bands.RAYS_WITHOUT_OFFSET,
+        note=_note(fixed),
+    )
+    yield Row(
+        "tangent neighbours: rel_l1 over that with the same v_z",
+        base["rel_l1"] / level["rel_l1"],
+        band=None if quick else bands.TANGENT_ERROR,
+        note=f"without: {_note(level)}",
+    )
+    yield Row(
+        "tangent neighbours: rays over those with the same v_z",
+        base["rays"] / level["rays"],
+        band=None if quick else bands.TANGENT_RAYS,
+        note=_note(base),
+    )
 
 
-def light_kinds(quick: bool, size: Size) -> list[Row]:
+def light_kinds(quick: bool, size: Size) -> Iterator[Row]:
     """Refinement on and off, by kind of light."""
-    rows = []
     for name, kinds in KINDS.items():
         setup = SETUPS[name]
         shot = replace(setup.shot(quick, size), size=size or (QUICK_SIZE if quick else SIZE))
@@ -190,11 +180,7 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
         trades = {
             state: Trade(
                 frame=shot.frame(
-                    Aqvc(
-                        c_e=C_E,
-                        refinement=dict.fromkeys(kinds, state),
-                        exact_groups=(),
-                    )
+                    vc.Aqvc(c_e=C_E, refinement=dict.fromkeys(kinds, state), exact_groups=())
                 ),
                 exact=exact,
             )
@@ -204,12 +190,9 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
             off, on = (trades[state].group_rel_l1(kind) for state in ("off", "on"))
             reductions = [trades[s].group_reduction(kind) for s in ("off", "on")]
             shared = kind in ("point", "directional", "vpl")
-            rows.append(
-                Row(
-                    f"refinement of {kind} light ({name}): rel_l1 on over off",
-                    on / off if off else None,
-                    band=bands.REFINED_ERROR if shared and not quick else None,
-                    note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
-                )
+            yield Row(
+                f"refinement of {kind} light ({name}): rel_l1 on over off",
+                on / off if off else None,
+                band=bands.REFINED_ERROR if shared and not quick else None,
+                note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
             )
-    return rows

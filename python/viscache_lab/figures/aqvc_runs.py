@@ -9,14 +9,11 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from viscache import metrics
+import viscache as vc
 from viscache.base import tonemap
-from viscache.frame import Frame
-from viscache.scene import Camera, Scene
 from viscache.settings.integrators import Integrator
-from viscache.settings.visibility import Aqvc, Exact, Visibility
-from viscache.shot.render import render
-from viscache_lab.figures.outcome import Row
+from viscache.settings.visibility import Visibility
+from viscache_lab.experiment import Row
 
 __all__ = ["AMPLIFIED", "TURNS", "Shot", "Trade", "difference", "group_rows", "presets"]
 
@@ -32,31 +29,33 @@ TURNS = 3
 class Shot:
     """All settings of a rendering except the visibility."""
 
-    scene: Scene
+    scene: vc.Scene
     integrator: Integrator
     size: tuple[int, int]
     spp: int = 1
-    camera: str | int | Camera | None = None
+    camera: str | int | vc.Camera | None = None
 
-    def frame(self, visibility: Visibility | None = None, seed: int = 0) -> Frame:
+    def frame(self, visibility: Visibility | None = None, seed: int = 0) -> vc.Frame:
         """A frame, exact by default. Its time excludes building the ray caster."""
         self.scene.caster()
-        return render(
+        return vc.render(
             self.scene,
             self.integrator,
-            visibility=visibility or Exact(engine="packets"),
+            visibility=visibility or vc.Exact(engine="packets"),
             seed=seed,
             size=self.size,
             spp=self.spp,
             camera=self.camera,
         )
 
-    def in_turns(self, settings: Mapping[Key, Visibility | None], quick: bool) -> dict[Key, Frame]:
+    def in_turns(
+        self, settings: Mapping[Key, Visibility | None], quick: bool
+    ) -> dict[Key, vc.Frame]:
         """A frame per setting, with the median CPU time of `TURNS`; of one turn if quick.
 
         The settings take turns, so that a busy machine slows all of them.
         """
-        frames: dict[Key, list[Frame]] = {key: [] for key in settings}
+        frames: dict[Key, list[vc.Frame]] = {key: [] for key in settings}
         for _ in range(1 if quick else TURNS):
             for key, visibility in settings.items():
                 frames[key].append(self.frame(visibility))
@@ -72,8 +71,8 @@ class Shot:
 class Trade:
     """A cached frame and the exact frame of the same samples."""
 
-    frame: Frame
-    exact: Frame
+    frame: vc.Frame
+    exact: vc.Frame
 
     @property
     def ray_reduction(self) -> float:
@@ -88,7 +87,7 @@ class Trade:
     @property
     def rel_l1(self) -> float:
         """rel_l1 of the whole picture."""
-        return float(metrics.rel_l1(_double(self.frame.image), _double(self.exact.image)) or 0.0)
+        return float(vc.metrics.rel_l1(_double(self.frame.image), _double(self.exact.image)) or 0.0)
 
     @property
     def reflected_rel_l1(self) -> float:
@@ -96,12 +95,12 @@ class Trade:
         cached, exact = (
             _double(f.image) - _double(f.layers["emitted"]) for f in (self.frame, self.exact)
         )
-        return float(metrics.rel_l1(cached, exact) or 0.0)
+        return float(vc.metrics.rel_l1(cached, exact) or 0.0)
 
     @property
     def ssim(self) -> float:
         """SSIM of the whole picture; NaN if it is smaller than SSIM's window."""
-        value = metrics.compare(self.frame, self.exact, metrics=["ssim"]).ssim
+        value = vc.metrics.compare(self.frame, self.exact, metrics=["ssim"]).ssim
         return float("nan") if value is None else value
 
     @property
@@ -112,7 +111,7 @@ class Trade:
     def group_rel_l1(self, group: str) -> float:
         """rel_l1 of one light group's layer; 0 if it is black."""
         cached, exact = (_double(f.layers[group]) for f in (self.frame, self.exact))
-        return float(metrics.rel_l1(cached, exact) or 0.0)
+        return float(vc.metrics.rel_l1(cached, exact) or 0.0)
 
     def group_reduction(self, group: str) -> float:
         """Queries per ray of one light group; infinite without rays."""
@@ -145,7 +144,7 @@ class Trade:
         }
 
 
-def _median(frames: Sequence[Frame]) -> Frame:
+def _median(frames: Sequence[vc.Frame]) -> vc.Frame:
     """The frame of the median CPU time. All must have the same pixels."""
     if len({frame.sha256 for frame in frames}) != 1:
         raise AssertionError("frames of the same settings must have the same pixels")
@@ -156,11 +155,11 @@ def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
     return np.asarray(image, dtype=np.float64)
 
 
-def presets(c_e: float, **given: Any) -> dict[str, Aqvc]:
+def presets(c_e: float, **given: Any) -> dict[str, vc.Aqvc]:
     """The default and the paper's preset at one C_E."""
     return {
-        "default": Aqvc(c_e=c_e, exact_groups=(), **given),
-        "paper": Aqvc(preset="paper", c_e=c_e, **given),
+        "default": vc.Aqvc(c_e=c_e, exact_groups=(), **given),
+        "paper": vc.Aqvc(preset="paper", c_e=c_e, **given),
     }
 
 

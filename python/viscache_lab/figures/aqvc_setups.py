@@ -7,10 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
-from viscache import SceneDescription, scenes
-from viscache.scene import Scene
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc
+import viscache as vc
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot
 
@@ -34,7 +31,7 @@ class Setup:
     name: str
     printed: str
     """The paper's scene, a key of `aqvc_printed.SCENES`."""
-    make: Callable[[int], Scene]
+    make: Callable[[int], vc.Scene]
     """Takes the number of triangles."""
     triangles: tuple[int, int]
     """Of full and of quick runs."""
@@ -48,11 +45,11 @@ class Setup:
     square: bool = False
     c_e_groups: Mapping[str, float] = field(default_factory=dict)
 
-    def integrator(self, quick: bool) -> Whitted:
+    def integrator(self, quick: bool) -> vc.Whitted:
         """The paper's numbers of samples; an eighth of them if quick."""
         share = 8 if quick else 1
         environment = self.n_environment // share
-        return Whitted(
+        return vc.Whitted(
             n_vpls=self.n_vpls // share,
             n_area=self.n_area // share,
             n_environment=environment,
@@ -76,27 +73,27 @@ class Setup:
             size=self.pixels(quick, size),
         )
 
-    def scene(self, quick: bool) -> Scene:
+    def scene(self, quick: bool) -> vc.Scene:
         """The scene; recent scenes are cached."""
         return _made(self.name, self.triangles[quick])
 
-    def cache(self, preset: Preset, c_e: float, **given: Any) -> Aqvc:
+    def cache(self, preset: Preset, c_e: float, **given: Any) -> vc.Aqvc:
         """A preset at one C_E, except for the light groups whose C_E the paper keeps fixed."""
         groups = dict(self.c_e_groups)
-        return Aqvc(preset=preset, c_e=c_e, c_e_groups=groups, exact_groups=(), **given)
+        return vc.Aqvc(preset=preset, c_e=c_e, c_e_groups=groups, exact_groups=(), **given)
 
 
 @lru_cache(maxsize=4)
-def _made(name: str, triangles: int) -> Scene:
+def _made(name: str, triangles: int) -> vc.Scene:
     return SETUPS[name].make(triangles)
 
 
-def delta(triangles: int) -> Scene:
+def delta(triangles: int) -> vc.Scene:
     """The apartment with its 24 lamps and sunlight through the windows, without a sky."""
-    d: SceneDescription = scenes.SCENES["apartment"].builder(triangles=triangles).description
+    d: vc.SceneDescription = vc.scenes.SCENES["apartment"].builder(triangles=triangles).description
     d.clear_environment()
     d.add_directional_light(SUN, SUNLIGHT)
-    return Scene.from_description(d)
+    return vc.Scene.from_description(d)
 
 
 SETUPS: dict[str, Setup] = {
@@ -112,7 +109,7 @@ SETUPS: dict[str, Setup] = {
         Setup(
             name="apartment",
             printed="apartment",
-            make=scenes.apartment,
+            make=vc.scenes.apartment,
             triangles=(750_000, 20_000),
             n_vpls=1024,
             n_environment=128,
@@ -121,14 +118,14 @@ SETUPS: dict[str, Setup] = {
         Setup(
             name="conference",
             printed="conference",
-            make=scenes.conference,
+            make=vc.scenes.conference,
             triangles=(280_000, 20_000),
             n_area=64,
         ),
         Setup(
             name="courtyard",
             printed="san miguel",
-            make=scenes.courtyard,
+            make=vc.scenes.courtyard,
             triangles=(2_200_000, 60_000),
             n_vpls=1024,
             n_environment=128,
@@ -137,7 +134,7 @@ SETUPS: dict[str, Setup] = {
         Setup(
             name="hairball",
             printed="hairball",
-            make=scenes.hairball,
+            make=vc.scenes.hairball,
             triangles=(3_000_000, 30_000),
             n_vpls=256,
             n_environment=32,

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import viscache as vc
 from viscache.plots import label as plot_label
 from viscache.plots.sweeps import ticks_1_2_5
-from viscache.scene import Scene, load_scene
 from viscache.scenes.sources import scene_file
-from viscache.settings.integrators import Whitted
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series, draw
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, group_rows
 from viscache_lab.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_living_room import SKIES
-from viscache_lab.figures.vlf_tracers import write_csv
 
 #: C_E over the paper's range. The paper's preset runs at both ends and at one value between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}
@@ -58,38 +54,34 @@ class Sweep:
         return self.trades["default"][max(self.trades["default"])]
 
 
-@figure("aqvc-fig7", "ray reduction, speed-up, rel_l1 and SSIM over C_E in five scenes")
-def figure7(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+@FIGURES.add(
+    "aqvc-fig7", "ray reduction, speed-up, rel_l1 and SSIM over C_E in five scenes", sized=True
+)
+def figure7(trial: Trial) -> None:
     """Every setup with and without anti-aliasing."""
-    outcome = Outcome()
     sweeps: list[Sweep] = []
     for setup in SETUPS.values():
-        scene = setup.scene(quick)
+        scene = setup.scene(trial.quick)
         for antialiased in (False, True):
-            sweep, shot = make_sweep(setup, scene, antialiased, quick, size)
-            values = c_e_values(setup, antialiased, quick)
+            sweep, shot = make_sweep(setup, scene, antialiased, trial.quick, trial.size)
+            values = c_e_values(setup, antialiased, trial.quick)
             settings = {(p, c_e): setup.cache(p, c_e) for p in values for c_e in values[p]}
-            for (preset, c_e), trade in shot.trades(settings, quick).items():
+            for (preset, c_e), trade in shot.trades(settings, trial.quick).items():
                 sweep.trades.setdefault(preset, {})[c_e] = trade
-            outcome.rows += _sweep_rows(sweep, quick)
+            trial.rows += _sweep_rows(sweep, trial.quick)
             sweeps.append(sweep)
-    outcome.rows += _overall_rows(sweeps, quick)
-    if not quick:
-        outcome.rows += _file_rows(outcome, size or SIZE)
-    outcome.files += [
-        _draw(sweeps, folder / "aqvc-fig7.png"),
-        write_csv(folder / "aqvc-fig7.csv", _table(sweeps)),
-    ]
-    outcome.notes.append(
+    trial.rows += _overall_rows(sweeps, trial.quick)
+    if not trial.quick:
+        trial.rows += _file_rows(trial, trial.size or SIZE)
+    trial.save(_picture(sweeps), "aqvc-fig7.png")
+    trial.csv("aqvc-fig7.csv", _table(sweeps))
+    trial.notes.append(
         "Speed-ups: CPU seconds of whole frames against our fastest exact order, "
-        f"{'one turn' if quick else f'medians of {TURNS} turns'}. "
+        f"{'one turn' if trial.quick else f'medians of {TURNS} turns'}. "
         f"Anti-aliased frames with virtual lights have 1/{ANTIALIASED_LIGHTS} of the lights and "
         "environment samples per sample of a pixel. The paper's QMOS has no counterpart here: "
         "SSIM stands beside it, no equivalence claimed."
     )
-    return outcome
 
 
 def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Sequence[float]]:
@@ -102,14 +94,14 @@ def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Seq
 
 
 def make_sweep(
-    setup: Setup, scene: Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
+    setup: Setup, scene: vc.Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
 ) -> tuple[Sweep, Shot]:
     """The sweeps to fill, and the frames to render."""
     spp = 1 if not antialiased else 4 if quick else setup.antialiased
     integrator = setup.integrator(quick)
     if antialiased and setup.n_vpls and not quick:
         n = setup.n_environment // ANTIALIASED_LIGHTS
-        integrator = Whitted(
+        integrator = vc.Whitted(
             n_vpls=setup.n_vpls // ANTIALIASED_LIGHTS,
             n_environment=n,
             n_brdf=n,
@@ -119,52 +111,44 @@ def make_sweep(
     return Sweep(setup=setup, antialiased=antialiased, spp=spp), shot
 
 
-def _sweep_rows(sweep: Sweep, quick: bool) -> list[Row]:
-    rows = []
+def _sweep_rows(sweep: Sweep, quick: bool) -> Iterator[Row]:
     for preset, trades in sweep.trades.items():
         label = f"{sweep.label}, {preset}"
         for c_e, trade in trades.items():
-            rows += [
-                Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note),
-                Row(
-                    f"{label}, C_E {c_e:g}: rel_l1",
-                    trade.rel_l1,
-                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-                ),
-            ]
+            yield Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note)
+            yield Row(
+                f"{label}, C_E {c_e:g}: rel_l1",
+                trade.rel_l1,
+                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+            )
         first, last = trades[min(trades)], trades[max(trades)]
-        rows += [
-            Row(
-                f"{label}: RR, largest over smallest C_E",
-                last.ray_reduction / first.ray_reduction,
-                band=bands.REDUCTION_RISES,
-            ),
-            Row(
-                f"{label}: rel_l1, largest over smallest C_E",
-                last.rel_l1 / first.rel_l1,
-                band=bands.ERROR_RISES,
-            ),
-            Row(
-                f"{label}: SSIM at the smallest C_E",
-                first.ssim,
-                printed="QMOS > 77 %",
-                band=None if quick else bands.LEAST_SSIM,
-            ),
-            *group_rows(f"{label}, C_E {max(trades):g}", last),
-        ]
-    implied = printed.SCENES[sweep.setup.printed].implied_speedup
-    rows.append(
-        Row(
-            f"{sweep.label}, default: largest speed-up",
-            sweep.largest("speedup", "default"),
-            printed=implied,
-            note="printed: total/shading over what is left to gain, on a GPU",
+        yield Row(
+            f"{label}: RR, largest over smallest C_E",
+            last.ray_reduction / first.ray_reduction,
+            band=bands.REDUCTION_RISES,
         )
+        yield Row(
+            f"{label}: rel_l1, largest over smallest C_E",
+            last.rel_l1 / first.rel_l1,
+            band=bands.ERROR_RISES,
+        )
+        yield Row(
+            f"{label}: SSIM at the smallest C_E",
+            first.ssim,
+            printed="QMOS > 77 %",
+            band=None if quick else bands.LEAST_SSIM,
+        )
+        yield from group_rows(f"{label}, C_E {max(trades):g}", last)
+    implied = printed.SCENES[sweep.setup.printed].implied_speedup
+    yield Row(
+        f"{sweep.label}, default: largest speed-up",
+        sweep.largest("speedup", "default"),
+        printed=implied,
+        note="printed: total/shading over what is left to gain, on a GPU",
     )
-    return rows
 
 
-def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
+def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> Iterator[Row]:
     def of(name: str) -> list[Sweep]:
         return [s for s in sweeps if s.setup.name == name]
 
@@ -174,68 +158,62 @@ def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
     conference = max(s.largest("speedup", "default") for s in of("conference"))
     apartment = max(s.largest("speedup", "default") for s in of("apartment"))
     greatest = max(gains, key=lambda label: gains[label])
-    return [
-        Row(
-            "largest RR",
-            max(s.largest("ray_reduction") for s in sweeps),
-            printed=printed.RAY_REDUCTION + 1,
-            band=None if quick else bands.LARGEST_REDUCTION,
-        ),
-        Row(
-            "default: largest speed-up",
-            gains[greatest],
-            printed=printed.SPEEDUP,
-            band=None if quick else bands.LARGEST_SPEEDUP,
-            note=f"in {greatest}; the paper's in SAN MIGUEL",
-        ),
-        Row(
-            "default: largest speed-up in the conference room over the apartment's",
-            conference / apartment,
-            printed=printed.SCENES["conference"].implied_speedup
-            / printed.SCENES["apartment"].implied_speedup,
-            band=None if quick else bands.CONFERENCE_GAINS_LESS,
-        ),
-        Row(
-            "no AA, default: rel_l1 of reflected light, hairball over the others' mean",
-            plain["hairball"] / others,
-            band=None if quick else bands.HAIRBALL_ERRS_MOST,
-        ),
-    ]
+    yield Row(
+        "largest RR",
+        max(s.largest("ray_reduction") for s in sweeps),
+        printed=printed.RAY_REDUCTION + 1,
+        band=None if quick else bands.LARGEST_REDUCTION,
+    )
+    yield Row(
+        "default: largest speed-up",
+        gains[greatest],
+        printed=printed.SPEEDUP,
+        band=None if quick else bands.LARGEST_SPEEDUP,
+        note=f"in {greatest}; the paper's in SAN MIGUEL",
+    )
+    yield Row(
+        "default: largest speed-up in the conference room over the apartment's",
+        conference / apartment,
+        printed=printed.SCENES["conference"].implied_speedup
+        / printed.SCENES["apartment"].implied_speedup,
+        band=None if quick else bands.CONFERENCE_GAINS_LESS,
+    )
+    yield Row(
+        "no AA, default: rel_l1 of reflected light, hairball over the others' mean",
+        plain["hairball"] / others,
+        band=None if quick else bands.HAIRBALL_ERRS_MOST,
+    )
 
 
-def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
+def _file_rows(trial: Trial, size: tuple[int, int]) -> Iterator[Row]:
     """Scenes by other authors, beside the stand-ins; without bands."""
-    rows = []
     for name in FILES:
-        scene = load_file(name, outcome)
+        scene = load_file(name, trial)
         if scene is None:
             continue
-        integrator = Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
+        integrator = vc.Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
         shot = Shot(scene=scene, integrator=integrator, size=size)
         presets: tuple[Preset, ...] = ("default", "paper")
         settings = {p: SETUPS["courtyard"].cache(p, FILES_C_E) for p in presets}
         for preset, trade in shot.trades(settings, quick=False).items():
             label = f"{name}, no AA, {preset}, C_E {FILES_C_E:g}"
-            rows += [
-                Row(f"{label}: RR", trade.ray_reduction, note=trade.note),
-                Row(f"{label}: rel_l1", trade.rel_l1, note=f"SSIM {trade.ssim:.3f}"),
-                *group_rows(label, trade),
-            ]
-    return rows
+            yield Row(f"{label}: RR", trade.ray_reduction, note=trade.note)
+            yield Row(f"{label}: rel_l1", trade.rel_l1, note=f"SSIM {trade.ssim:.3f}")
+            yield from group_rows(label, trade)
 
 
-def load_file(name: str, outcome: Outcome) -> Scene | None:
+def load_file(name: str, trial: Trial) -> vc.Scene | None:
     """A scene by another author, with a measured sky if it has no light that viscache models."""
     path = scene_file(name)
     if path is None:
-        outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+        trial.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
         return None
-    scene = load_scene(path)
+    scene = vc.load_scene(path)
     sky = path.parent.parent / SKIES["noon"]
     if scene.lights:
         return scene
     if not sky.is_file():
-        outcome.skip(name, f"none of its lights is modelled, and {SKIES['noon']} is absent")
+        trial.skip(name, f"none of its lights is modelled, and {SKIES['noon']} is absent")
         return None
     return scene.with_environment(sky)
 
@@ -249,38 +227,33 @@ def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
     ]
 
 
-def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
+def _picture(sweeps: Sequence[Sweep]) -> Any:
     """Three rows: reduction, speed-up, error. The right column is anti-aliased."""
-    figure = new_figure(10.0, 9.0)
+
+    def panel(what: str, label: str, antialiased: bool) -> Panel:
+        series = []
+        for k, sweep in enumerate(s for s in sweeps if s.antialiased == antialiased):
+            for preset, style in (("default", "-o"), ("paper", "--s")):
+                trades = dict(sorted(sweep.trades[preset].items()))
+                values = [getattr(trade, what) for trade in trades.values()]
+                name = sweep.setup.name if preset == "default" else ""
+                series.append(Series(name, list(trades), values, style, f"C{k}"))
+        return Panel(
+            series=series,
+            x=plot_label("c_e"),
+            y=label,
+            logarithmic="y",
+            title=("AA" if antialiased else "no AA") if what == "ray_reduction" else "",
+            legend=False,
+            more=lambda axes: ticks_1_2_5(axes.yaxis),
+        )
+
     kinds = {"ray_reduction": "RR", "speedup": "speed-up", "rel_l1": "rel_l1"}
-    for row, (what, label) in enumerate(kinds.items()):
-        for column, antialiased in enumerate((False, True)):
-            axes = figure.add_subplot(3, 2, 2 * row + column + 1)
-            for k, sweep in enumerate(s for s in sweeps if s.antialiased == antialiased):
-                for preset, style in (("default", "-o"), ("paper", "--s")):
-                    trades = sweep.trades[preset]
-                    values = [getattr(trades[c], what) for c in sorted(trades)]
-                    axes.plot(
-                        sorted(trades),
-                        values,
-                        style,
-                        ms=3,
-                        lw=1,
-                        color=f"C{k}",
-                        label=sweep.setup.name if preset == "default" else None,
-                    )
-            axes.set(
-                xlabel=plot_label("c_e"),
-                ylabel=label,
-                yscale="log",
-                title=("AA" if antialiased else "no AA") if row == 0 else "",
-            )
-            ticks_1_2_5(axes.yaxis)
-            axes.grid(lw=0.3)
+    figure = draw([[panel(*kind, aa) for aa in (False, True)] for kind in kinds.items()], (10, 9))
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
         loc="outside upper center",
         ncols=len(SETUPS),
         title="solid: preset default; dashed: paper",
     )
-    return save_figure(figure, path)
+    return figure

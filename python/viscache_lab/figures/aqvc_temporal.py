@@ -5,27 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from viscache import metrics
-from viscache.aqvc.table import AqvcTable
-from viscache.frame import Frame
+import viscache as vc
 from viscache.metrics.temporal import flicker
-from viscache.scene import Camera, Scene
 from viscache.scenes.shapes import bumpy_sphere
-from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, Exact, PaperForm
-from viscache.shot.render import render
+from viscache_lab.experiment import FIGURES, Band, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, Series
 from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_flicker import cameras
 from viscache_lab.figures.aqvc_setups import delta
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4
@@ -42,7 +33,7 @@ WAYS = ("dropped", "kept", "epochs", "repaired")
 class Sequence:
     """The frames of one path, with one way to keep tables."""
 
-    frames: list[Frame] = field(default_factory=list)
+    frames: list[vc.Frame] = field(default_factory=list)
 
     def total(self, name: str) -> int:
         """A counter summed over all frames; 0 if absent."""
@@ -60,21 +51,21 @@ class Sequence:
 
 
 @cache
-def _apartment(triangles: int) -> Scene:
+def _apartment(triangles: int) -> vc.Scene:
     return delta(triangles)
 
 
 @cache
-def with_ball(triangles: int, x: float, y: float, z: float) -> Scene:
+def with_ball(triangles: int, x: float, y: float, z: float) -> vc.Scene:
     """The apartment with a ball in the air."""
     d = _apartment(triangles).description()
     vertices, faces = bumpy_sphere(BALL_RADIUS, 12).mesh(1.0)
     ball = np.asarray(vertices, np.float32) + np.array([x, y, z], np.float32)
     d.add_mesh(ball, np.asarray(faces, np.uint32), material=0, name="ball")
-    return Scene.from_description(d)
+    return vc.Scene.from_description(d)
 
 
-def views(path: str, quick: bool) -> list[tuple[Scene, Camera]]:
+def views(path: str, quick: bool) -> list[tuple[vc.Scene, vc.Camera]]:
     """Scene and camera of every frame: "camera" moves the camera, "ball" the ball."""
     n = QUICK_FRAMES if quick else FRAMES
     triangles = QUICK_TRIANGLES if quick else TRIANGLES
@@ -89,64 +80,61 @@ def views(path: str, quick: bool) -> list[tuple[Scene, Camera]]:
 
 
 def run(
-    shots: list[tuple[Scene, Camera]], way: str, refinement: str, size: tuple[int, int]
+    shots: list[tuple[vc.Scene, vc.Camera]], way: str, refinement: str, size: tuple[int, int]
 ) -> Sequence:
     """Render all frames of a path in one way."""
-    settings = Aqvc(
+    settings = vc.Aqvc(
         c_e=C_E,
-        paper=PaperForm(form="pairs", scale_free=True),
+        paper=vc.PaperForm(form="pairs", scale_free=True),
         refinement="on" if refinement == "on" else "off",
     )
     table = None
     if way != "dropped":
         repair = way == "repaired"
-        table = AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
+        table = vc.AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
     made = Sequence()
     for scene, view in shots:
         if table is not None:
             table.moved(scene, forget=way == "epochs")
         made.frames.append(
-            render(scene, Direct(), visibility=settings, size=size, camera=view, keep=table)
+            vc.render(scene, vc.Direct(), visibility=settings, size=size, camera=view, keep=table)
         )
     return made
 
 
-@figure(
-    "aqvc-temporal", "tables kept, dropped or repaired while things move: rays, flicker, stale bits"
+@FIGURES.add(
+    "aqvc-temporal",
+    "tables kept, dropped or repaired while things move: rays, flicker, stale bits",
+    sized=True,
 )
-def temporal(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+def temporal(trial: Trial) -> None:
     """Both paths, with refinement on and off, and tables dropped, kept, forgotten and repaired."""
-    pixels = size or (QUICK_SIZE if quick else SIZE)
-    outcome, table = Outcome(), []
+    pixels = trial.size or (QUICK_SIZE if trial.quick else SIZE)
+    table = []
     curves: dict[str, Mapping[str, Sequence]] = {}
     for path in ("camera", "ball"):
-        shots = views(path, quick)
+        shots = views(path, trial.quick)
         exact = [
-            render(scene, Direct(), visibility=Exact(), size=pixels, camera=view)
+            vc.render(scene, vc.Direct(), visibility=vc.Exact(), size=pixels, camera=view)
             for scene, view in shots
         ]
         for refinement in ("off", "on"):
             ways = WAYS if path == "ball" else WAYS[:2]
             found = {way: run(shots, way, refinement, pixels) for way in ways}
             label = f"{path}, refinement {refinement}"
-            outcome.rows += _rows(path, label, found, exact)
+            trial.rows += _rows(path, label, found, exact)
             table += _table(path, refinement, found, exact)
             curves[label] = found
-    outcome.files += [
-        _draw(curves, folder / "aqvc-temporal.png"),
-        write_csv(folder / "aqvc-temporal.csv", table),
-    ]
-    outcome.notes.append(
+    trial.draw("aqvc-temporal.png", _panels(curves), (11.0, 5.5))
+    trial.csv("aqvc-temporal.csv", table)
+    trial.notes.append(
         f"{pixels[0]}x{pixels[1]}, {len(exact)} frames, the apartment's living room under 24 lamps "
         f"and a sun, C_E {C_E:g}, scale-free cells, one query at a time. Rays that only check are "
         "not counted, those that repair are."
     )
-    return outcome
 
 
-def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame]) -> list[Row]:
+def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.Frame]) -> list[Row]:
     rows = []
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
@@ -201,17 +189,17 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[Fram
     return rows
 
 
-def _mean_error(s: Sequence, exact: list[Frame]) -> float:
+def _mean_error(s: Sequence, exact: list[vc.Frame]) -> float:
     return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
 
 
-def _error(frame: Frame, exact: Frame) -> float:
+def _error(frame: vc.Frame, exact: vc.Frame) -> float:
     cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
-    return metrics.rel_l1(cached, truth) or 0.0
+    return vc.metrics.rel_l1(cached, truth) or 0.0
 
 
 def _table(
-    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[Frame]
+    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[vc.Frame]
 ) -> list[dict[str, Any]]:
     names = (
         "queries",
@@ -236,20 +224,27 @@ def _table(
     ]
 
 
-def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
-    figure = new_figure(11.0, 5.5)
-    for column, (label, found) in enumerate(curves.items()):
-        rays = figure.add_subplot(2, len(curves), 1 + column)
-        wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)
+def _panels(curves: Mapping[str, Mapping[str, Sequence]]) -> Panels:
+    """Rays above, wrong bits below; a column per path and refinement."""
+
+    def panel(label: str, found: Mapping[str, Sequence], above: bool) -> Panel:
+        series = []
         for way, s in found.items():
             counters = [f.counters for f in s.frames]
-            color = f"C{WAYS.index(way)}"
-            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color, label=way)
-            if way != "dropped":
-                share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
-                wrong.plot(share, lw=1.2, color=color, label=way)
-        rays.set_title(label, fontsize=9)
-        rays.set(ylabel="rays per query", ylim=(0, None))
-        wrong.set(xlabel="frame", ylabel="share of kept bits that are wrong", ylim=(0, None))
-        rays.legend(fontsize=7)
-    return save_figure(figure, path)
+            rays = [c["rays"] / c["queries"] for c in counters]
+            wrong = [
+                c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters if "wrong_kept" in c
+            ]
+            if above or way != "dropped":
+                y = rays if above else wrong
+                series.append(Series(way, range(len(y)), y, "-", f"C{WAYS.index(way)}"))
+        return Panel(
+            series=series,
+            title=label if above else "",
+            x="" if above else "frame",
+            y="rays per query" if above else "share of kept bits that are wrong",
+            legend=above,
+            more=lambda axes: axes.set_ylim(bottom=0),
+        )
+
+    return [[panel(*curve, above) for curve in curves.items()] for above in (True, False)]

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.passes.over_time import gain, passes_over_time
+import viscache as vc
+from viscache.passes.over_time import gain
 from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
-from viscache.scene import Scene, load_scene
-from viscache.scenes import sources
-from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact
+from viscache_lab.experiment import FIGURES, Band, Row, Trial
+from viscache_lab.experiment.amounts import student_t
 from viscache_lab.figures import trade_bands as bands
-from viscache_lab.figures.drawing import save_figure
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import write_csv
 
 if TYPE_CHECKING:
     import xarray
@@ -32,14 +25,7 @@ class Case:
     """A scene: a built-in spec, or a file in the folder of scenes by others."""
 
     name: str
-    spec: str
-
-    def opened(self) -> Scene | None:
-        """The scene; None without its file."""
-        if "/" not in self.spec:
-            return sources.opened(self.spec)
-        path = sources.made_by_others(self.spec)
-        return None if path is None else load_scene(path)
+    scene: str
 
 
 CASES = (
@@ -52,61 +38,53 @@ CASES = (
     Case("classroom", "classroom/scene.xml"),
     Case("veach-ajar", "veach-ajar/scene.pbrt"),
 )
-QUICK = (
-    Case("room", "room?triangles=3000"),
-    Case("conference", "conference?triangles=20000"),
+QUICK = (Case("room", "room?triangles=3000"), Case("conference", "conference?triangles=20000"))
+
+
+@FIGURES.add(
+    "trade",
+    "error over time: exact, biased, corrected and picked visibility, pass by pass",
+    sized=True,
 )
-
-
-@figure("trade", "error over time: exact, biased, corrected and picked visibility, pass by pass")
-def trade(
-    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
-) -> Outcome:
+def trade(trial: Trial) -> None:
     """Passes of one sample with lights that stay the same, on one thread each."""
-    outcome, found, table = Outcome(), {}, []
-    light = Whitted(n_vpls=64 if quick else 1024)
-    for case in QUICK if quick else CASES:
-        scene = case.opened()
-        if scene is None:
-            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
-            continue
-        ds = passes_over_time(
+    found, table = {}, []
+    light = vc.Whitted(n_vpls=64 if trial.quick else 1024)
+    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+        ds = vc.passes_over_time(
             scene,
             light,
             settings(light),
-            passes=8 if quick else 16,
-            size=size or ((48, 32) if quick else (192, 192)),
+            passes=8 if trial.quick else 16,
+            size=trial.size or ((48, 32) if trial.quick else (192, 192)),
             threads=1,
-            progress=progress,
+            progress=trial.progress,
         )
         found[case.name] = ds
-        outcome.rows += _rows(case.name, ds, quick)
+        trial.rows += _rows(case.name, ds, trial.quick)
         table += [
             {"scene": case.name, **row}
             for row in ds.drop_dims("row").to_dataframe().reset_index().to_dict("records")
         ]
-    outcome.rows.append(_verdict(found))
-    outcome.files += [
-        _drawn(found, folder / "trade.png"),
-        write_csv(folder / "trade.csv", table),
-    ]
-    outcome.notes.append(
+    trial.rows.append(_verdict(found))
+    trial.save(_picture(found), "trade.png")
+    trial.csv("trade.csv", table)
+    trial.notes.append(
         "Errors are of light on surfaces, against two pictures of as many exact passes with other"
         " eye samples and the same lights. Settings took turns. A gain is squared error · CPU"
         " seconds of one way over that of the other; that of biased passes falls with more passes."
     )
-    return outcome
 
 
-def settings(light: Whitted) -> dict[str, Any]:
+def settings(light: vc.Whitted) -> dict[str, Any]:
     """What is compared, by name."""
-    cache = Aqvc(c_e=C_E)
+    cache = vc.Aqvc(c_e=C_E)
     return {
-        "exact": {"visibility": Exact()},
-        "packets": {"visibility": Exact(engine="packets")},
+        "exact": {"visibility": vc.Exact()},
+        "packets": {"visibility": vc.Exact(engine="packets")},
         "biased": {"visibility": cache, "use": "replace"},
         "corrected": {"visibility": cache, "use": "correct"},
-        f"{PICKS} picks": {"visibility": Exact(), "integrator": replace(light, pick=PICKS)},
+        f"{PICKS} picks": {"visibility": vc.Exact(), "integrator": replace(light, pick=PICKS)},
     }
 
 
@@ -149,7 +127,7 @@ def _rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
 def energy_t(ds: xarray.Dataset, setting: str) -> float:
     """Student's t of the energy of passes against exact passes of the same samples."""
     off = (ds["energy"].sel(setting=setting) - ds["energy"].sel(setting="exact")).values
-    return float(off.mean() / max(off.std(ddof=1) / math.sqrt(len(off)), 1e-30))
+    return student_t(off)
 
 
 def _verdict(found: dict[str, xarray.Dataset]) -> Row:
@@ -166,7 +144,7 @@ def _verdict(found: dict[str, xarray.Dataset]) -> Row:
     )
 
 
-def _drawn(found: dict[str, xarray.Dataset], path: Path) -> Path:
+def _picture(found: dict[str, xarray.Dataset]) -> Any:
     """A panel per scene."""
     columns = min(4, max(1, len(found)))
     rows = -(-max(1, len(found)) // columns)
@@ -177,4 +155,4 @@ def _drawn(found: dict[str, xarray.Dataset], path: Path) -> Path:
     for panel, (name, ds) in zip(panels, found.items(), strict=False):
         draw_over_time(panel, ds, legend=panel is panels[0])
         panel.set_title(name, fontsize=10)
-    return save_figure(drawing, path)
+    return drawing

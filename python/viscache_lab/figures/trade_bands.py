@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from viscache_lab.figures.outcome import Band
+from viscache_lab.experiment import Band
 
 #: Corrected passes over exact ones by packets, nMSE.
 GAIN = {

@@ -7,18 +7,16 @@ floor, into the light and out again.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+import viscache as vc
 from viscache.base.progress import progress_bar
 from viscache.metrics.variance import variance_ratio
 from viscache.plots import COLORS
-from viscache.scene import Camera, Scene
-from viscache.scene.cameras import look_at
 from viscache.scenes import SCENES
 from viscache.scenes.light_product import (
     LUMINANCE,
@@ -28,12 +26,10 @@ from viscache.scenes.light_product import (
     reflected,
 )
 from viscache.scenes.shapes import place, soft_box
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 #: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
 FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256
@@ -57,56 +53,50 @@ class Frame:
     ratio: float
 
 
-@figure("vismap-temporal", "records and misses over the frames of a moving scene")
-def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-temporal", "records and misses over the frames of a moving scene")
+def temporal(trial: Trial) -> None:
     """Records, misses and variance ratio per frame."""
-    outcome = Outcome()
-    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
-    pixels = (QUICK_PIXELS, QUICK_COMPARED) if quick else (PIXELS, COMPARED)
-    outcome.rows.append(
-        Row(
-            "records inserted in a second frame in which nothing moves",
-            _inserted_again(size),
-            band=bands.NOTHING_NEW,
-        )
+    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if trial.quick else (SIZE, FRAMES)
+    pixels = (QUICK_PIXELS, QUICK_COMPARED) if trial.quick else (PIXELS, COMPARED)
+    trial.row(
+        "records inserted in a second frame in which nothing moves",
+        _inserted_again(size),
+        band=bands.NOTHING_NEW,
     )
     frames: list[Frame] = []
-    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
-    with progress_bar(progress, unit="frame") as report:
+    cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
+    with progress_bar(trial.progress, unit="frame") as report:
         for k in range(n_frames):
             frames.append(_frame(cache, k / n_frames, size, *pixels))
             if report is not None:
                 report(k + 1, n_frames)
-    outcome.rows += _rows(frames)
-    path = folder / "vismap-temporal.png"
-    save_figure(_picture(frames), path, dpi=150)
-    outcome.files.append(path)
-    return outcome
+    trial.rows += _rows(frames)
+    trial.draw("vismap-temporal.png", [_panels(frames)], (12.0, 3.4), dpi=150)
 
 
-def crate_and_garage(t: float) -> Scene:
+def crate_and_garage(t: float) -> vc.Scene:
     """The garage with a crate that slides from the camera's left to its right, t in [0, 1]."""
     b = SCENES["garage"].builder(triangles=TRIANGLES)
     vertices, triangles = soft_box((0.9, 0.9, 0.9), (6, 6, 6), power=14, bulge=0.05).mesh(1.0)
     at = place([9.6, 0.46, 6.6 - 5.0 * t], yaw=60.0 * t)
     b.add_mesh(vertices @ at[:3, :3].T + at[:3, 3], triangles, b.diffuse("crate", (0.6, 0.5, 0.3)))
-    return Scene.from_description(b.description)
+    return vc.Scene.from_description(b.description)
 
 
-def swinging_camera(t: float) -> Camera:
+def swinging_camera(t: float) -> vc.Camera:
     """One swing to and fro before the gate."""
     swing = math.sin(2 * math.pi * t)
-    return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
+    return vc.look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
 
 
 def _inserted_again(size: tuple[int, int]) -> int:
-    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
     cache.update(swinging_camera(0.0), size=size)
     return cache.update(swinging_camera(0.0), size=size).inserted
 
 
 def _frame(
-    cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
+    cache: vc.VisibilityMapCache, t: float, size: tuple[int, int], pixels: int, compared: int
 ) -> Frame:
     """Update, estimate, compare the records with exact rays, remove."""
     view, scene = swinging_camera(t), crate_and_garage(t)
@@ -137,7 +127,7 @@ def _frame(
 
 
 def _compare(
-    cache: VisibilityMapCache, view: Camera, size: tuple[int, int], pixels: int
+    cache: vc.VisibilityMapCache, view: vc.Camera, size: tuple[int, int], pixels: int
 ) -> tuple[int, int]:
     """Count how often records contradict exact light-product rays of random pixels."""
     scene = cache.scene
@@ -160,44 +150,52 @@ def _compare(
     return cache.compare(lookup, towards, visible.reshape(len(chosen), RAYS))
 
 
-def _rows(frames: list[Frame]) -> list[Row]:
+def _rows(frames: list[Frame]) -> Iterator[Row]:
     ratios = np.array([f.ratio for f in frames])
     first = ratios[:10].mean()
     later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
     removed = sum(f.wrong + f.unused for f in frames)
+    yield Row(
+        "largest mean variance ratio of ten frames over that of the first ten",
+        float(later.max() / first),
+        band=bands.RATIO_STAYS,
+        note=f"first ten frames {first:.3f}, product sampling 1",
+    )
+    yield Row(
+        "records at the end",
+        frames[-1].records,
+        note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
+    )
+    yield Row(
+        "share of wrong answers, mean of the last ten frames",
+        float(np.mean([f.miss_share for f in frames[-10:]])),
+    )
+
+
+def _panels(frames: list[Frame]) -> list[Panel]:
+    drawn: dict[str, dict[str, list[float]]] = {
+        "records": {
+            "there": [f.records for f in frames],
+            "new": [f.inserted for f in frames],
+            "removed": [f.wrong + f.unused for f in frames],
+        },
+        "wrong answers [%]": {"": [100 * f.miss_share for f in frames]},
+        "variance left, 10 samples": {"": [f.ratio for f in frames]},
+    }
+
+    def more(axes: Any) -> None:
+        axes.set_yscale("symlog" if axes.get_ylabel() == "records" else "linear")
+        axes.set_ylim(bottom=0)
+
     return [
-        Row(
-            "largest mean variance ratio of ten frames over that of the first ten",
-            float(later.max() / first),
-            band=bands.RATIO_STAYS,
-            note=f"first ten frames {first:.3f}, product sampling 1",
-        ),
-        Row(
-            "records at the end",
-            frames[-1].records,
-            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
-        ),
-        Row(
-            "share of wrong answers, mean of the last ten frames",
-            float(np.mean([f.miss_share for f in frames[-10:]])),
-        ),
+        Panel(
+            series=[
+                Series(name, range(len(y)), y, "-", COLORS[k])
+                for k, (name, y) in enumerate(named.items())
+            ],
+            x="frame",
+            y=label,
+            more=more,
+        )
+        for label, named in drawn.items()
     ]
-
-
-def _picture(frames: list[Frame]) -> Any:
-    figure = new_figure(12.0, 3.4)
-    axes: Any = figure.subplots(1, 3)
-    number: npt.NDArray[np.int64] = np.arange(len(frames))
-    axes[0].plot(number, [f.records for f in frames], color=COLORS[0], label="there")
-    axes[0].plot(number, [f.inserted for f in frames], color=COLORS[1], label="new")
-    axes[0].plot(number, [f.wrong + f.unused for f in frames], color=COLORS[2], label="removed")
-    axes[0].set(yscale="symlog", ylabel="records")
-    axes[0].legend(frameon=False, fontsize=8)
-    axes[1].plot(number, [100 * f.miss_share for f in frames], color=COLORS[0])
-    axes[1].set(ylabel="wrong answers [%]")
-    axes[2].plot(number, [f.ratio for f in frames], color=COLORS[0])
-    axes[2].set(ylabel="variance left, 10 samples")
-    for each in axes:
-        each.set_xlabel("frame")
-        each.set_ylim(bottom=0)
-    return figure

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import math
 
-from viscache_lab.figures.claim_rules import Claim
-from viscache_lab.figures.outcome import Band
+from viscache_lab.experiment import Band
+from viscache_lab.experiment.claim_rules import Claim
 
 # Figures 3 and 4: correlation
 

@@ -6,6 +6,7 @@ the sizes it prints. Two scenes by other authors are added if their files exist.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,11 +15,10 @@ import numpy as np
 
 from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
+from viscache.plots.drawing import new_figure
 from viscache.scenes.sources import SCENES_VARIABLE, is_builtin, made_by_others
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 if TYPE_CHECKING:
     import xarray
@@ -55,141 +55,128 @@ FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
-@figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
-def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig3", "correlation over distance and angle in one scene, with slices")
+def figure3(trial: Trial) -> None:
     """Table and both slices of scene (a)."""
-    outcome = Outcome()
     view = PAPER[0]
-    dataset = _measured(view, folder, quick, progress, outcome)
+    dataset = _measured(view, trial.folder, trial.quick, trial.progress, trial)
     if dataset is None:
-        return outcome
-    outcome.rows += _common_rows(view.name, dataset, held=True)
-    outcome.rows += _slice_rows(view.name, dataset)
-    outcome.rows += _size_rows(view.name, dataset, quick)
+        return
+    trial.rows += _common_rows(view.name, dataset, held=True)
+    trial.rows += _slice_rows(view.name, dataset)
+    trial.rows += _size_rows(view.name, dataset, trial.quick)
     for name, draw in (("table", plots.table), ("slices", plots.slices)):
-        path = folder / f"vismap-fig3-{name}.png"
-        save_figure(draw(dataset), path, dpi=150)
-        outcome.files.append(path)
-    return outcome
+        trial.save(draw(dataset), f"vismap-fig3-{name}.png", dpi=150)
 
 
-@figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
-def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig4", "correlation in four scenes, with maps of the scenes")
+def figure4(trial: Trial) -> None:
     """Tables and spatial maps of the four scenes, and of two by other authors."""
-    outcome = Outcome()
     found: dict[str, xarray.Dataset] = {}
     for view in (*PAPER, *OTHERS):
-        dataset = _measured(view, folder, quick, progress, outcome)
+        dataset = _measured(view, trial.folder, trial.quick, trial.progress, trial)
         if dataset is not None:
             found[view.name] = dataset
     for name, dataset in found.items():
         printed = name in [view.name for view in PAPER]
-        outcome.rows += _common_rows(name, dataset, held=printed)
+        trial.rows += _common_rows(name, dataset, held=printed)
         if printed:
-            outcome.rows += _size_rows(name, dataset, quick)
-    outcome.rows += [*_line_rows(found["dynamics"]), *_order_rows(found)]
-    path = folder / "vismap-fig4.png"
-    save_figure(_picture(found), path, dpi=130)
-    outcome.files.append(path)
-    return outcome
+            trial.rows += _size_rows(name, dataset, trial.quick)
+    trial.rows += _line_rows(found["dynamics"])
+    trial.rows += _order_rows(found)
+    trial.save(_picture(found), "vismap-fig4.png", dpi=130)
 
 
 def _measured(
-    view: View, folder: Path, quick: bool, progress: bool, outcome: Outcome
+    view: View, folder: Path, quick: bool, progress: bool, trial: Trial
 ) -> xarray.Dataset | None:
     """Statistics of a view; full runs can resume and store them beside the picture."""
     scene = view.find()
     if scene is None:
-        outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
+        trial.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
         return None
     store = None if quick else folder / "blocks"
     dataset = measure(
         scene, camera=view.camera, directory=store, progress=progress, **(QUICK if quick else FULL)
     )
     if not quick:
-        outcome.files.append(folder / f"{view.name}.nc")
-        save_dataset(dataset, outcome.files[-1])
+        trial.files.append(folder / f"{view.name}.nc")
+        save_dataset(dataset, trial.files[-1])
     return dataset
 
 
 # Rows
 
 
-def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> list[Row]:
+def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> Iterator[Row]:
     """What the paper says of every scene; bands apply if `held`, that is for the paper's scenes."""
     enough = (ds["n"] >= ENOUGH_PAIRS).values & (ds["theta_high"].values <= 90.0)
     negative = ds["mean"].values[enough] < 0
     a = ds.attrs
     limits = f"d < {a['slice_d']:g}, theta < {a['slice_theta_deg']:g} deg"
-    return [
-        Row(
-            f"{name}: mean rho of pairs with {limits}",
-            float(ds["corner"]),
-            printed="close to 1" if held else None,
-            band=bands.CORNER if held else None,
-            note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}",
-        ),
-        Row(
-            f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
-            float(negative.mean()) if negative.size else None,
-            printed="rarely" if held else None,
-            band=bands.NEGATIVE_SHARE if held else None,
-            note=f"{negative.size} bins",
-        ),
-        Row(
-            f"{name}: d_max of the spatial map",
-            a["box_d_max"],
-            note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}",
-        ),
-        Row(f"{name}: theta_max of the spatial map [deg]", a["box_theta_max_deg"]),
-    ]
+    yield Row(
+        f"{name}: mean rho of pairs with {limits}",
+        float(ds["corner"]),
+        printed="close to 1" if held else None,
+        band=bands.CORNER if held else None,
+        note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}",
+    )
+    yield Row(
+        f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
+        float(negative.mean()) if negative.size else None,
+        printed="rarely" if held else None,
+        band=bands.NEGATIVE_SHARE if held else None,
+        note=f"{negative.size} bins",
+    )
+    yield Row(
+        f"{name}: d_max of the spatial map",
+        a["box_d_max"],
+        note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}",
+    )
+    yield Row(f"{name}: theta_max of the spatial map [deg]", a["box_theta_max_deg"])
 
 
-def _slice_rows(name: str, ds: xarray.Dataset) -> list[Row]:
+def _slice_rows(name: str, ds: xarray.Dataset) -> Iterator[Row]:
     """What the paper shows with its only example, Figure 3."""
     enough = ds["near_n"].values >= ENOUGH_PAIRS
     theta, sigma = ds["theta_near"].values[enough], ds["near_sigma"].values[enough]
-    return [
-        Row(
-            f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
-            straightness(ds),
-            printed="near linear",
-            band=bands.LINEAR_IN_THETA,
-        ),
-        Row(
-            f"{name}: share of the fall over d done by the middle",
-            fall_by_the_middle(ds),
-            printed="convex",
-            band=bands.CONVEX_IN_D,
-        ),
-        Row(
-            f"{name}: theta of the largest sigma of the slice [deg]",
-            float(theta[sigma.argmax()]) if theta.size else None,
-            band=bands.LARGEST_SIGMA,
-        ),
-    ]
+    yield Row(
+        f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
+        straightness(ds),
+        printed="near linear",
+        band=bands.LINEAR_IN_THETA,
+    )
+    yield Row(
+        f"{name}: share of the fall over d done by the middle",
+        fall_by_the_middle(ds),
+        printed="convex",
+        band=bands.CONVEX_IN_D,
+    )
+    yield Row(
+        f"{name}: theta of the largest sigma of the slice [deg]",
+        float(theta[sigma.argmax()]) if theta.size else None,
+        band=bands.LARGEST_SIGMA,
+    )
 
 
-def _size_rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
+def _size_rows(name: str, ds: xarray.Dataset, quick: bool) -> Iterator[Row]:
     a = ds.attrs
     per_second = a["n_pairs"] / a["pairs_s"] / 1e6 if a["pairs_s"] > 0 else 0.0
     note = (
         f"{a['n_rays']:.3g} rays, {a['rows_s']:.0f} s; pairs {a['pairs_s']:.0f} s, "
         f"{per_second:.0f} M/s"
     )
-    return [
-        Row(
-            f"{name}: pair estimates",
-            a["n_pairs"],
-            printed="1.9e10 to 3.2e10",
-            band=None if quick else bands.ESTIMATES,
-            note=note,
-        ),
-        Row(f"{name}: directions of an estimate", float(a["map_size"] ** 2), printed=9216.0),
-    ]
+    yield Row(
+        f"{name}: pair estimates",
+        a["n_pairs"],
+        printed="1.9e10 to 3.2e10",
+        band=None if quick else bands.ESTIMATES,
+        note=note,
+    )
+    yield Row(f"{name}: directions of an estimate", float(a["map_size"] ** 2), printed=9216.0)
 
 
-def _line_rows(ds: xarray.Dataset) -> list[Row]:
+def _line_rows(ds: xarray.Dataset) -> Iterator[Row]:
     """Horizontal lines of the flat scene: pairs at its typical angles over those nearby."""
     n = pairs_of_bins(ds).sum(axis=0)
 
@@ -197,20 +184,18 @@ def _line_rows(ds: xarray.Dataset) -> list[Row]:
         """Pairs per degree; at least one, for scenes with nothing but lines."""
         return max(1.0, float(np.concatenate([n[a:b] for a, b in ranges]).mean()))
 
-    return [
-        Row(
-            "dynamics: pairs with theta in [0, 1) deg over those nearby",
-            per_degree((0, 1)) / per_degree((2, 7)),
-            printed="a line",
-            band=bands.LINES,
-        ),
-        Row(
-            "dynamics: pairs with theta in [89, 91) deg over those nearby",
-            per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
-            printed="a line",
-            band=bands.LINES,
-        ),
-    ]
+    yield Row(
+        "dynamics: pairs with theta in [0, 1) deg over those nearby",
+        per_degree((0, 1)) / per_degree((2, 7)),
+        printed="a line",
+        band=bands.LINES,
+    )
+    yield Row(
+        "dynamics: pairs with theta in [89, 91) deg over those nearby",
+        per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
+        printed="a line",
+        band=bands.LINES,
+    )
 
 
 def _order_rows(found: dict[str, xarray.Dataset]) -> list[Row]:

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
+import viscache as vc
 from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
-from viscache.frame import Frame
 from viscache.scenes.garage import sky_image
-from viscache.settings.integrators import Direct
-from viscache.vismap import Relighting, VisibilityMapCache
-from viscache_lab.figures import references
+from viscache_lab.experiment import FIGURES, Trial, references
+from viscache_lab.experiment.drawing import images
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_records import VIEWS
 
 #: The reference has four eye samples per pixel with this many light samples each.
@@ -27,57 +20,47 @@ QUICK_SIZE, QUICK_SAMPLES = (80, 60), 32
 TURNS_DEG = (0.0, 45.0, 180.0, 270.0)
 
 
-@figure("vismap-fig11", "the control variate's integral as a preview")
-def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig11", "the control variate's integral as a preview")
+def figure11(trial: Trial) -> None:
     """Preview and reference of the garage, and the preview under rotated light, without rays."""
-    outcome = Outcome()
-    scene, size = VIEWS["garage"].open(quick), QUICK_SIZE if quick else SIZE
-    samples = QUICK_SAMPLES if quick else SAMPLES
-    cache = VisibilityMapCache(scene)
-    design = Relighting(cache, size=size)
+    scene, size = VIEWS["garage"].open(trial.quick), QUICK_SIZE if trial.quick else SIZE
+    samples = QUICK_SAMPLES if trial.quick else SAMPLES
+    cache = vc.VisibilityMapCache(scene)
+    design = vc.Relighting(cache, size=size)
     traced, sky = cache.rays, sky_image()
     previews = [design.under(sky, rotation_deg=turn) for turn in TURNS_DEG]
     rays = sum(frame.counters["rays"] for frame in previews) + cache.rays - traced
     reference = references.exact_frames()(
-        scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
+        scene,
+        vc.Direct(n_environment=samples, n_brdf=samples),
+        size=size,
+        spp=4,
+        progress=trial.progress,
     )
-    outcome.rows += [
-        Row("records", len(cache), printed=printed.PREVIEW_RECORDS),
-        Row(
-            "rays traced for lights that are turned", rays, printed="none", band=bands.PREVIEW_RAYS
-        ),
-        Row(
-            "correlation of displayed luminance, preview with reference",
-            alike(previews[0], reference),
-            printed="good enough",
-            band=bands.PREVIEW_LOOKS_ALIKE,
-        ),
-        Row(
-            "seconds of a preview",
-            previews[-1].timings["total_s"],
-            note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s",
-        ),
-    ]
-    path = folder / "vismap-fig11.png"
-    save_figure(_picture(reference, previews), path, dpi=150)
-    outcome.files.append(path)
-    return outcome
+    trial.row("records", len(cache), printed=printed.PREVIEW_RECORDS)
+    trial.row(
+        "rays traced for lights that are turned", rays, printed="none", band=bands.PREVIEW_RAYS
+    )
+    trial.row(
+        "correlation of displayed luminance, preview with reference",
+        alike(previews[0], reference),
+        printed="good enough",
+        band=bands.PREVIEW_LOOKS_ALIKE,
+    )
+    trial.row(
+        "seconds of a preview",
+        previews[-1].timings["total_s"],
+        note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s",
+    )
+    shown = {"reference": reference, "preview": previews[0]}
+    shown |= {f"turned by {d:g}°": f for d, f in zip(TURNS_DEG[1:], previews[1:], strict=True)}
+    exposure = auto_exposure(reference.image, 95.0)
+    trial.draw("vismap-fig11.png", [images(shown, exposure)], (4.0 * len(shown), 3.4), dpi=150)
 
 
-def alike(preview: Frame, reference: Frame) -> float:
+def alike(preview: vc.Frame, reference: vc.Frame) -> float:
     """Pearson correlation of displayed luminance, of pixels that see only surfaces."""
     surface = reference.layers["coverage"][:, :, 0] == 1
     exposure = auto_exposure(reference.image, 95.0)
     shown = [srgb_curve(luminance(f.image) * exposure)[surface] for f in (preview, reference)]
     return float(np.corrcoef(*shown)[0, 1])
-
-
-def _picture(reference: Frame, previews: list[Frame]) -> Any:
-    exposure = auto_exposure(reference.image, 95.0)
-    shown = {"reference": reference, "preview": previews[0]}
-    shown |= {f"turned by {d:g}°": f for d, f in zip(TURNS_DEG[1:], previews[1:], strict=True)}
-    figure = new_figure(4.0 * len(shown), 3.4)
-    axes: Any = figure.subplots(1, len(shown))
-    for each, (title, frame) in zip(axes, shown.items(), strict=True):
-        draw_image(each, frame.image, title, exposure=exposure)
-    return figure

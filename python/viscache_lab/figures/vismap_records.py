@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+import viscache as vc
 from viscache.correlation import measure
-from viscache.scene import Camera, Scene
 from viscache.scene.cameras import find_camera
 from viscache.scenes import build
-from viscache.settings.integrators import Direct
-from viscache.shot.render import render
-from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
+from viscache.vismap import UpdateReport
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, draw_records
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.drawing import draw_records, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_density import (
     equal_cells,
     per_cell_angle,
@@ -42,10 +39,10 @@ class View:
     camera: int = 0
     m: int = 5
 
-    def open(self, quick: bool) -> Scene:
+    def open(self, quick: bool) -> vc.Scene:
         """The scene, smaller for quick runs."""
         made = build(self.quick_scene if quick else self.scene)
-        assert isinstance(made, Scene)
+        assert isinstance(made, vc.Scene)
         return made
 
 
@@ -67,7 +64,7 @@ POINTS, LEVELS, MAP_SIZE = 8192, 9, 24
 class Built:
     """A cache after its first update."""
 
-    cache: VisibilityMapCache
+    cache: vc.VisibilityMapCache
     report: UpdateReport
 
     @property
@@ -76,32 +73,32 @@ class Built:
         return np.asarray(self.cache.records().positions[self.report.startup :])
 
 
-def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapSettings) -> Built:
+def build_cache(
+    scene: vc.Scene, camera: int, size: tuple[int, int], settings: vc.MapSettings
+) -> Built:
     """A cache for one picture."""
-    cache = VisibilityMapCache(scene, settings)
+    cache = vc.VisibilityMapCache(scene, settings)
     return Built(cache=cache, report=cache.update(camera, size=size))
 
 
-@figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
-def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
+def table2(trial: Trial) -> None:
     """Records, resolutions and rays per pixel of three scenes, and of two not in the paper."""
-    outcome = Outcome()
-    size = QUICK if quick else FULL
+    size = QUICK if trial.quick else FULL
     for name, view in VIEWS.items():
-        scene = view.open(quick)
-        built = build_cache(scene, view.camera, size, MapSettings(m=view.m))
-        outcome.rows += _table_rows(name, built, size)
-        automatic = MapSettings(preset="auto", m=view.m)
-        outcome.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
-    for label, scene in living_rooms(outcome):
-        rows = _table_rows(label, build_cache(scene, 0, size, MapSettings()), size)
-        outcome.rows += [replace(row, band=None) for row in rows]
-    if quick:
-        outcome.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
-    return outcome
+        scene = view.open(trial.quick)
+        built = build_cache(scene, view.camera, size, vc.MapSettings(m=view.m))
+        trial.rows += _table_rows(name, built, size)
+        automatic = vc.MapSettings(preset="auto", m=view.m)
+        trial.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
+    for label, scene in living_rooms(trial):
+        rows = _table_rows(label, build_cache(scene, 0, size, vc.MapSettings()), size)
+        trial.rows += [replace(row, band=None) for row in rows]
+    if trial.quick:
+        trial.notes.append(f"quick: smaller scenes at {size[0]}x{size[1]} pixels")
 
 
-def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
+def _table_rows(name: str, built: Built, size: tuple[int, int]) -> Iterator[Row]:
     r, cache, said = built.report, built.cache, printed.CACHES.get(name)
     m, n = cache.settings.m, len(built.cache)
     bytes_each = cache.nbytes // max(n, 1)
@@ -111,28 +108,26 @@ def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
         f"difference {r.difference}, too near {r.suppressed}; "
         f"w_min {w_min:g}, delta_max {delta_max:g}"
     )
-    return [
-        Row(f"{name}: records", n, printed=said.records if said else None, note=why),
-        Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None),
-        Row(
-            f"{name}: rays per pixel",
-            r.rays / (size[0] * size[1]),
-            printed=said.rays_per_pixel if said else None,
-        ),
-        Row(
-            f"{name}: rays over records · 4^M / 2",
-            r.rays / (n * 4**m / 2),
-            printed=1.0,
-            band=bands.RAYS_OF_RECORDS,
-        ),
-        Row(
-            f"{name}: bytes of a record",
-            bytes_each,
-            printed=printed.RECORD_BYTES if m == 5 else None,
-            band=bands.RECORD_BYTES if m == 5 else None,
-            note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
-        ),
-    ]
+    yield Row(f"{name}: records", n, printed=said.records if said else None, note=why)
+    yield Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None)
+    yield Row(
+        f"{name}: rays per pixel",
+        r.rays / (size[0] * size[1]),
+        printed=said.rays_per_pixel if said else None,
+    )
+    yield Row(
+        f"{name}: rays over records · 4^M / 2",
+        r.rays / (n * 4**m / 2),
+        printed=1.0,
+        band=bands.RAYS_OF_RECORDS,
+    )
+    yield Row(
+        f"{name}: bytes of a record",
+        bytes_each,
+        printed=printed.RECORD_BYTES if m == 5 else None,
+        band=bands.RECORD_BYTES if m == 5 else None,
+        note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
+    )
 
 
 def _automatic_row(name: str, built: Built) -> Row:
@@ -146,32 +141,24 @@ def _automatic_row(name: str, built: Built) -> Row:
     )
 
 
-@figure("vismap-fig8", "positions of the records")
-def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig8", "positions of the records")
+def figure8(trial: Trial) -> None:
     """Records by weight only, and by the difference of maps only."""
-    outcome = Outcome()
-    scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
-    by_weight = build_cache(scene, 0, size, MapSettings(w_min=0.4, delta_max=1.0))
-    by_difference = build_cache(scene, 0, size, MapSettings(w_min=0.0, delta_max=0.06))
-    outcome.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
-    titles = (
-        f"weight: {len(by_weight.added)} records",
-        f"difference: {len(by_difference.added)} records",
-    )
-    path = folder / "vismap-fig8.png"
-    _dots(scene, 0, size, {titles[0]: by_weight.added, titles[1]: by_difference.added}, path)
-    outcome.files.append(path)
-    return outcome
+    scene, size = MUSHROOMS.open(trial.quick), QUICK_PICTURE if trial.quick else FULL_PICTURE
+    by_weight = build_cache(scene, 0, size, vc.MapSettings(w_min=0.4, delta_max=1.0))
+    by_difference = build_cache(scene, 0, size, vc.MapSettings(w_min=0.0, delta_max=0.06))
+    trial.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
+    added = {"weight": by_weight.added, "difference": by_difference.added}
+    trial.draw("vismap-fig8.png", _dots(scene, 0, size, added), (10.0, 4.0), dpi=150)
 
 
-def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> list[Row]:
+def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) -> Iterator[Row]:
     """Rank correlations of the densities with curvature, and with 1 − ρ of the surroundings."""
     ds = measure(scene, n_points=POINTS, map_size=MAP_SIZE)
     positions, normals = ds["position"].values, ds["normal"].values
     cell = equal_cells(positions, LEVELS)
     low_rho = per_cell_mean(1 - ds["local_mean"].values, cell)
     curved = per_cell_angle(normals, cell)
-    rows = []
     for name, records in (("weight", by_weight), ("difference", by_difference)):
         density = records_per_cell(records, positions, cell)
         for what, attraction in (("1 - rho", low_rho), ("mean angle of normals", curved)):
@@ -179,50 +166,42 @@ def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> 
                 ("weight", "mean angle of normals"): bands.WEIGHT_FINDS_CURVATURE,
                 ("difference", "1 - rho"): bands.DIFFERENCE_FINDS_LOW_RHO,
             }.get((name, what))
-            rows.append(
-                Row(
-                    f"rank correlation of the density by {name} with {what}",
-                    rank_correlation(density, attraction),
-                    band=band,
-                    note=f"{len(records)} records, {1 << LEVELS} cells",
-                )
+            yield Row(
+                f"rank correlation of the density by {name} with {what}",
+                rank_correlation(density, attraction),
+                band=band,
+                note=f"{len(records)} records, {1 << LEVELS} cells",
             )
-    return rows
 
 
-@figure("vismap-fig12", "records in the garden scene")
-def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig12", "records in the garden scene")
+def figure12(trial: Trial) -> None:
     """Records of the garden, and their ratio to those of a simple scene."""
-    outcome = Outcome()
-    size = QUICK_PICTURE if quick else FULL_PICTURE
+    size = QUICK_PICTURE if trial.quick else FULL_PICTURE
     built = {}
     for name in ("garden1", "dynamics"):
         view = VIEWS[name]
-        scene = view.open(quick)
-        built[name] = build_cache(scene, view.camera, size, MapSettings())
-        path = folder / f"vismap-fig12-{name}.png"
-        records = built[name].cache.records().positions
-        _dots(scene, view.camera, size, {f"{name}: {len(records)} records": records}, path)
-        outcome.files.append(path)
+        scene = view.open(trial.quick)
+        built[name] = build_cache(scene, view.camera, size, vc.MapSettings())
+        panels = _dots(scene, view.camera, size, {name: built[name].cache.records().positions})
+        trial.draw(f"vismap-fig12-{name}.png", panels, (5.0, 4.0), dpi=150)
     counts = {name: len(b.cache) for name, b in built.items()}
-    outcome.rows.append(
-        Row(
-            "records of garden1 over records of dynamics, same parameters",
-            counts["garden1"] / counts["dynamics"],
-            band=bands.HARD_SCENES_GET_MORE,
-            note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
-        )
+    trial.row(
+        "records of garden1 over records of dynamics, same parameters",
+        counts["garden1"] / counts["dynamics"],
+        band=bands.HARD_SCENES_GET_MORE,
+        note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
     )
-    return outcome
 
 
 def _dots(
-    scene: Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
-) -> None:
-    view: Camera = find_camera(scene, camera)
-    image = render(scene, Direct(n_environment=16), camera=camera, size=size).image
-    figure = new_figure(5.0 * len(records), 4.0)
-    both = figure.subplots(1, len(records), squeeze=False)[0]
-    for axes, (title, positions) in zip(both, records.items(), strict=True):
-        draw_records(axes, image, view, positions, title)
-    save_figure(figure, path, dpi=150)
+    scene: vc.Scene, camera: int, size: tuple[int, int], records: dict[str, Floats]
+) -> Panels:
+    view: vc.Camera = find_camera(scene, camera)
+    image = vc.render(scene, vc.Direct(n_environment=16), camera=camera, size=size).image
+
+    def panel(name: str, positions: Floats) -> Panel:
+        title = f"{name}: {len(positions)} records"
+        return Panel(more=lambda axes: draw_records(axes, image, view, positions, title))
+
+    return [[panel(*some) for some in records.items()]]

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
+import viscache as vc
 from viscache.base.progress import progress_bar
 from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.plots import COLORS, pareto
-from viscache.scene import Scene
 from viscache.scenes import build
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 SCENE, QUICK_SCENE = "garage", "garage?triangles=60000"
 SIZE, QUICK_SIZE = (640, 480), (160, 120)
@@ -54,34 +51,31 @@ class Setting:
     guided: VarianceRatio
 
 
-@figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
-def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-sweep", "variance, rays and bytes over the cache's parameters")
+def sweep(trial: Trial) -> None:
     """The grid in the garage, and the settings that are Pareto-optimal in rays and variance."""
-    scene = build(QUICK_SCENE if quick else SCENE)
+    scene = build(QUICK_SCENE if trial.quick else SCENE)
     found: dict[str, dict[str, Setting]] = {}
     total = sum(len(values) for values in GRID.values())
-    with progress_bar(progress, unit="setting") as report:
+    with progress_bar(trial.progress, unit="setting") as report:
         for name, values in GRID.items():
             found[name] = {}
             for value in values:
-                found[name][_label(value)] = measure(scene, value, quick)
+                found[name][_label(value)] = measure(scene, value, trial.quick)
                 if report is not None:
                     report(sum(len(f) for f in found.values()), total)
-    outcome = Outcome(rows=_rows(found))
-    path = folder / "vismap-sweep.png"
-    save_figure(_picture(found), path, dpi=150)
-    outcome.files.append(path)
-    outcome.notes.append(
+    trial.rows += _rows(found)
+    trial.draw("vismap-sweep.png", [_panels(found)], (11.0, 4.4), dpi=150)
+    trial.notes.append(
         f"variance left at {SAMPLES} samples, rqmc, alpha of earlier passes, in the world of the "
         "environment's texels"
     )
-    return outcome
 
 
-def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
+def measure(scene: vc.Scene, value: Mapping[str, Any], quick: bool) -> Setting:
     """Build a cache, and estimate random pixels with it."""
     size = QUICK_SIZE if quick else SIZE
-    cache = VisibilityMapCache(scene, MapSettings(**value))
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(**value))
     start = time.perf_counter()
     report = cache.update(size=size)
     seconds = time.perf_counter() - start
@@ -109,8 +103,7 @@ def _label(value: Mapping[str, Any]) -> str:
     return ", ".join(f"{name} {number:g}" for name, number in value.items())
 
 
-def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
-    rows = []
+def _rows(found: Mapping[str, Mapping[str, Setting]]) -> Iterator[Row]:
     for settings in found.values():
         for label, s in settings.items():
             note = (
@@ -118,46 +111,44 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
                 f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided "
                 f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"
             )
-            rows.append(Row(f"{label}: variance left", s.variate.ratio, note=note))
+            yield Row(f"{label}: variance left", s.variate.ratio, note=note)
     maps = list(found["m"].values())
     ends = list(found["both thresholds"].values())
-    rows += [
-        Row(
-            "variance left with 64x64 cells over that with 32x32",
-            maps[2].variate.ratio / maps[1].variate.ratio,
-            band=bands.LARGER_MAPS,
-        ),
-        Row(
-            "variance left with the tightest thresholds over that with the loosest",
-            ends[-1].variate.ratio / ends[0].variate.ratio,
-            band=bands.MORE_RECORDS_HELP,
-        ),
-    ]
-    return rows
+    yield Row(
+        "variance left with 64x64 cells over that with 32x32",
+        maps[2].variate.ratio / maps[1].variate.ratio,
+        band=bands.LARGER_MAPS,
+    )
+    yield Row(
+        "variance left with the tightest thresholds over that with the loosest",
+        ends[-1].variate.ratio / ends[0].variate.ratio,
+        band=bands.MORE_RECORDS_HELP,
+    )
 
 
-def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
-    figure = new_figure(11.0, 4.4)
-    both: Any = figure.subplots(1, 2)
-    for axes, kind in zip(both, ("variate", "guided"), strict=True):
-        everything: list[tuple[float, float]] = []
-        for k, (name, settings) in enumerate(found.items()):
-            points = [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
-            axes.plot(
-                *zip(*points, strict=True),
-                "o-",
-                ms=4,
-                lw=0.8,
-                label=name,
-                color=COLORS[k % len(COLORS)],
+def _panels(found: Mapping[str, Mapping[str, Setting]]) -> list[Panel]:
+    panels = []
+    titles = {"variate": "control variate", "guided": "control variate, guided sampling"}
+    for kind, title in titles.items():
+        points = {
+            name: [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
+            for name, settings in found.items()
+        }
+        series = [
+            Series.through(name, some, "o-", COLORS[k % len(COLORS)])
+            for k, (name, some) in enumerate(points.items())
+        ]
+        best = pareto([point for some in points.values() for point in some])
+        series.append(Series.through("not beaten", best, "k--"))
+        panels.append(
+            Panel(
+                series=series,
+                title=title,
+                x="rays for records, per pixel",
+                y="variance left",
+                logarithmic="x",
+                legend=kind == "guided",
+                more=lambda axes: axes.set_ylim(bottom=0),
             )
-            everything += points
-        best = pareto(everything)
-        axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")
-        axes.set(xscale="log", xlabel="rays for records, per pixel", ylabel="variance left")
-        axes.set_title(
-            {"variate": "control variate", "guided": "control variate, guided sampling"}[kind]
         )
-        axes.set_ylim(bottom=0)
-    both[1].legend(frameon=False, fontsize=8)
-    return figure
+    return panels

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
 from viscache_lab.figures.vismap_records import VIEWS
 
@@ -64,36 +63,36 @@ class Times:
         return float(fixed), float(slope)
 
 
-@figure("vismap-tab3", "variance ratios and overhead over the number of samples")
-def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-tab3", "variance ratios and overhead over the number of samples")
+def table3(trial: Trial) -> None:
     """Rendered pictures as in the paper, and simulated pixels for what it does not print."""
-    outcome = Outcome()
-    samples = QUICK_SAMPLES if quick else printed.SAMPLES
+    samples = QUICK_SAMPLES if trial.quick else printed.SAMPLES
     for name, view in VIEWS.items():
         picture = Picture(
-            scene=view.open(quick), camera=view.camera, size=QUICK_SIZE if quick else SIZE
+            scene=view.open(trial.quick),
+            camera=view.camera,
+            size=QUICK_SIZE if trial.quick else SIZE,
         )
-        settings = MapSettings(m=view.m)
-        outcome.rows += _rendered_rows(name, picture, settings, samples, quick)
+        settings = vc.MapSettings(m=view.m)
+        trial.rows += _rendered_rows(name, picture, settings, samples, trial.quick)
         found = simulate(
             picture.build_cache(settings),
             _ways(),
             samples,
             camera=view.camera,
             size=picture.size,
-            n_pixels=QUICK_PIXELS if quick else PIXELS,
-            replicates=QUICK_REPLICATES if quick else REPLICATES,
+            n_pixels=QUICK_PIXELS if trial.quick else PIXELS,
+            replicates=QUICK_REPLICATES if trial.quick else REPLICATES,
         )
         rows = _simulated_rows(name, found, samples)
-        outcome.rows += [replace(row, band=None) for row in rows] if quick else rows
-    for label, scene in living_rooms(outcome):
-        outcome.rows += variance_rows(label, scene, quick)
-    outcome.notes.append(
+        trial.rows += [replace(row, band=None) for row in rows] if trial.quick else rows
+    for label, scene in living_rooms(trial):
+        trial.rows += variance_rows(label, scene, trial.quick)
+    trial.notes.append(
         "rendered: variance over independent pictures, the cache built once before. Simulated: "
         "random pixels in the world of the environment's texels, steady state unless it says "
         "'one shot': then these samples are all there are, in passes of 10, 20, 40, …"
     )
-    return outcome
 
 
 def _ways() -> list[Way]:
@@ -105,12 +104,11 @@ def _ways() -> list[Way]:
 
 
 def _rendered_rows(
-    name: str, picture: Picture, settings: MapSettings, samples: tuple[int, ...], quick: bool
-) -> list[Row]:
+    name: str, picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...], quick: bool
+) -> Iterator[Row]:
     cache = picture.build_cache(settings)
     left = {n: _rendered(picture, cache, n, QUICK_RENDERS if quick else RENDERS) for n in samples}
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
-    rows = []
     for n, found in left.items():
         band = None
         if (name, n) == ("garage", 10):
@@ -118,20 +116,20 @@ def _rendered_rows(
             band = of_quick if quick else bands.GARAGE_CONTROL_VARIATE
         elif (name, n) == ("garden1", 300):
             band = bands.GARDEN_ONE
-        rows.append(
-            Row(
-                f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
-                found.ratio,
-                printed=said[n].variance_ratio if n in said else None,
-                band=band,
-                note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
-                f"z of the means {found.energy_z:.1f}",
-            )
+        yield Row(
+            f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
+            found.ratio,
+            printed=said[n].variance_ratio if n in said else None,
+            band=band,
+            note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
+            f"z of the means {found.energy_z:.1f}",
         )
-    return rows + _time_rows(name, _times(picture, settings, samples), quick)
+    yield from _time_rows(name, _times(picture, settings, samples), quick)
 
 
-def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int) -> VarianceRatio:
+def _rendered(
+    picture: Picture, cache: vc.VisibilityMapCache, n: int, renders: int
+) -> VarianceRatio:
     maps = paper_maps(cache)
     return variance_ratio(
         images(lambda seed: picture.maps(n, maps, seed), range(renders)),
@@ -139,7 +137,7 @@ def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int)
     )
 
 
-def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) -> Times:
+def _times(picture: Picture, settings: vc.MapSettings, samples: tuple[int, ...]) -> Times:
     """The faster of two runs of each picture; with maps, each run makes the cache's records."""
 
     def seconds(frames: list[Any]) -> float:
@@ -153,50 +151,44 @@ def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) ->
     )
 
 
-def _time_rows(name: str, times: Times, quick: bool) -> list[Row]:
+def _time_rows(name: str, times: Times, quick: bool) -> Iterator[Row]:
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
-    rows = []
     for n, product, overhead in zip(times.samples, times.product, times.overhead, strict=True):
-        rows += [
-            Row(
-                f"{name}, {n} samples: CPU seconds of product sampling",
-                product,
-                printed=said[n].product_s if n in said else None,
-            ),
-            Row(
-                f"{name}, {n} samples: CPU seconds of overhead",
-                overhead,
-                printed=said[n].overhead_s if n in said else None,
-                note=f"{100 * overhead / product:.1f} %",
-            ),
-        ]
+        yield Row(
+            f"{name}, {n} samples: CPU seconds of product sampling",
+            product,
+            printed=said[n].product_s if n in said else None,
+        )
+        yield Row(
+            f"{name}, {n} samples: CPU seconds of overhead",
+            overhead,
+            printed=said[n].overhead_s if n in said else None,
+            note=f"{100 * overhead / product:.1f} %",
+        )
     fixed, slope = times.split()
     steady = max(times.overhead) / max(min(times.overhead), 1e-9)
-    return [
-        *rows,
-        Row(
-            f"{name}: CPU seconds of product sampling without samples",
-            fixed,
-            printed=79.7 if name == "garage" else None,
-        ),
-        Row(
-            f"{name}: CPU seconds per sample of all pixels",
-            slope,
-            printed=2.33 if name == "garage" else None,
-        ),
-        Row(
-            f"{name}: largest over smallest overhead",
-            steady,
-            band=None if quick else bands.OVERHEAD_IS_CONSTANT,
-        ),
-    ]
+    yield Row(
+        f"{name}: CPU seconds of product sampling without samples",
+        fixed,
+        printed=79.7 if name == "garage" else None,
+    )
+    yield Row(
+        f"{name}: CPU seconds per sample of all pixels",
+        slope,
+        printed=2.33 if name == "garage" else None,
+    )
+    yield Row(
+        f"{name}: largest over smallest overhead",
+        steady,
+        band=None if quick else bands.OVERHEAD_IS_CONSTANT,
+    )
 
 
 # Simulated
 
 
-def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) -> list[Row]:
-    rows, ratios = [], {}
+def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) -> Iterator[Row]:
+    ratios = {}
     for way in _ways():
         base = Way(points=way.points)
         if way == base:
@@ -205,21 +197,17 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
             left = _left(found, way, base, n)
             ratios[way, n] = left.ratio
             label = NAMES[way if way == LOO else replace(way, points="rqmc")]
-            rows.append(
-                Row(
-                    f"{name}, {way.points}, {label}, {n} samples: variance left",
-                    left.ratio,
-                    band=_band(name, way, n),
-                    note=f"{left.low:.3f} to {left.high:.3f}",
-                )
+            yield Row(
+                f"{name}, {way.points}, {label}, {n} samples: variance left",
+                left.ratio,
+                band=_band(name, way, n),
+                note=f"{left.low:.3f} to {left.high:.3f}",
             )
     flat = [ratios[replace(ONE, points="iid"), n] for n in samples]
-    rows.append(
-        Row(
-            f"{name}, iid, alpha one: largest over smallest ratio",
-            max(flat) / min(flat),
-            band=bands.IID_IS_FLAT,
-        )
+    yield Row(
+        f"{name}, iid, alpha one: largest over smallest ratio",
+        max(flat) / min(flat),
+        band=bands.IID_IS_FLAT,
     )
     rising = ratios[ONE, samples[-1]] / ratios[ONE, samples[0]]
     printed_rise = None
@@ -227,15 +215,12 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
         printed_rise = (
             printed.COSTS[name][-1].variance_ratio / printed.COSTS[name][0].variance_ratio
         )
-    rows.append(
-        Row(
-            f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
-            rising,
-            printed=printed_rise,
-            band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
-        )
+    yield Row(
+        f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
+        rising,
+        printed=printed_rise,
+        band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
     )
-    return rows
 
 
 def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:

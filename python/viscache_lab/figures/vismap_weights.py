@@ -3,44 +3,37 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from viscache.plots.drawing import new_figure
 from viscache.vismap.equations import record_weight
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vismap_printed import STEEPNESS, THETA_MAX_DEG
 
 #: Share of d_max at which the slope is taken.
 STEP = 1e-3
 
 
-@figure("vismap-fig5", "the weighting function")
-def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vismap-fig5", "the weighting function")
+def figure5(trial: Trial) -> None:
     """w of Eq. 9 within the limits of the search, seen from above left and from below right."""
     far, tilted = 1.0, math.radians(THETA_MAX_DEG)
     slope = (_weight(STEP, 0.0) - _weight(0.0, 0.0)) / STEP
-    outcome = Outcome(
-        rows=[
-            Row(
-                "least weight, at d_max and 30 deg",
-                _weight(far, tilted),
-                printed="about 0.7",
-                band=bands.LEAST_WEIGHT,
-            ),
-            Row("weight at d_max and 0 deg", _weight(far, 0.0), band=bands.EDGE_WEIGHT),
-            Row("weight at 0 and 30 deg", _weight(0.0, tilted), band=bands.EDGE_WEIGHT),
-            Row("first slope over d / d_max", slope, band=bands.FIRST_SLOPE),
-        ]
-    )
-    path = folder / "vismap-fig5.png"
-    save_figure(_picture(), path, dpi=150)
-    outcome.files.append(path)
-    return outcome
+    trial.rows += [
+        Row(
+            "least weight, at d_max and 30 deg",
+            _weight(far, tilted),
+            printed="about 0.7",
+            band=bands.LEAST_WEIGHT,
+        ),
+        Row("weight at d_max and 0 deg", _weight(far, 0.0), band=bands.EDGE_WEIGHT),
+        Row("weight at 0 and 30 deg", _weight(0.0, tilted), band=bands.EDGE_WEIGHT),
+        Row("first slope over d / d_max", slope, band=bands.FIRST_SLOPE),
+    ]
+    trial.save(_picture(), "vismap-fig5.png", dpi=150)
 
 
 def _weight(t: Any, theta: Any) -> Any:

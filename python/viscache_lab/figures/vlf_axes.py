@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scene.about import offset_extent
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import images, lines
 from viscache_lab.figures import vlf_bands as bands
-from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vlf_occlusion import OFFSET
-from viscache_lab.figures.vlf_tracers import first_hits, in_turns, write_csv
+from viscache_lab.figures.vlf_tracers import first_hits, in_turns
 
 COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
 #: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
@@ -33,21 +30,21 @@ QUICK_X4_SCENES = ("bumpy_spheres?triangles=3000",)
 X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 
-@figure("vlf-x2", "error of ambient occlusion over the number of directions")
-def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-x2", "error of ambient occlusion over the number of directions")
+def x2(trial: Trial) -> None:
     """Error of ambient occlusion by number of directions, with equal and solid-angle weights."""
-    triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
-    scene: Scene = scenes.bumpy_spheres(triangles=triangles)
-    size = QUICK_X2_SIZE if quick else X2_SIZE
+    triangles = QUICK_X2_TRIANGLES if trial.quick else X2_TRIANGLES
+    scene: vc.Scene = vc.scenes.bumpy_spheres(triangles=triangles)
+    size = QUICK_X2_SIZE if trial.quick else X2_SIZE
     points, normals, seen = first_hits(scene, scene.cameras[0], size)
     reference = hemisphere_reference(
-        scene, points, normals, QUICK_REFERENCE if quick else REFERENCE
+        scene, points, normals, QUICK_REFERENCE if trial.quick else REFERENCE
     )
-    counts = QUICK_COUNTS if quick else COUNTS
+    counts = QUICK_COUNTS if trial.quick else COUNTS
     errors: dict[str, dict[int, npt.NDArray[np.float64]]] = {"equal": {}, "solid angle": {}}
     for count in counts:
         free = bits_of(scene, points, normals, count)
-        weights = vlf.direction_weights(count).astype(float)
+        weights = vc.vlf.direction_weights(count).astype(float)
         errors["equal"][count] = free.mean(axis=1) - reference
         errors["solid angle"][count] = free @ weights / weights.sum() - reference
     rmse = {w: {n: _rms(e) for n, e in found.items()} for w, found in errors.items()}
@@ -55,30 +52,31 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
         w: {n: float(e.mean() / reference.mean()) for n, e in found.items()}
         for w, found in errors.items()
     }
-    outcome = Outcome(rows=_error_rows(counts, rmse, bias))
-    lines = {w: (counts, [rmse[w][n] for n in counts]) for w in errors}
-    outcome.files += [
-        draw_lines(lines, folder / "vlf-x2.png", x="directions", y="RMSE"),
-        _draw_banding(errors["solid angle"], reference, seen, folder),
-        write_csv(
-            folder / "vlf-x2.csv",
-            [
-                {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
-                for w in errors
-                for n in counts
-            ],
-        ),
-    ]
-    outcome.notes.append(
+    trial.rows += _error_rows(counts, rmse, bias)
+    points_of = {w: (counts, [rmse[w][n] for n in counts]) for w in errors}
+    trial.draw("vlf-x2.png", lines(points_of, x="directions", y="RMSE"))
+    shown = {"reference": reference} | {
+        f"{n} directions": reference + e for n, e in errors["solid angle"].items()
+    }
+    panels = images({title: _image(values, seen) for title, values in shown.items()}, 1.0)
+    trial.draw("vlf-x2-bands.png", [panels], (3.0 * len(panels), 3.2))
+    trial.csv(
+        "vlf-x2.csv",
+        [
+            {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
+            for w in errors
+            for n in counts
+        ],
+    )
+    trial.notes.append(
         "All points share the directions, so the error is no noise but bands: vlf-x2-bands.png. "
         "Ambient occlusion is the uniform mean over the hemisphere, without the cosine, as in the "
         "paper's Section 7."
     )
-    return outcome
 
 
 def hemisphere_reference(
-    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
+    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
 ) -> npt.NDArray[np.float64]:
     """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
@@ -96,10 +94,10 @@ def hemisphere_reference(
 
 
 def bits_of(
-    scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
+    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
 ) -> npt.NDArray[np.bool_]:
     """(N, l): which directions are unoccluded."""
-    words = vlf.aligned_occlusion(scene, points, normals, count)
+    words = vc.vlf.aligned_occlusion(scene, points, normals, count)
     return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
 
@@ -108,9 +106,7 @@ def _rms(errors: npt.NDArray[np.float64]) -> float:
 
 
 def _error_rows(
-    counts: tuple[int, ...],
-    rmse: dict[str, dict[int, float]],
-    bias: dict[str, dict[int, float]],
+    counts: tuple[int, ...], rmse: dict[str, dict[int, float]], bias: dict[str, dict[int, float]]
 ) -> list[Row]:
     rows = [
         Row(
@@ -142,34 +138,23 @@ def _error_rows(
     ]
 
 
-def _draw_banding(
-    errors: dict[int, npt.NDArray[np.float64]],
-    reference: npt.NDArray[np.float64],
-    seen: npt.NDArray[np.bool_],
-    folder: Path,
-) -> Path:
-    figure = new_figure(3.0 * (len(errors) + 1), 3.2)
-    pictures = {"reference": reference} | {
-        f"{n} directions": reference + e for n, e in errors.items()
-    }
-    for column, (title, values) in enumerate(pictures.items()):
-        image = np.zeros((*seen.shape, 1))
-        image[seen, 0] = values
-        draw_image(figure.add_subplot(1, len(pictures), column + 1), image, title, exposure=1.0)
-    return save_figure(figure, folder / "vlf-x2-bands.png")
+def _image(values: npt.NDArray[np.float64], seen: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
+    image = np.zeros((*seen.shape, 1))
+    image[seen, 0] = values
+    return image
 
 
-@figure("vlf-x4", "the aligned batch against Embree over points per triangle")
-def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-x4", "the aligned batch against Embree over points per triangle")
+def x4(trial: Trial) -> None:
     """The aligned batch against Embree, by points per triangle, and the engine chosen by "auto"."""
-    outcome, table = Outcome(), []
-    lines: dict[str, tuple[list[float], list[float]]] = {}
-    directions = QUICK_X4_DIRECTIONS if quick else X4_DIRECTIONS
-    for spec in QUICK_X4_SCENES if quick else X4_SCENES:
-        scene: Scene = scenes.build(spec)
+    table = []
+    gained: dict[str, tuple[list[float], list[float]]] = {}
+    directions = QUICK_X4_DIRECTIONS if trial.quick else X4_DIRECTIONS
+    for spec in QUICK_X4_SCENES if trial.quick else X4_SCENES:
+        scene: vc.Scene = vc.scenes.build(spec)
         name = spec.partition("?")[0]
         gains, chosen = [], []
-        shares = QUICK_SHARES if quick else SHARES
+        shares = QUICK_SHARES if trial.quick else SHARES
         for share in shares:
             seconds, engine = _engines(scene, share, directions)
             gains.append(seconds["embree"] / seconds["batch"])
@@ -183,42 +168,29 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
                     "auto over best": chosen[-1],
                 }
             )
-            outcome.rows.append(
-                Row(
-                    f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
-                    gains[-1],
-                    band=_share_band(share, shares, quick),
-                    note=f"auto takes {engine}",
-                )
+            trial.row(
+                f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
+                gains[-1],
+                band=_share_band(share, shares, trial.quick),
+                note=f"auto takes {engine}",
             )
-        lines[name] = (list(shares), gains)
-        outcome.rows.append(
-            Row(
-                f"{name}: speed-up at the most points over that at the fewest",
-                gains[-1] / gains[0],
-                band=bands.POINTS_PAY,
-            )
+        gained[name] = (list(shares), gains)
+        trial.row(
+            f"{name}: speed-up at the most points over that at the fewest",
+            gains[-1] / gains[0],
+            band=bands.POINTS_PAY,
         )
-        outcome.rows.append(
-            Row(
-                f"{name}: speed of auto over the faster engine, at its worst",
-                min(chosen),
-                band=None if quick else bands.CHOOSER,
-            )
+        trial.row(
+            f"{name}: speed of auto over the faster engine, at its worst",
+            min(chosen),
+            band=None if trial.quick else bands.CHOOSER,
         )
-    outcome.files += [
-        draw_lines(
-            lines,
-            folder / "vlf-x4.png",
-            x="points per triangle",
-            y="speed-up of the batch over Embree",
-        ),
-        write_csv(folder / "vlf-x4.csv", table),
-    ]
-    outcome.notes.append(
+    y = "speed-up of the batch over Embree"
+    trial.draw("vlf-x4.png", lines(gained, x="points per triangle", y=y))
+    trial.csv("vlf-x4.csv", table)
+    trial.notes.append(
         f"{directions} directions, one thread, CPU seconds; Embree by the faster of its orders"
     )
-    return outcome
 
 
 def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
@@ -227,7 +199,7 @@ def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
     return {shares[0]: bands.FEW_POINTS, shares[-1]: bands.MANY_POINTS}.get(share)
 
 
-def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
+def _engines(scene: vc.Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
     """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
     wanted = max(16, round(share * scene.triangles))
     side = math.ceil(math.sqrt(2.5 * wanted))
@@ -239,7 +211,9 @@ def _engines(scene: Scene, share: float, directions: int) -> tuple[dict[str, flo
     def run(engine: Any) -> Callable[[], None]:
         def trace() -> None:
             nonlocal taken
-            rows = vlf.trace_aligned(scene, points, normals, directions, engine=engine, threads=1)
+            rows = vc.vlf.trace_aligned(
+                scene, points, normals, directions, engine=engine, threads=1
+            )
             if engine == "auto":
                 taken = rows.engine
 

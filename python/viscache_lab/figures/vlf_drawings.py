@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import vlf
+import viscache as vc
+from viscache.plots.drawing import new_figure
 from viscache.vlf.tiles import cover_tiles, walk_leaves, walk_tiles
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vlf_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 
 Array = npt.NDArray[Any]
 TILES = 16
@@ -23,11 +21,11 @@ CHORDS, QUICK_CHORDS = 2000, 300
 NEAR = 2e-5
 
 
-@figure("vlf-fig1", "tiles of an edge: supercover against DDA")
-def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig1", "tiles of an edge: supercover against DDA")
+def figure1(trial: Trial) -> None:
     """Tiles of an edge: supercover against DDA."""
     rng = np.random.default_rng(1)
-    edges = rng.uniform(-1, 1, (QUICK_EDGES if quick else EDGES, 2, 2)).astype(np.float32)
+    edges = rng.uniform(-1, 1, (QUICK_EDGES if trial.quick else EDGES, 2, 2)).astype(np.float32)
     missed = extra = 0
     shares = []
     for a, b in edges:
@@ -46,9 +44,8 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
         Row("touched tiles the supercover misses", missed, band=bands.SUPERCOVER_ERRORS),
         Row("tiles it lists that the edge does not touch", extra, band=bands.SUPERCOVER_ERRORS),
     ]
-    path = folder / "vlf-fig1.png"
-    save_figure(_draw_edges(), path)
-    return Outcome(rows=rows, files=[path])
+    trial.rows += rows
+    trial.save(_draw_edges(), "vlf-fig1.png")
 
 
 def supercover(a: Array, b: Array) -> set[tuple[int, int]]:
@@ -121,10 +118,10 @@ def _rectangle(corner: tuple[float, float], width: float, height: float, color: 
     return Rectangle(corner, width, height, facecolor=color, edgecolor="none")
 
 
-@figure("vlf-fig2", "rays over one and several tiles")
-def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig2", "rays over one and several tiles")
+def figure2(trial: Trial) -> None:
     """Rays that cross one tile, and several."""
-    n = QUICK_CHORDS if quick else CHORDS
+    n = QUICK_CHORDS if trial.quick else CHORDS
     rng = np.random.default_rng(2)
     rows = [Row("tiles of a ray along the axis", _aligned_tiles(rng, n), band=bands.ALIGNED_TILES)]
     for count, band in bands.CHORD_TILES.items():
@@ -136,9 +133,8 @@ def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
                 note="128 tiles, the whole chord",
             )
         )
-    path = folder / "vlf-fig2.png"
-    save_figure(_draw_rays(leaves=1), path)
-    return Outcome(rows=rows, files=[path])
+    trial.rows += rows
+    trial.save(_draw_rays(leaves=1), "vlf-fig2.png")
 
 
 def _aligned_tiles(rng: np.random.Generator, n: int) -> float:
@@ -150,18 +146,18 @@ def _aligned_tiles(rng: np.random.Generator, n: int) -> float:
 def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
     ends = rng.normal(size=(2, n, 3))
     o, e = ends / np.linalg.norm(ends, axis=2, keepdims=True)
-    axis = vlf.nearest_direction((e - o).astype(np.float32), count)
-    frames = vlf.direction_frames(count)[axis].astype(float)
+    axis = vc.vlf.nearest_direction((e - o).astype(np.float32), count)
+    frames = vc.vlf.direction_frames(count)[axis].astype(float)
     q, g = (np.einsum("nij,nj->ni", frames, v) for v in (o, e - o))
     walks = zip(q.tolist(), g.tolist(), strict=True)
     return float(np.mean([len(walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0]) for p, d in walks]))
 
 
-@figure("vlf-fig3", "linear traversal of a tile's leaves")
-def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig3", "linear traversal of a tile's leaves")
+def figure3(trial: Trial) -> None:
     """Leaves of the tiles that a ray crosses, by the linear walk and the walk with a stack."""
     rng = np.random.default_rng(3)
-    n = QUICK_CHORDS if quick else CHORDS
+    n = QUICK_CHORDS if trial.quick else CHORDS
     differ, visited, there = 0, 0, 0
     for _ in range(n):
         o, e = rng.uniform(-0.9, 0.9, (2, 3)).tolist()
@@ -184,9 +180,8 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
         ),
         Row("share of the leaves that are visited", visited / there, band=bands.GREY_LEAVES),
     ]
-    path = folder / "vlf-fig3.png"
-    save_figure(_draw_rays(leaves=8), path)
-    return Outcome(rows=rows, files=[path])
+    trial.rows += rows
+    trial.save(_draw_rays(leaves=8), "vlf-fig3.png")
 
 
 def _leaves(low: float, high: float, upwards: bool, how: str) -> list[int]:

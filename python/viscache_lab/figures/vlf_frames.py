@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.frame import Frame
-from viscache.scene import Camera, Scene, look_at
-from viscache.settings.integrators import Whitted
-from viscache.settings.rays import Rays, Vlf
-from viscache.shot.render import render
+import viscache as vc
+from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panels, images, lines
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
-from viscache_lab.figures.drawing import draw_image, draw_lines, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     MAX_BYTES,
@@ -33,7 +27,6 @@ from viscache_lab.figures.vlf_tracers import (
     camera_rays,
     embree,
     in_turns,
-    write_csv,
 )
 
 #: Numbers of random triangles, and the largest for which a full field is built.
@@ -49,56 +42,52 @@ METHODS = ("CRT", "VLF-RT", "Embree", FAST_EMBREE)
 QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
 
-def _random(count: int) -> Scene:
-    made: Scene = scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
+def _random(count: int) -> vc.Scene:
+    made: vc.Scene = vc.scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
     return made
 
 
-@figure("vlf-fig4", "the scenes of random triangles")
-def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig4", "the scenes of random triangles")
+def figure4(trial: Trial) -> None:
     """Pictures of the scenes of random triangles."""
-    outcome, figure = Outcome(), new_figure(8.0, 4.2)
+    shown = {}
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
-        view = look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
-        size = QUICK_SIZE if quick else printed.RANDOM_SIZE
-        frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
-        axes = figure.add_subplot(1, 2, column + 1)
-        draw_image(axes, frame.image, f"{count} triangles")
-        outcome.rows.append(
-            Row(
-                f"triangles, {'left' if column == 0 else 'right'}",
-                scene.triangles,
-                printed=count,
-                band=bands.RANDOM_TRIANGLES[count],
-                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
-            )
+        view = vc.look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
+        size = QUICK_SIZE if trial.quick else printed.RANDOM_SIZE
+        frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
+        shown[f"{count} triangles"] = frame
+        trial.row(
+            f"triangles, {'left' if column == 0 else 'right'}",
+            scene.triangles,
+            printed=count,
+            band=bands.RANDOM_TRIANGLES[count],
+            note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
         )
-    outcome.files.append(save_figure(figure, folder / "vlf-fig4.png"))
-    return outcome
+    trial.draw("vlf-fig4.png", [images(shown)], (8.0, 4.2))
 
 
-@figure("vlf-fig5", "frame time over the number of triangles")
-def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig5", "frame time over the number of triangles")
+def figure5(trial: Trial) -> None:
     """Time of primary rays by number of random triangles."""
-    size = QUICK_SIZE if quick else printed.RANDOM_SIZE
-    counts = QUICK_COUNTS if quick else COUNTS
-    outcome, table = Outcome(), []
+    size = QUICK_SIZE if trial.quick else printed.RANDOM_SIZE
+    counts = QUICK_COUNTS if trial.quick else COUNTS
+    table = []
     times: dict[str, list[float]] = {"CRT": [], "VLF-RT": [], "Embree": [], FAST_EMBREE: []}
     steps = []
     for count in counts:
         scene = _random(count)
         beams = _stations(size)
         tuned = {
-            "CRT": best_bsp(scene, beams, quick),
-            "VLF-RT": best_field(scene, beams, quick, lazy=True),
+            "CRT": best_bsp(scene, beams, trial.quick),
+            "VLF-RT": best_field(scene, beams, trial.quick, lazy=True),
             "Embree": embree(scene),
             FAST_EMBREE: embree(scene, robust=False),
         }
         runs: dict[str, Callable[[], Any]] = {
             name: partial(beams.trace, t.caster) for name, t in tuned.items()
         }
-        found = in_turns(runs, 1 if quick else 3)
+        found = in_turns(runs, 1 if trial.quick else 3)
         for name, seconds in found.items():
             times[name].append(1e3 * seconds / len(STATIONS))
             table.append(
@@ -110,25 +99,22 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
                     "build_s": tuned[name].build_s,
                 }
             )
-        outcome.rows += _count_rows(count, found, tuned, quick)
-        steps.append(steps_of_a_ray(scene, beams, quick))
-    outcome.rows += _growth_rows(counts, times, steps, quick)
-    lines = {name: (counts, ms) for name, ms in times.items()}
-    outcome.files += [
-        draw_lines(lines, folder / "vlf-fig5.png", x="triangles", y="CPU ms per frame"),
-        write_csv(folder / "vlf-fig5.csv", table),
-    ]
-    outcome.notes.append(
+        trial.rows += _count_rows(count, found, tuned, trial.quick)
+        steps.append(steps_of_a_ray(scene, beams, trial.quick))
+    trial.rows += _growth_rows(counts, times, steps, trial.quick)
+    drawn = {name: (counts, ms) for name, ms in times.items()}
+    trial.draw("vlf-fig5.png", lines(drawn, x="triangles", y="CPU ms per frame"))
+    trial.csv("vlf-fig5.csv", table)
+    trial.notes.append(
         f"{size[0]}x{size[1]} primary rays, one thread, {len(STATIONS)} places of the camera, "
         f"edges of {EDGE_FACTOR:g} n^(-1/3) of the cube: the paper tells neither its triangles' "
         "size nor its path. The field builds only the directions its rays need."
     )
-    return outcome
 
 
 def _stations(size: tuple[int, int]) -> Beams:
     parts = [
-        camera_rays(look_at(p, (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0), size) for p in STATIONS
+        camera_rays(vc.look_at(p, (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0), size) for p in STATIONS
     ]
     return Beams(
         origins=np.concatenate([p.origins for p in parts]),
@@ -138,31 +124,29 @@ def _stations(size: tuple[int, int]) -> Beams:
 
 def _count_rows(
     count: int, found: dict[str, float], tuned: dict[str, Tuned], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     gain, ahead = found["CRT"] / found["VLF-RT"], found["VLF-RT"] / found["Embree"]
-    return [
-        Row(
-            f"{count} triangles: speed-up of VLF-RT over CRT",
-            gain,
-            band=None if quick else bands.RANDOM_SPEEDUP,
-            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
-        ),
-        Row(
-            f"{count} triangles: speed-up of Embree over VLF-RT",
-            ahead,
-            band=None if quick else bands.EMBREE_AHEAD,
-        ),
-        Row(
-            f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
-            found["VLF-RT"] / found[FAST_EMBREE],
-        ),
-    ]
+    yield Row(
+        f"{count} triangles: speed-up of VLF-RT over CRT",
+        gain,
+        band=None if quick else bands.RANDOM_SPEEDUP,
+        note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
+    )
+    yield Row(
+        f"{count} triangles: speed-up of Embree over VLF-RT",
+        ahead,
+        band=None if quick else bands.EMBREE_AHEAD,
+    )
+    yield Row(
+        f"{count} triangles: speed-up of Embree without the robust flag over VLF-RT",
+        found["VLF-RT"] / found[FAST_EMBREE],
+    )
 
 
-def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
+def steps_of_a_ray(scene: vc.Scene, beams: Beams, quick: bool) -> float:
     """Tiles, leaves and triangles that a ray visits in a field of depth 3, mean."""
     n_directions = QUICK_DIRECTIONS if quick else printed.DIRECTIONS
-    settings = Vlf(
+    settings = vc.Vlf(
         n_directions=n_directions,
         n_tiles=QUICK_TILES if quick else printed.TILES,
         bsp_depth=3,
@@ -170,47 +154,42 @@ def steps_of_a_ray(scene: Scene, beams: Beams, quick: bool) -> float:
         max_bytes=MAX_BYTES,
     )
     field = settings.build(scene)
-    axes = vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
+    axes = vc.vlf.nearest_direction(beams.directions, n_directions).astype(np.uint32)
     steps = field.trace_by(beams.origins, beams.directions, axes)[3]
     return float(sum(steps[name] for name in ("tiles", "leaves", "tests")) / len(beams))
 
 
 def _growth_rows(
     counts: Sequence[int], times: dict[str, list[float]], steps: Sequence[float], quick: bool
-) -> list[Row]:
+) -> Iterator[Row]:
     more = counts[-1] / counts[0]
-    rows = [
-        Row(
-            "VLF-RT: growth of a ray's steps over the growth of the triangles",
-            steps[-1] / steps[0] / more,
-            band=bands.RANDOM_STEPS,
-            note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
-        )
-    ]
+    yield Row(
+        "VLF-RT: growth of a ray's steps over the growth of the triangles",
+        steps[-1] / steps[0] / more,
+        band=bands.RANDOM_STEPS,
+        note=f"{steps[0]:.1f} to {steps[-1]:.1f} tiles, leaves and triangles, depth 3",
+    )
     for name, ms in times.items():
-        rows.append(
-            Row(
-                f"{name}: growth of the time over the growth of the triangles",
-                ms[-1] / ms[0] / more,
-                band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
-                note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
-            )
+        yield Row(
+            f"{name}: growth of the time over the growth of the triangles",
+            ms[-1] / ms[0] / more,
+            band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
+            note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
         )
-    return rows
 
 
-@figure("vlf-fig6", "frame times of a walk through a classroom")
-def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig6", "frame times of a walk through a classroom")
+def figure6(trial: Trial) -> None:
     """A walk through the classroom: CPU time of each frame."""
-    frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
-    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    frames = QUICK_FRAMES if trial.quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
+    size = QUICK_SIZE if trial.quick else printed.CLASSROOM_SIZE
     # One scene per tracer: a scene keeps only one caster besides Embree's
-    rooms = {name: _classroom(quick) for name in METHODS}
-    views = [scenes.classroom_camera(k) for k in frames]
-    trial = camera_rays(views[len(views) // 2], size)
+    rooms = {name: _classroom(trial.quick) for name in METHODS}
+    views = [vc.scenes.classroom_camera(k) for k in frames]
+    some = camera_rays(views[len(views) // 2], size)
     tuned = {
-        "CRT": best_bsp(rooms["CRT"], trial, quick),
-        "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
+        "CRT": best_bsp(rooms["CRT"], some, trial.quick),
+        "VLF-RT": best_field(rooms["VLF-RT"], some, trial.quick),
         "Embree": embree(rooms["Embree"]),
         FAST_EMBREE: embree(rooms[FAST_EMBREE], robust=False),
     }
@@ -227,123 +206,103 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
             for shading, seconds in (("OpenGL-like", primary), ("Whitted", whitted))
             for n in rooms
         ]
-    outcome = Outcome(rows=_walk_rows(table, tuned, quick))
-    outcome.rows.append(
-        Row(
-            "rays of a Whitted frame over its primary rays, median",
-            _median(np.array(more_rays)),
-            band=bands.WHITTED_RAYS,
-        )
+    trial.rows += _walk_rows(table, tuned, trial.quick)
+    trial.row(
+        "rays of a Whitted frame over its primary rays, median",
+        _median(np.array(more_rays)),
+        band=bands.WHITTED_RAYS,
     )
-    outcome.files += [_draw_walk(table, folder), write_csv(folder / "vlf-fig6.csv", table)]
-    outcome.notes.append(
+    trial.draw("vlf-fig6.png", _walk(table))
+    trial.csv("vlf-fig6.csv", table)
+    trial.notes.append(
         "OpenGL-like: the primary rays alone. Whitted: whole frames through viscache.render with "
         "shadow rays to the four lights, shading included; single-ray tracers get them one by one, "
         "Embree in packets of 16. One thread."
     )
-    return outcome
 
 
-def _classroom(quick: bool) -> Scene:
-    made: Scene = scenes.classroom_like(triangles=5000 if quick else printed.CLASSROOM_TRIANGLES)
+def _classroom(quick: bool) -> vc.Scene:
+    made: vc.Scene = vc.scenes.classroom_like(
+        triangles=5000 if quick else printed.CLASSROOM_TRIANGLES
+    )
     return made
 
 
-def _whitted(scene: Scene, rays: Rays, view: Camera, size: tuple[int, int]) -> Frame:
+def _whitted(scene: vc.Scene, rays: Rays, view: vc.Camera, size: tuple[int, int]) -> vc.Frame:
     """A frame; its time excludes building the caster."""
     scene.caster(rays)
-    return render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
+    return vc.render(scene, vc.Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
 
 
 def _ms(table: list[dict[str, Any]], method: str, shading: str) -> npt.NDArray[np.float64]:
     return np.array([r["ms"] for r in table if (r["method"], r["shading"]) == (method, shading)])
 
 
-def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> list[Row]:
-    rows = []
+def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool) -> Iterator[Row]:
     for shading, band in bands.WALK_SPEEDUP.items():
         crt, field, packets, fast = (_ms(table, n, shading) for n in METHODS)
         gain = crt / field
-        rows += [
-            Row(
-                f"{shading}: speed-up of VLF-RT over CRT, median",
-                _median(gain),
-                band=None if quick else band,
-                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
-            ),
-            Row(
-                f"{shading}: speed-up of Embree over VLF-RT, median",
-                _median(field / packets),
-                band=None if quick else bands.EMBREE_AHEAD,
-            ),
-            Row(
-                f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
-                _median(field / fast),
-            ),
-        ]
-    cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
-    rows.append(
-        Row(
-            "VLF-RT: a Whitted frame over an OpenGL-like one, median",
-            _median(cost),
-            band=None if quick else bands.WHITTED_COST,
+        yield Row(
+            f"{shading}: speed-up of VLF-RT over CRT, median",
+            _median(gain),
+            band=None if quick else band,
+            note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
         )
+        yield Row(
+            f"{shading}: speed-up of Embree over VLF-RT, median",
+            _median(field / packets),
+            band=None if quick else bands.EMBREE_AHEAD,
+        )
+        yield Row(
+            f"{shading}: speed-up of Embree without the robust flag over VLF-RT, median",
+            _median(field / fast),
+        )
+    cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
+    yield Row(
+        "VLF-RT: a Whitted frame over an OpenGL-like one, median",
+        _median(cost),
+        band=None if quick else bands.WHITTED_COST,
     )
     depths = {"CRT": printed.CLASSROOM_CRT_DEPTH, "VLF-RT": printed.CLASSROOM_FIELD_DEPTH}
     for name, depth in depths.items():
         s: Any = tuned[name].settings
         best = s.max_depth if name == "CRT" else s.bsp_depth
-        rows.append(Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text))
-    return rows
+        yield Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text)
 
 
 def _median(values: npt.NDArray[np.float64]) -> float:
     return float(np.median(values))
 
 
-def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
-    lines = {}
+def _walk(table: list[dict[str, Any]]) -> Panels:
+    drawn = {}
     for shading in bands.WALK_SPEEDUP:
         for method in METHODS:
             at = [r["frame"] for r in table if (r["method"], r["shading"]) == (method, shading)]
-            lines[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
-    return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
+            drawn[f"{method}, {shading}"] = (at, _ms(table, method, shading).tolist())
+    return lines(drawn, x="frame", y="CPU ms", logarithmic="y")
 
 
-@figure("vlf-fig7", "the classroom")
-def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig7", "the classroom")
+def figure7(trial: Trial) -> None:
     """The classroom with Whitted and with OpenGL-like shading."""
-    scene: Scene = scenes.classroom_like()
+    scene: vc.Scene = vc.scenes.classroom_like()
     lights = [light for light in scene.lights if light["kind"] == "point"]
-    size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
+    size = QUICK_SIZE if trial.quick else printed.CLASSROOM_SIZE
     view = scene.cameras[1]
-    frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
-    figure = new_figure(8.0, 4.2)
+    frame = vc.render(scene, vc.Whitted(n_vpls=0), size=size, camera=view)
     pictures: dict[str, npt.NDArray[Any]] = {
         "Whitted": frame.image,
         "OpenGL-like": local_shading(frame, view, lights),
     }
-    for column, (title, image) in enumerate(pictures.items()):
-        draw_image(figure.add_subplot(1, 2, column + 1), image, title)
-    rows = [
-        Row(
-            "triangles",
-            scene.triangles,
-            printed=printed.CLASSROOM_TRIANGLES,
-            band=bands.CLASSROOM_TRIANGLES,
-        ),
-        Row(
-            "point lights",
-            len(lights),
-            printed=printed.CLASSROOM_LIGHTS,
-            band=bands.CLASSROOM_LIGHTS,
-        ),
-    ]
-    return Outcome(rows=rows, files=[save_figure(figure, folder / "vlf-fig7.png")])
+    count, lamps = printed.CLASSROOM_TRIANGLES, printed.CLASSROOM_LIGHTS
+    trial.row("triangles", scene.triangles, printed=count, band=bands.CLASSROOM_TRIANGLES)
+    trial.row("point lights", len(lights), printed=lamps, band=bands.CLASSROOM_LIGHTS)
+    trial.draw("vlf-fig7.png", [images(pictures)], (8.0, 4.2))
 
 
 def local_shading(
-    frame: Any, view: Camera, lights: list[dict[str, Any]]
+    frame: Any, view: vc.Camera, lights: list[dict[str, Any]]
 ) -> npt.NDArray[np.float64]:
     """(H, W, 3): local shading by the lights' distances and directions, without shadows."""
     layers = frame.layers

@@ -6,22 +6,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import scenes, vlf
-from viscache.scene import Scene
+import viscache as vc
 from viscache.scene.about import offset_extent
-from viscache.settings.rays import Embree
 from viscache_lab.cases.beams import Beams
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import images
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
-from viscache_lab.figures.drawing import draw_image, new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     QUICK_DIRECTIONS,
@@ -31,7 +27,6 @@ from viscache_lab.figures.vlf_tracers import (
     embree,
     first_hits,
     in_turns,
-    write_csv,
 )
 
 SIZE, QUICK_SIZE = (256, 256), (48, 48)
@@ -46,7 +41,7 @@ class Place:
     """A scene, the points that its first camera sees, and rays along all axes."""
 
     name: str
-    scene: Scene
+    scene: vc.Scene
     positions: npt.NDArray[np.float32]
     normals: npt.NDArray[np.float32]
     seen: npt.NDArray[np.bool_]
@@ -59,7 +54,7 @@ class Place:
         extent = np.float32(offset_extent(self.scene))
         size = np.maximum(np.abs(p).max(axis=1, keepdims=True), extent)
         o = (p + n * (np.float32(OFFSET) * size)).astype(np.float32)
-        axes = vlf.directions(self.n_directions)
+        axes = vc.vlf.directions(self.n_directions)
         sign = np.where(n @ axes.T >= 0, 1, -1).astype(np.float32)
         d = sign[:, :, None] * axes
         o = np.broadcast_to(o[:, None], d.shape)
@@ -73,8 +68,8 @@ class Place:
 def place(name: str, quick: bool) -> Place:
     """A stand-in for a scene of Table 1, with the paper's number of triangles."""
     triangles = printed.OCCLUSION[name].triangles
-    make: Any = scenes.church if name == "church" else scenes.bumpy_spheres
-    scene: Scene = make(triangles=triangles)
+    make: Any = vc.scenes.church if name == "church" else vc.scenes.bumpy_spheres
+    scene: vc.Scene = make(triangles=triangles)
     found = first_hits(scene, scene.cameras[0], QUICK_SIZE if quick else SIZE)
     return Place(
         name=name,
@@ -86,25 +81,24 @@ def place(name: str, quick: bool) -> Place:
     )
 
 
-@figure("vlf-tab1", "ambient occlusion: seconds and speed-up of five scenes")
-def table1(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-tab1", "ambient occlusion: seconds and speed-up of five scenes")
+def table1(trial: Trial) -> None:
     """Seconds and speed-ups of ambient occlusion."""
-    outcome, table = Outcome(), []
-    names = ("cow", "tugboat") if quick else tuple(printed.OCCLUSION)
+    table = []
+    names = ("cow", "tugboat") if trial.quick else tuple(printed.OCCLUSION)
     gains = {}
     for name in names:
-        rows, more, gains[name] = _measure(place(name, quick), quick)
-        outcome.rows += rows
+        rows, more, gains[name] = _measure(place(name, trial.quick), trial.quick)
+        trial.rows += rows
         table += more
-    outcome.rows.append(_decline_row(gains, quick))
-    outcome.files.append(write_csv(folder / "vlf-tab1.csv", table))
-    outcome.notes.append(
+    trial.rows.append(_decline_row(gains, trial.quick))
+    trial.csv("vlf-tab1.csv", table)
+    trial.notes.append(
         "Stand-ins with the paper's numbers of triangles: bumpy spheres, and a church of ours. CPU "
         "seconds of one thread, scaled to 65,536 points of 513 rays each. Both structures with the "
         "parameters that were fastest for these rays. Point by point, a point touches every "
         "subfield once, and all of them are larger than the caches."
     )
-    return outcome
 
 
 def _decline_row(gains: dict[str, float], quick: bool) -> Row:
@@ -170,7 +164,7 @@ def _run(
     answers: dict[str, npt.NDArray[np.bool_]], name: str, beams: Beams, tuned: Tuned
 ) -> Callable[[], None]:
     def run() -> None:
-        if isinstance(tuned.settings, Embree):
+        if isinstance(tuned.settings, vc.Embree):
             found = tuned.caster.bare_occluded(
                 beams.origins, beams.directions, math.inf, 16, threads=1
             )
@@ -186,7 +180,7 @@ def _rows_of_bits(spot: Place, quick: bool) -> dict[str, float]:
     engines: dict[str, Any] = {"aligned batch": "batch", "Embree's rows": "embree"}
     runs: dict[str, Callable[[], Any]] = {
         name: partial(
-            vlf.trace_aligned,
+            vc.vlf.trace_aligned,
             spot.scene,
             spot.positions,
             spot.normals,
@@ -250,11 +244,7 @@ def _scene_rows(
             note=f"by point {seconds['Embree, by point']:.2f}, by direction "
             f"{seconds['Embree, by direction']:.2f}, as rows {seconds[EMBREE_ROWS]:.2f}",
         ),
-        Row(
-            f"{name}: speed-up of Embree over VLF-RT",
-            field / packets,
-            band=bands.EMBREE_AHEAD,
-        ),
+        Row(f"{name}: speed-up of Embree over VLF-RT", field / packets, band=bands.EMBREE_AHEAD),
         Row(
             f"{name}: speed-up of Embree without the robust flag over VLF-RT",
             field / fast,
@@ -277,46 +267,36 @@ def _scene_rows(
 EMBREE_ROWS = "Embree's rows"
 
 
-@figure("vlf-fig8", "images with ambient occlusion")
-def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-fig8", "images with ambient occlusion")
+def figure8(trial: Trial) -> None:
     """Pictures with ambient occlusion, by the aligned batch, held against Embree's bits."""
-    names = ("cow", "church") if quick else tuple(printed.OCCLUSION)
-    outcome, figure, free = Outcome(), new_figure(3.2 * len(names), 3.4), {}
-    for column, name in enumerate(names):
-        spot = place(name, quick)
+    names = ("cow", "church") if trial.quick else tuple(printed.OCCLUSION)
+    shown, free = {}, {}
+    for name in names:
+        spot = place(name, trial.quick)
         bits = {engine: _bits(spot, engine) for engine in ("batch", "embree")}
-        weights = vlf.direction_weights(spot.n_directions).astype(float)
+        weights = vc.vlf.direction_weights(spot.n_directions).astype(float)
         image = np.zeros((*spot.seen.shape, 1))
         image[spot.seen, 0] = bits["batch"] @ weights / weights.sum()
-        draw_image(
-            figure.add_subplot(1, len(names), column + 1),
-            image,
-            f"{name}: {spot.scene.triangles} triangles",
-            exposure=1.0,
-        )
+        shown[f"{name}: {spot.scene.triangles} triangles"] = image
         free[name] = float(image[spot.seen].mean())
-        outcome.rows += [
-            Row(
-                f"{name}: share of rays unlike Embree's",
-                float((bits["batch"] != bits["embree"]).mean()),
-                band=bands.QUICK_OCCLUSION_DIFFERS if quick else bands.OCCLUSION_DIFFERS,
-                note=f"{bits['batch'].size} rays",
-            ),
-            Row(f"{name}: mean of the directions that are free", free[name]),
-        ]
-    outcome.rows.append(
-        Row(
-            "mean of the free directions, church over cow",
-            free["church"] / free["cow"],
-            band=bands.CLOSED_IS_DARKER,
+        trial.row(
+            f"{name}: share of rays unlike Embree's",
+            float((bits["batch"] != bits["embree"]).mean()),
+            band=bands.QUICK_OCCLUSION_DIFFERS if trial.quick else bands.OCCLUSION_DIFFERS,
+            note=f"{bits['batch'].size} rays",
         )
+        trial.row(f"{name}: mean of the directions that are free", free[name])
+    trial.row(
+        "mean of the free directions, church over cow",
+        free["church"] / free["cow"],
+        band=bands.CLOSED_IS_DARKER,
     )
-    outcome.files.append(save_figure(figure, folder / "vlf-fig8.png"))
-    return outcome
+    trial.draw("vlf-fig8.png", [images(shown, 1.0)], (3.2 * len(names), 3.4))
 
 
 def _bits(spot: Place, engine: Any) -> npt.NDArray[np.bool_]:
-    words = vlf.aligned_occlusion(
+    words = vc.vlf.aligned_occlusion(
         spot.scene, spot.positions, spot.normals, spot.n_directions, engine=engine
     )
     unpacked = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")

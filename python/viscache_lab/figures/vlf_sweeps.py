@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from viscache import VisibilityField, scenes, vlf
-from viscache.scene import Scene
-from viscache.settings.rays import Vlf
+import viscache as vc
 from viscache.vlf.tiles import expected_references
 from viscache_lab.cases.beams import Beams, chords
+from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.drawing import Panel, Panels, Series
 from viscache_lab.figures import vlf_bands as bands
-from viscache_lab.figures.drawing import new_figure, save_figure
-from viscache_lab.figures.outcome import Outcome, Row
-from viscache_lab.figures.registry import figure
-from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_csv
+from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree
 
 #: X1: one parameter at a time, around the paper's settings.
 BASE, QUICK_BASE = (
-    Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
-    Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
+    vc.Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
+    vc.Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
 )
 SWEPT: dict[str, tuple[int, ...]] = {
     "n_directions": (33, 129, 513, 2049),
@@ -54,14 +51,14 @@ QUICK_FIELDS = (
 X3_DIRECTIONS, QUICK_X3_DIRECTIONS = 129, 33
 
 
-@figure("vlf-x1", "speed, tests and memory over directions, tiles and depth")
-def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-x1", "speed, tests and memory over directions, tiles and depth")
+def x1(trial: Trial) -> None:
     """Tiles and tests per ray, speed, bytes and build time over l, n and depth."""
-    base = QUICK_BASE if quick else BASE
-    swept = QUICK_SWEPT if quick else SWEPT
-    triangles = QUICK_TRIANGLES if quick else TRIANGLES
-    scene: Scene = scenes.random_triangles(triangles=triangles, edge_factor=1.0)
-    beams = chords(scene, QUICK_CHORDS if quick else CHORDS)
+    base = QUICK_BASE if trial.quick else BASE
+    swept = QUICK_SWEPT if trial.quick else SWEPT
+    triangles = QUICK_TRIANGLES if trial.quick else TRIANGLES
+    scene: vc.Scene = vc.scenes.random_triangles(triangles=triangles, edge_factor=1.0)
+    beams = chords(scene, QUICK_CHORDS if trial.quick else CHORDS)
     table = []
     for name, values in swept.items():
         for value in values:
@@ -73,29 +70,27 @@ def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     single = cpu_seconds(
         lambda: rival.caster.bare_intersect(beams.origins, beams.directions, threads=1)
     )
-    outcome = Outcome(rows=_sweep_rows(table, quick))
-    outcome.rows += [
-        Row(
-            "Mray/s, Embree in packets",
-            len(beams) / seconds / 1e6,
-            note=f"{rival.build_s:.3f} CPU s to build",
-        ),
-        Row("Mray/s, Embree ray by ray", len(beams) / single / 1e6),
-    ]
-    outcome.files += [_draw_sweep(table, folder), write_csv(folder / "vlf-x1.csv", table)]
-    outcome.notes.append(
+    trial.rows += _sweep_rows(table, trial.quick)
+    trial.row(
+        "Mray/s, Embree in packets",
+        len(beams) / seconds / 1e6,
+        note=f"{rival.build_s:.3f} CPU s to build",
+    )
+    trial.row("Mray/s, Embree ray by ray", len(beams) / single / 1e6)
+    trial.draw("vlf-x1.png", _panels(table), (9.0, 6.0))
+    trial.csv("vlf-x1.csv", table)
+    trial.notes.append(
         f"{scene.triangles} random triangles, nearest hits of {len(beams)} chords, one thread; "
         f"one parameter at a time around l {base.n_directions}, n {base.n_tiles}, depth "
         f"{base.bsp_depth}"
     )
-    return outcome
 
 
-def _measure(scene: Scene, beams: Beams, settings: Vlf) -> dict[str, Any]:
+def _measure(scene: vc.Scene, beams: Beams, settings: vc.Vlf) -> dict[str, Any]:
     start = time.process_time()
     field = settings.build(scene)
     build_s = time.process_time() - start
-    axes = vlf.nearest_direction(beams.directions, field.settings.n_directions).astype(np.uint32)
+    axes = vc.vlf.nearest_direction(beams.directions, field.settings.n_directions).astype(np.uint32)
     steps = field.trace_by(beams.origins, beams.directions, axes)[3]
     seconds = cpu_seconds(lambda: beams.trace(field))
     n = len(beams)
@@ -112,7 +107,7 @@ def _measure(scene: Scene, beams: Beams, settings: Vlf) -> dict[str, Any]:
     }
 
 
-def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
+def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> Iterator[Row]:
     def at(name: str, value: int) -> dict[str, Any]:
         return next(r for r in table if r["swept"] == name and r[name] == value)
 
@@ -120,73 +115,68 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
     coarse, fine = at("n_directions", few), at("n_directions", many)
     flat, deep = at("bsp_depth", 0), at("bsp_depth", 5)
 
-    rows = [
-        Row(
-            "tests per ray, depth 0 over depth 5",
-            flat["tests"] / deep["tests"],
-            band=bands.QUICK_DEPTH_SAVES_TESTS if quick else bands.DEPTH_SAVES_TESTS,
-            note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
-            f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
-        ),
-        Row(
-            f"tiles per ray, {few} directions over {many}",
-            coarse["tiles"] / fine["tiles"],
-            band=bands.DIRECTIONS_SAVE_TILES,
-            note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
-        ),
-        Row(
-            f"rays per second, {many} directions over {few}",
-            fine["mrays_s"] / coarse["mrays_s"],
-            band=None if quick else bands.FINER_IS_FASTER,
-            note="fewer tiles, but more memory than caches hold",
-        ),
-    ]
+    yield Row(
+        "tests per ray, depth 0 over depth 5",
+        flat["tests"] / deep["tests"],
+        band=bands.QUICK_DEPTH_SAVES_TESTS if quick else bands.DEPTH_SAVES_TESTS,
+        note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
+        f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
+    )
+    yield Row(
+        f"tiles per ray, {few} directions over {many}",
+        coarse["tiles"] / fine["tiles"],
+        band=bands.DIRECTIONS_SAVE_TILES,
+        note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
+    )
+    yield Row(
+        f"rays per second, {many} directions over {few}",
+        fine["mrays_s"] / coarse["mrays_s"],
+        band=None if quick else bands.FINER_IS_FASTER,
+        note="fewer tiles, but more memory than caches hold",
+    )
     for r in table:
         what = ", ".join(f"{n} {r[n]}" for n in SWEPT)
         note = f"{r['tiles']:.2f} tiles, {r['tests']:.2f} tests a ray, {r['bytes'] / 1e6:.1f} MB"
-        rows.append(
-            Row(f"Mray/s, {what}", r["mrays_s"], note=f"{note}, {r['build_s']:.2f} CPU s to build")
+        yield Row(
+            f"Mray/s, {what}", r["mrays_s"], note=f"{note}, {r['build_s']:.2f} CPU s to build"
         )
-    return rows
 
 
-def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure(9.0, 6.0)
-    measures = {"mrays_s": "Mray/s", "tests": "tests per ray"}
-    for row, (measure, label) in enumerate(measures.items()):
-        for column, name in enumerate(SWEPT):
-            axes = figure.add_subplot(2, 3, 3 * row + column + 1)
-            points = [(r[name], r[measure]) for r in table if r["swept"] == name]
-            axes.plot(*zip(*points, strict=True), "o-", ms=4)
+def _panels(table: list[dict[str, Any]]) -> Panels:
+    def panel(name: str, measure: str, label: str) -> Panel:
+        def more(axes: Any) -> None:
+            axes.set_ylim(bottom=0)
             if name != "bsp_depth":
                 axes.set_xscale("log", base=2)
-            axes.set(xlabel=name, ylabel=label, ylim=(0, None))
-            axes.grid(lw=0.3)
-    return save_figure(figure, folder / "vlf-x1.png")
+
+        points = [(r[name], r[measure]) for r in table if r["swept"] == name]
+        line = Series.through("", points)
+        return Panel(series=[line], x=name, y=label, more=more)
+
+    measures = {"mrays_s": "Mray/s", "tests": "tests per ray"}
+    return [[panel(name, *measure) for name in SWEPT] for measure in measures.items()]
 
 
-@figure("vlf-x3", "memory of a field, predicted and used")
-def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
+@FIGURES.add("vlf-x3", "memory of a field, predicted and used")
+def x3(trial: Trial) -> None:
     """Predicted bytes and list entries over the counted ones."""
-    outcome, table = Outcome(), []
-    directions = QUICK_X3_DIRECTIONS if quick else X3_DIRECTIONS
-    for spec, n_tiles, depth in QUICK_FIELDS if quick else FIELDS:
-        scene: Scene = scenes.build(spec)
-        settings = Vlf(
+    table = []
+    directions = QUICK_X3_DIRECTIONS if trial.quick else X3_DIRECTIONS
+    for spec, n_tiles, depth in QUICK_FIELDS if trial.quick else FIELDS:
+        scene: vc.Scene = vc.scenes.build(spec)
+        settings = vc.Vlf(
             n_directions=directions, n_tiles=n_tiles, bsp_depth=depth, max_bytes=MAX_BYTES
         )
-        predicted = VisibilityField.memory_estimate(scene, settings)
+        predicted = vc.VisibilityField.memory_estimate(scene, settings)
         start = time.process_time()
         stats = settings.build(scene).stats
         build_s = time.process_time() - start
         label = f"{spec.partition('&')[0]}, n {n_tiles}, depth {depth}"
-        outcome.rows.append(
-            Row(
-                f"{label}: bytes predicted over used",
-                predicted / stats["bytes"],
-                band=bands.MEMORY_PREDICTED,
-                note=f"{stats['bytes'] / 1e6:.1f} MB, {build_s:.2f} CPU s to build",
-            )
+        trial.row(
+            f"{label}: bytes predicted over used",
+            predicted / stats["bytes"],
+            band=bands.MEMORY_PREDICTED,
+            note=f"{stats['bytes'] / 1e6:.1f} MB, {build_s:.2f} CPU s to build",
         )
         table.append(
             {
@@ -201,24 +191,15 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
         if depth == 0 and spec.startswith("random"):
             formula = expected_references(scene, n_tiles)
             counted = stats["references"] / directions
-            outcome.rows.append(
-                Row(
-                    f"{label}: entries by formula over counted",
-                    formula / counted,
-                    band=bands.REFERENCES_PREDICTED,
-                    note=f"{counted / scene.triangles:.2f} entries a triangle",
-                )
+            trial.row(
+                f"{label}: entries by formula over counted",
+                formula / counted,
+                band=bands.REFERENCES_PREDICTED,
+                note=f"{counted / scene.triangles:.2f} entries a triangle",
             )
-    outcome.files += [_draw_memory(table, folder), write_csv(folder / "vlf-x3.csv", table)]
-    return outcome
-
-
-def _draw_memory(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure(4.6, 4.6)
-    axes = figure.add_subplot(1, 1, 1)
-    used, predicted = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
-    axes.loglog(used, predicted, "o")
-    ends = [min(used) / 2, max(used) * 2]
-    axes.loglog(ends, ends, "k-", lw=0.6)
-    axes.set(xlabel="MB used", ylabel="MB predicted")
-    return save_figure(figure, folder / "vlf-x3.png")
+    mb, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
+    ends = [min(mb) / 2, max(mb) * 2]
+    series = [Series("", mb, foretold, "o"), Series("", ends, ends, "k-")]
+    panel = Panel(series=series, x="MB used", y="MB predicted", logarithmic="xy")
+    trial.draw("vlf-x3.png", [[panel]], (4.6, 4.6))
+    trial.csv("vlf-x3.csv", table)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.scene import Camera, Scene
-from viscache.settings.rays import Bsp, Embree, Rays, Vlf
+import viscache as vc
+from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.figures import vlf_printed as printed
 
@@ -29,7 +27,6 @@ __all__ = [
     "embree",
     "first_hits",
     "in_turns",
-    "write_csv",
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -60,9 +57,9 @@ class Tuned:
     def text(self) -> str:
         """The parameters, as text for a note."""
         s = self.settings
-        if isinstance(s, Bsp):
+        if isinstance(s, vc.Bsp):
             kind = f"depth {s.max_depth}, leaf {s.leaf_size}"
-        elif isinstance(s, Vlf):
+        elif isinstance(s, vc.Vlf):
             kind = f"l {s.n_directions}, n {s.n_tiles}, depth {s.bsp_depth}"
         else:
             kind = "robust" if s.robust else "not robust"
@@ -88,15 +85,17 @@ def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, 
     return best
 
 
-def best_bsp(scene: Scene, beams: Beams, quick: bool) -> Tuned:
+def best_bsp(scene: vc.Scene, beams: Beams, quick: bool) -> Tuned:
     """The fastest BSP for some rays, from the paper's pre-test over depth and leaf size."""
     depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
     return _best(
-        scene, beams, (Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
+        scene,
+        beams,
+        (vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves),
     )
 
 
-def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
+def best_field(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
     """The fastest field over tile depths, with the paper's directions and tiles."""
     axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
     depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
@@ -104,7 +103,7 @@ def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -
         scene,
         beams,
         (
-            Vlf(
+            vc.Vlf(
                 n_directions=axes,
                 n_tiles=n,
                 bsp_depth=d,
@@ -117,7 +116,7 @@ def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -
     )
 
 
-def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
+def _best(scene: vc.Scene, beams: Beams, candidates: Iterable[vc.Bsp | vc.Vlf]) -> Tuned:
     trial = beams.some(TRIAL_RAYS)
     grid: list[dict[str, Any]] = []
     best: tuple[float, Rays] | None = None
@@ -135,7 +134,7 @@ def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
     chosen = best[1]
     start = time.process_time()
     caster = chosen.build(scene)
-    if isinstance(chosen, Vlf) and chosen.lazy:
+    if isinstance(chosen, vc.Vlf) and chosen.lazy:
         beams.trace(caster)
     built = time.process_time() - start
     return Tuned(
@@ -151,9 +150,9 @@ def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
 FAST_EMBREE = "fast Embree"
 
 
-def embree(scene: Scene, *, robust: bool = True) -> Tuned:
+def embree(scene: vc.Scene, *, robust: bool = True) -> Tuned:
     """Embree with the flag that all other rays of this package have, or without it."""
-    settings = Embree(robust=robust)
+    settings = vc.Embree(robust=robust)
     start = time.process_time()
     caster = settings.build(scene)
     # Embree does not report its bytes; about 100 per triangle were measured
@@ -165,7 +164,7 @@ def embree(scene: Scene, *, robust: bool = True) -> Tuned:
     )
 
 
-def camera_rays(camera: Camera, size: tuple[int, int]) -> Beams:
+def camera_rays(camera: vc.Camera, size: tuple[int, int]) -> Beams:
     """Rays through the pixel centres, row by row."""
     width, height = size
     half = math.tan(camera.fov_rad / 2)
@@ -180,7 +179,7 @@ def camera_rays(camera: Camera, size: tuple[int, int]) -> Beams:
 
 
 def first_hits(
-    scene: Scene, camera: Camera, size: tuple[int, int]
+    scene: vc.Scene, camera: vc.Camera, size: tuple[int, int]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
     """Surface points that the pixels see.
 
@@ -205,17 +204,3 @@ def first_hits(
         normals.astype(np.float32),
         seen.reshape(size[1], size[0]),
     )
-
-
-def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
-    """Write the rows of a table; columns are in the order of their first occurrence."""
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(columns)
-        table.writerows([_cell(row.get(name, "")) for name in columns] for row in rows)
-    return path
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -113,9 +113,7 @@ def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike) -> Comparison:
         worst_z=_largest(wrong if wrong.size else z),
         energy_ours=float(whole_a.mean()) if finite.all() else float("nan"),
         energy_theirs=float(whole_b.mean()),
-        energy_sigma=float(
-            np.sqrt(whole_a.var(ddof=1) / len(a) + whole_b.var(ddof=1) / len(b)),
-        ),
+        energy_sigma=float(np.sqrt(whole_a.var(ddof=1) / len(a) + whole_b.var(ddof=1) / len(b))),
         power=float(np.median(lit)) if lit.size else float("inf"),
         power_weak=float(np.quantile(lit, 0.9)) if lit.size else float("inf"),
     )

@@ -7,8 +7,9 @@ import time
 import numpy as np
 import pytest
 
-from viscache_lab.bench import against_peers, common, peer_cases
+from viscache_lab.bench import against_peers, peer_cases
 from viscache_lab.bench.peer_luxcore import LuxCorePicture
+from viscache_lab.experiment import Trial, amounts
 
 SIDE = 8
 BUILD_S = 0.05
@@ -198,7 +199,7 @@ class Building:
         frame = self.case.render(job["spp"], job["seed"])
         self.image = frame.image.mean(axis=2)
         cpu = frame.timings["cpu_s"]
-        return common.Sample(wall_s=cpu, cpu_s=11 * cpu), {"build_cpu_s": 10 * cpu}
+        return amounts.Sample(wall_s=cpu, cpu_s=11 * cpu), {"build_cpu_s": 10 * cpu}
 
     def result(self):
         return {"image": self.image}
@@ -206,9 +207,9 @@ class Building:
 
 def test_a_build_is_told_apart_and_not_done_again_for_more_samples():
     case = peer_cases.picture_cases(quick=True)[0]
-    outcome = common.Outcome()
-    against_peers.compare_pictures(outcome, case, {"building": Building(case)}, 4)
-    (figure,) = outcome.figures
+    trial = Trial()
+    against_peers.compare_pictures(trial, case, {"building": Building(case)}, 4)
+    (figure,) = trial.figures
     assert figure["build_s"] == pytest.approx(figure["baseline"] * 10 / 11)
     assert figure["ratio_without_build"] == pytest.approx(figure["ratio"] / 11, rel=0.01)
     # The same renderer: a share of eleven follows the errors, and the errors differ by chance

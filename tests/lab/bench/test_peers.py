@@ -14,14 +14,14 @@ from viscache import cli
 from viscache_lab import bench
 from viscache_lab.bench import (
     against_peers,
-    common,
     peer_cases,
     peer_environments,
     peer_page,
     peers,
 )
-from viscache_lab.bench.equal_error import log_interval
+from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.text import text as table
+from viscache_lab.experiment import Trial, amounts
 
 
 class Fake:
@@ -51,7 +51,7 @@ class Fake:
                 t = self.scene.intersect(origins, directions).t
                 self.made = {"t": self.factor * t}
             cpu = 1e-3
-        return common.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), {}
+        return amounts.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), {}
 
     def result(self):
         return self.made
@@ -63,15 +63,15 @@ def case():
 
 
 def compared(case, **how):
-    outcome = common.Outcome()
-    against_peers.compare_pictures(outcome, case, {"fake": Fake(case, **how)}, 4)
-    return outcome
+    trial = Trial()
+    against_peers.compare_pictures(trial, case, {"fake": Fake(case, **how)}, 4)
+    return trial
 
 
 def test_a_peer_that_agrees_has_a_figure_with_an_interval(case):
-    outcome = compared(case)
-    assert outcome.answers_hold
-    (figure,) = outcome.figures
+    trial = compared(case)
+    assert trial.answers_hold
+    (figure,) = trial.figures
     assert figure["version"] == "9" and figure["spp"] == case.spp
     assert figure["equal_error_low"] < figure["equal_error"] < figure["equal_error_high"]
     # The same renderer with other seeds
@@ -108,17 +108,17 @@ def test_peers_may_have_another_number_of_samples_to_converge(case):
 
     fake = Counting(case)
     other = dataclasses.replace(case, peer_reference_spp=case.reference_spp + 1)
-    against_peers.compare_pictures(common.Outcome(), other, {"fake": fake}, 2)
+    against_peers.compare_pictures(Trial(), other, {"fake": fake}, 2)
     assert fake.asked == (case.reference_spp + 1, *[case.spp] * 3)
 
 
 def test_a_case_may_go_without_a_peer_by_name(case):
-    outcome = common.Outcome()
+    trial = Trial()
     two = {"slow": Fake(case), "fake": Fake(case)}
     other = dataclasses.replace(case, without={"slow": "hours", "absent": "days"})
-    against_peers.compare_pictures(outcome, other, two, 2)
-    assert [f["name"] for f in outcome.figures] == [f"{case.name} vs fake"]
-    assert outcome.skipped == [{"what": f"{case.name} vs slow", "reason": "hours"}]
+    against_peers.compare_pictures(trial, other, two, 2)
+    assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
+    assert trial.skipped == [{"what": f"{case.name} vs slow", "reason": "hours"}]
 
 
 def halved(frame):
@@ -131,12 +131,12 @@ def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):
         def run(self, job):
             raise peers.PeerError("the other program ended with status -6")
 
-    outcome = common.Outcome()
+    trial = Trial()
     two = {"ending": Ending(case), "fake": Fake(case)}
-    against_peers.compare_pictures(outcome, case, two, 4)
-    assert [f["name"] for f in outcome.figures] == [f"{case.name} vs fake"]
+    against_peers.compare_pictures(trial, case, two, 4)
+    assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
     why = "the other program ended with status -6"
-    assert outcome.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
+    assert trial.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
 
 
 def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(case, monkeypatch):
@@ -156,42 +156,42 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
     monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: sys.executable)
     made = {"mitsuba": EndsLater, "cycles": type("Whole", (Fake,), {"__exit__": lambda *_: None})}
     monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
-    outcome = common.Outcome()
+    trial = Trial()
     against_peers._with_peers(
-        outcome,
+        trial,
         case.name,
         case.scene,
         None,
         lambda found, able: against_peers.compare_pictures(found, case, able, 4),
     )
-    assert [f["name"] for f in outcome.figures] == [f"{case.name} vs cycles"]
+    assert [f["name"] for f in trial.figures] == [f"{case.name} vs cycles"]
     why = "the other program ended with status -6"
-    assert outcome.skipped == [{"what": f"{case.name} vs mitsuba", "reason": why}]
+    assert trial.skipped == [{"what": f"{case.name} vs mitsuba", "reason": why}]
 
 
 @pytest.mark.parametrize("factor", [0.97, 1.03, float("nan")])
 def test_a_peer_whose_frames_differ_is_refused(case, factor):
-    outcome = compared(case, factor=factor)
-    assert not outcome.answers_hold
-    assert outcome.figures == []
+    trial = compared(case, factor=factor)
+    assert not trial.answers_hold
+    assert trial.figures == []
 
 
 @pytest.mark.parametrize(("how", "holds"), [({}, 4), ({"flip": 0.01}, 2), ({"factor": 1.01}, 2)])
 def test_rays_that_are_answered_otherwise_are_refused(how, holds):
-    scene = common.build_scene("random_triangles?triangles=3000")
-    outcome = common.Outcome()
+    scene = amounts.build_scene("random_triangles?triangles=3000")
+    trial = Trial()
     fake = Fake(scene=scene, **how)
-    against_peers.compare_rays(outcome, "rays", scene, {"fake": fake}, 4000, 2)
-    assert len(outcome.figures) == holds
-    assert outcome.answers_hold == (holds == 4)
+    against_peers.compare_rays(trial, "rays", scene, {"fake": fake}, 4000, 2)
+    assert len(trial.figures) == holds
+    assert trial.answers_hold == (holds == 4)
 
 
 def test_jobs_that_a_peer_does_not_have_are_not_asked(case):
     fake = Fake(case)
     fake.about = {"jobs": []}
-    outcome = common.Outcome()
-    against_peers.compare_pictures(outcome, case, {"fake": fake}, 2)
-    assert outcome.figures == [] and outcome.answers_hold
+    trial = Trial()
+    against_peers.compare_pictures(trial, case, {"fake": fake}, 2)
+    assert trial.figures == [] and trial.answers_hold
 
 
 def test_ratios_have_the_interval_of_their_logarithms():
@@ -231,7 +231,7 @@ def test_environments_that_cannot_be_made_say_why(tmp_path, monkeypatch, capsys)
 
 def test_without_peers_all_are_skipped_by_name(tmp_path, monkeypatch):
     monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: None)
-    result = bench.run("peers", quick=True)
+    result = bench.run_bench("peers", quick=True)
     assert result["figures"] == [] and result["answers_hold"] and result["answers_checked"]
     skipped = {s["what"].rpartition(" vs ")[2] for s in result["skipped"]}
     assert skipped == set(peers.PEERS)
@@ -246,7 +246,7 @@ def test_without_peers_all_are_skipped_by_name(tmp_path, monkeypatch):
 def test_a_peer_that_ends_is_an_error_with_its_status(monkeypatch):
     monkeypatch.setitem(peers.PEERS, "gone", ("numpy", "viscache_lab.bench.no_such_module"))
     with pytest.raises(peers.PeerError, match="status 1"):
-        peers.Peer("gone", common.build_scene("cube_on_plane"))
+        peers.Peer("gone", amounts.build_scene("cube_on_plane"))
 
 
 @pytest.mark.parametrize(
@@ -266,18 +266,18 @@ def test_options_of_other_benches_are_refused(arguments, capsys):
 def test_chosen_cases_are_compared_alone(monkeypatch):
     compared_names = []
     monkeypatch.setattr(
-        against_peers, "_with_peers", lambda outcome, name, *_: compared_names.append(name)
+        against_peers, "_with_peers", lambda trial, name, *_: compared_names.append(name)
     )
-    against_peers.against_peers(True, only="environment, [rs]*")
+    against_peers.against_peers(Trial(quick=True, options={"only": "environment, [rs]*"}))
     assert compared_names == [
         "environment, stairs 32x32, 4 + 4 samples",
         "environment, room with a window 32x32, 4 + 4 samples",
     ]
     del compared_names[:]
-    against_peers.against_peers(True, only="rays, *")
+    against_peers.against_peers(Trial(quick=True, options={"only": "rays, *"}))
     assert compared_names == ["rays, room", "rays, random_triangles"]
     with pytest.raises(ValueError, match="no case of the bench peers is named like 'x'"):
-        against_peers.against_peers(True, only="x")
+        against_peers.against_peers(Trial(quick=True, options={"only": "x"}))
 
 
 def test_pages_show_figures_and_what_was_left_out(tmp_path):
@@ -288,7 +288,7 @@ def test_pages_show_figures_and_what_was_left_out(tmp_path):
         "skipped": [{"what": "AO vs x", "reason": "x is not installed"}],
         "figures": [
             {
-                **common.figure("AO vs y", 1.0, "s", baseline=2.0, ratios=[2.0, 3.0]),
+                **amounts.figure("AO vs y", 1.0, "s", baseline=2.0, ratios=[2.0, 3.0]),
                 **{"equal_error": 4.0, "equal_error_low": 3.25, "equal_error_high": 5.0},
                 **{"build_s": 1.5, "ratio_without_build": 1.25, "equal_error_without_build": 2.0},
             }
@@ -310,11 +310,12 @@ def test_real_peers_agree_in_every_case(name, monkeypatch):
     if peer_environments.interpreter(package, peer_environments.default_folder()) is None:
         pytest.skip(f"{package} is not installed")
     monkeypatch.setattr(against_peers, "PEERS", {name: peers.PEERS[name]})
-    outcome = against_peers.against_peers(True)
-    assert outcome.answers_hold, outcome.answers
-    if outcome.skipped:  # no LLVM, or one that does not suit Mitsuba
-        pytest.skip(outcome.skipped[0]["reason"])
-    assert outcome.figures
+    trial = Trial(quick=True)
+    against_peers.against_peers(trial)
+    assert trial.answers_hold, trial.answers
+    if trial.skipped:  # no LLVM, or one that does not suit Mitsuba
+        pytest.skip(trial.skipped[0]["reason"])
+    assert trial.figures
 
 
 def test_cases_hand_over_the_scene_that_we_render(case):

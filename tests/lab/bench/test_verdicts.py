@@ -8,24 +8,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from viscache_lab.bench import errors as errors_of_frames
 from viscache_lab.bench import (
-    common,
-    frame_errors,
     meter,
-    persistent_bias,
     progressive,
     vismap_variance,
     which_cache,
 )
 from viscache_lab.bench.text import text
+from viscache_lab.experiment import Trial, amounts
 
 
 def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
     for value, holds in ((0.5, True), (1.0, True), (1.5, False)):
-        assert common.at_most_figure("x", value, "s", 1.0)["holds"] is holds
-        assert common.figure("x", 1.0, "s", ratios=[value], goal=1.0)["holds"] is (value >= 1)
-    assert common.at_most_figure("x", 9.0, "s", None)["holds"] is None
-    assert common.figure("x", 1.0, "s", ratios=[9.0])["holds"] is None
+        assert amounts.at_most_figure("x", value, "s", 1.0)["holds"] is holds
+        assert amounts.figure("x", 1.0, "s", ratios=[value], goal=1.0)["holds"] is (value >= 1)
+    assert amounts.at_most_figure("x", 9.0, "s", None)["holds"] is None
+    assert amounts.figure("x", 1.0, "s", ratios=[9.0])["holds"] is None
 
 
 def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> None:
@@ -35,8 +34,8 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
         "picks": (np.full(n, 1.0), np.full(n, 1.0)),
     }
     seconds = {"exact": [3.0] * n, "picks": [2.0] * n}
-    assert frame_errors.gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
-    assert frame_errors.gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
+    assert errors_of_frames.gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
+    assert errors_of_frames.gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
     assert progressive.gain_over(4.0, 3.0, 1.0, 2.0) == 6
     made = which_cache.gain_figure("x", found["exact"], found["picks"], (3.0, 2.0), passes=4)
     assert made["ratio"] == pytest.approx(6) and made["gain_rel"] == pytest.approx(9)
@@ -52,7 +51,7 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
 def test_an_interval_of_a_gain_covers_the_seeds() -> None:
     r = np.random.default_rng(0)
     found = {"exact": (4 + r.normal(0, 0.4, 64), r.random(64)), "a": (np.ones(64), r.random(64))}
-    gain, low, high = frame_errors.gain(found, {"exact": [1.0] * 64, "a": [1.0] * 64}, "a", 0)
+    gain, low, high = errors_of_frames.gain(found, {"exact": [1.0] * 64, "a": [1.0] * 64}, "a", 0)
     # Four standard errors of the mean wide, within what a bootstrap leaves
     assert low < gain < high and high - low == pytest.approx(4 * 0.4 / 8, rel=0.25)
 
@@ -61,12 +60,12 @@ def test_the_noise_of_the_reference_is_taken_out_of_squared_errors() -> None:
     truth = np.full((2, 4, 4, 3), 2.0)
     truth[:, :2] = 4.0
     noise = np.array([0.5, -0.5])[:, None, None, None]
-    errors = frame_errors.Errors(truth + noise)
+    errors = errors_of_frames.Errors(truth + noise)
     image = truth[:1] + 1.0
     # The mean of two references varies by 0.5²: of the square of 1 that much is left out
     nmse, relative = errors.of(image)
     assert nmse == pytest.approx((1 - 0.25) / 9)
-    floor = (frame_errors.DARK * 3) ** 2
+    floor = (errors_of_frames.DARK * 3) ** 2
     assert relative == pytest.approx(0.75 * np.mean([1 / (4 + floor), 1 / (16 + floor)]))
     assert errors.of(truth[:1])[0] == pytest.approx(-0.25 / 9)
 
@@ -89,8 +88,8 @@ def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences() -> N
     exact = r.random((9, 4, 4, 3))
     off = np.linspace(-1, 1, 9)[:, None, None, None]
     t = 0.5 / (np.std(off, ddof=1) / 3)
-    assert frame_errors.energy_z(exact + off + 0.5, exact) == pytest.approx(t)
-    assert frame_errors.energy_z(exact + off, exact) == pytest.approx(0, abs=1e-9)
+    assert errors_of_frames.energy_z(off + 0.5 + 0 * exact) == pytest.approx(t)
+    assert errors_of_frames.energy_z(off + 0 * exact) == pytest.approx(0, abs=1e-9)
 
 
 def covered(error_seen: float) -> dict[str, Any]:
@@ -118,38 +117,38 @@ def test_a_coverage_is_the_share_of_intervals_that_hold_the_truth() -> None:
 
 @pytest.mark.parametrize(("value", "holds"), [(0.92, False), (0.95, True), (0.99, False)])
 def test_a_coverage_can_be_too_small_and_too_large(value: float, holds: bool) -> None:
-    outcome = common.Outcome()
-    meter._check(outcome, "coverage", value, meter.COVERAGE)
-    assert outcome.answers_hold is holds and len(outcome.answers) == 2
+    trial = Trial()
+    meter._check(trial, "coverage", value, meter.COVERAGE)
+    assert trial.answers_hold is holds and len(trial.answers) == 2
 
 
 def test_means_that_are_off_by_more_than_chance_are_found() -> None:
     r = np.random.default_rng(3)
     truth = r.random(20)
     for shift, holds in ((0.0, True), (0.05, False)):
-        outcome = common.Outcome()
+        trial = Trial()
         estimates = {"way": truth + 0.1 * r.normal(size=(64, 20)) + shift}
         found: Any = SimpleNamespace(truth=truth, estimates=estimates)
-        vismap_variance.check_means(outcome, "x", found)
-        assert outcome.answers_hold is holds
+        vismap_variance.check_means(trial, "x", found)
+        assert trial.answers_hold is holds
 
 
 def test_a_persistent_error_is_told_from_noise() -> None:
     """A bias of a fifth of one pass' noise, over 64 passes; the first is nearly all noise."""
     r = np.random.default_rng(5)
     noise = r.normal(0, 0.5, (64, 64, 64, 3))
-    squared, z = persistent_bias.persistent_z(noise, 2.0)
-    assert abs(z) < 4 and abs(persistent_bias.energy_z(noise)) < 4
+    squared, z = errors_of_frames.persistent_z(noise, 2.0)
+    assert abs(z) < 4 and abs(errors_of_frames.energy_z(noise)) < 4
     # Of either sign, so that the energy does not show it
     bias = 0.1 * np.where(np.arange(64) % 2, 1.0, -1.0)[None, None, :, None]
-    squared, z = persistent_bias.persistent_z(noise + bias, 2.0)
+    squared, z = errors_of_frames.persistent_z(noise + bias, 2.0)
     assert z > 10 and squared == pytest.approx(0.01 / 4, rel=0.2)
-    assert abs(persistent_bias.energy_z(noise + bias)) < 4
-    assert persistent_bias.energy_z(noise + 0.01) > 10
+    assert abs(errors_of_frames.energy_z(noise + bias)) < 4
+    assert errors_of_frames.energy_z(noise + 0.01) > 10
 
 
 def test_passes_alone_are_those_of_the_running_mean() -> None:
     passes = np.random.default_rng(6).random((5, 4, 4, 3)).astype(np.float32)
     means = iter([SimpleNamespace(image=passes[: i + 1].mean(axis=0)) for i in range(5)])
     picture: Any = SimpleNamespace(passes=lambda n: next(means))
-    np.testing.assert_allclose(persistent_bias.alone(picture, 5), passes, atol=1e-5)
+    np.testing.assert_allclose(errors_of_frames.alone(picture, 5), passes, atol=1e-5)

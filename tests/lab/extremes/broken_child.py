@@ -6,9 +6,9 @@ import sys
 import time
 from collections.abc import Iterator
 
+from viscache_lab.experiment import FAMILIES, Experiment
 from viscache_lab.extremes import child
 from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.registry import FAMILIES, Family
 
 
 def crash() -> float:
@@ -50,7 +50,7 @@ def ends(full: bool) -> Iterator[Case]:
 
 FAMILIES.update(
     {
-        name: Family(description="made up", cases=made)
+        name: Experiment(description="made up", function=made)
         for name, made in {"broken": cases, "stops": stops, "ends": ends}.items()
     }
 )

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import families
 from viscache_lab.extremes.case import Case, checked
 from viscache_lab.extremes.families import float_modes, isa
-from viscache_lab.extremes.registry import FAMILIES
 
 pytestmark = pytest.mark.extreme
 
@@ -33,7 +33,7 @@ TOLD = isa._told
 
 
 def cases(name: str, every: int) -> Iterator[Case]:
-    return itertools.islice(FAMILIES[name].cases(False), len(name) % every, None, every)
+    return itertools.islice(FAMILIES[name].function(False), len(name) % every, None, every)
 
 
 def forget_frames() -> None:
@@ -201,6 +201,6 @@ def test_families_have_names_and_cases_of_their_own() -> None:
     assert len(FAMILIES) == len(MODULES)
     for name, family in FAMILIES.items():
         assert name.isidentifier() and family.description
-        names = [case.name for case in family.cases(False)]
+        names = [case.name for case in family.function(False)]
         assert len(names) == len(set(names))
-        assert all(case.why for case in family.cases(False))
+        assert all(case.why for case in family.function(False))

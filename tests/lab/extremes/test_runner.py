@@ -10,17 +10,17 @@ import pytest
 
 from viscache import cli
 from viscache_lab import extremes
+from viscache_lab.experiment import FAMILIES, Experiment
 from viscache_lab.extremes import runner
 from viscache_lab.extremes.case import Case, Check, checked
 from viscache_lab.extremes.compare import differences
-from viscache_lab.extremes.registry import FAMILIES, Family
 
 
 @pytest.fixture
 def broken(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(runner, "CHILD", (str(Path(__file__).with_name("broken_child.py")),))
     for name in ("broken", "stops", "ends"):
-        family = Family(description="made up", cases=lambda full: iter(()))
+        family = Experiment(description="made up", function=lambda full: iter(()))
         monkeypatch.setitem(FAMILIES, name, family)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from viscache_lab.figures.outcome import Band
+from viscache_lab.experiment import Band
 
 
 def all_bands(bands: ModuleType) -> dict[str, Band]:

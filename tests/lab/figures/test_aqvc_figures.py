@@ -11,6 +11,7 @@ import pytest
 
 import viscache as vc
 from viscache.frame import Frame
+from viscache_lab.experiment import Trial
 from viscache_lab.figures import (
     aqvc_clusters,
     aqvc_edges,
@@ -18,13 +19,11 @@ from viscache_lab.figures import (
     aqvc_maps,
     aqvc_nee,
     aqvc_pictures,
-    aqvc_runs,
     aqvc_sweeps,
 )
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
 from viscache_lab.figures.aqvc_setups import SETUPS
-from viscache_lab.figures.outcome import Outcome
 
 
 def disc(x: float, y: float) -> Any:
@@ -48,7 +47,7 @@ def trade() -> Trade:
 
 def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
     assert trade.groups == ["area", "vpl"]
-    rows = group_rows("box", trade)
+    rows = list(group_rows("box", trade))
     assert [row.what for row in rows] == ["box: rel_l1 of area light", "box: rel_l1 of vpl light"]
     for group, row in zip(trade.groups, rows, strict=True):
         cached, exact = (f.layers[group].astype(float) for f in (trade.frame, trade.exact))
@@ -76,7 +75,7 @@ def test_settings_take_turns_and_keep_the_frame_of_the_median_time(
             layers={"color": np.full((2, 2, 3), shade, np.float32)}, timings={"cpu_s": cpu_s}
         )
 
-    monkeypatch.setattr(aqvc_runs, "render", made)
+    monkeypatch.setattr(vc, "render", made)
     shot = Shot(scene=vc.scenes.cornell_box(), size=(2, 2), integrator=vc.Direct())
     changes = False
     full = shot.trades({"a": vc.Aqvc()}, quick=False)["a"]
@@ -171,13 +170,11 @@ def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch: pytest.Monkey
     trades = {f"map {r}": taking(r / 16) for r in sizes} | {"default": taking(2.5)}
     assert aqvc_maps.equal_time(trades, sizes, "default") == 32
     assert aqvc_maps.equal_time(trades | {"default": taking(0.5)}, sizes, "default") == 16
-    outcome = Outcome()
+    trial = Trial()
     memory = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1 << 20}  # 4 GiB
     monkeypatch.setattr(aqvc_maps.os, "sysconf", memory.__getitem__)
-    assert aqvc_maps.fitting((1024, 2048, 4096), outcome) == [1024, 2048]
-    assert outcome.skipped == [
-        {"what": "maps of 4096x4096", "reason": "they need 9.1 GiB of memory"}
-    ]
+    assert aqvc_maps.fitting((1024, 2048, 4096), trial) == [1024, 2048]
+    assert trial.skipped == [{"what": "maps of 4096x4096", "reason": "they need 9.1 GiB of memory"}]
 
 
 def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
@@ -206,22 +203,22 @@ def test_scenes_made_by_others_stand_in_their_own_light_or_under_a_sky(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VISCACHE_SCENES", str(tmp_path))
-    outcome = Outcome()
-    assert aqvc_sweeps.load_file("room", outcome) is None
+    trial = Trial()
+    assert aqvc_sweeps.load_file("room", trial) is None
     light = '<emitter type="point"><point name="position" x="0" y="3" z="0"/></emitter>'
     for name, inside in (("lit", light), ("dark", "")):
         (tmp_path / name).mkdir()
         text = f'<scene version="3.0.0"><shape type="cube"/>{inside}</scene>'
         (tmp_path / name / "scene.xml").write_text(text)
-    lit = aqvc_sweeps.load_file("lit", outcome)
+    lit = aqvc_sweeps.load_file("lit", trial)
     assert lit is not None and [light["kind"] for light in lit.lights] == ["point"]
-    assert aqvc_sweeps.load_file("dark", outcome) is None
-    assert [left["what"] for left in outcome.skipped] == ["room", "dark"]
+    assert aqvc_sweeps.load_file("dark", trial) is None
+    assert [left["what"] for left in trial.skipped] == ["room", "dark"]
     (tmp_path / "hdr").mkdir()
     head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16 +X 32\n"
     sky = tmp_path / "hdr" / "kloppenheim_05_1k.hdr"
     sky.write_bytes(head + bytes([128] * 4) * 16 * 32)
-    dark = aqvc_sweeps.load_file("dark", outcome)
+    dark = aqvc_sweeps.load_file("dark", trial)
     assert dark is not None and len(dark.lights) == 1
 
 

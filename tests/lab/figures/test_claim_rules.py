@@ -8,11 +8,11 @@ import re
 import pytest
 
 from lab.figures.every_band import all_bands
+from viscache_lab.experiment import Band
+from viscache_lab.experiment.claim_rules import RULES, Claim
 from viscache_lab.figures import aqvc_bands, vismap_bands, vlf_bands
 from viscache_lab.figures import vismap_printed as maps
 from viscache_lab.figures import vlf_printed as field
-from viscache_lab.figures.claim_rules import RULES, Claim
-from viscache_lab.figures.outcome import Band
 
 EVERY = {
     f"{bands.__name__.rpartition('.')[2]}.{name}": band

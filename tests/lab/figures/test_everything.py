@@ -14,10 +14,9 @@ from PIL import Image
 from viscache import cli
 from viscache.base import provenance
 from viscache_lab import figures
-from viscache_lab.figures import everything, references
-from viscache_lab.figures.claim_rules import Claim
-from viscache_lab.figures.outcome import Band, Outcome, Row
-from viscache_lab.figures.registry import FigureInfo
+from viscache_lab.experiment import Band, Experiment, Trial, references
+from viscache_lab.experiment import run as everything
+from viscache_lab.experiment.claim_rules import Claim
 
 CALLS: list[str] = []
 
@@ -35,23 +34,22 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         Image.fromarray(noise).save(folder / f"{name}.png")
         return folder / f"{name}.png"
 
-    def holds(folder: Path, quick: bool, progress: bool) -> Outcome:
+    def holds(trial: Trial) -> None:
         CALLS.append("holds")
-        outcome = Outcome(rows=[Row(what="a <b>", measured=1.0, printed=2.0)])
-        outcome.rows.append(Row(what="fine", measured=1.0, band=Band(0.5, np.inf, "said so")))
-        outcome.files.append(picture(folder, "holds"))
-        outcome.skip("far away", "absent")
-        return outcome
+        trial.row("a <b>", 1.0, printed=2.0)
+        trial.row("fine", 1.0, band=Band(0.5, np.inf, "said so"))
+        trial.files.append(picture(trial.folder, "holds"))
+        trial.skip("far away", "absent")
 
-    def varies(folder: Path, quick: bool, progress: bool) -> Outcome:
+    def varies(trial: Trial) -> None:
         CALLS.append("varies")
         if state["raises"] is not None:
             raise state["raises"]
         band = Band(2.5, 5.0, "Sec. 1: the paper", claimed=Claim(4.0, 5.0, "about"))
-        return Outcome(rows=[Row("speed", state["measured"], printed=4, band=band)])
+        trial.row("speed", state["measured"], printed=4, band=band)
 
-    monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
-    monkeypatch.setitem(figures.FIGURES, "varies", FigureInfo(description="two", function=varies))
+    monkeypatch.setitem(figures.FIGURES, "holds", Experiment(description="one", function=holds))
+    monkeypatch.setitem(figures.FIGURES, "varies", Experiment(description="two", function=varies))
     return state
 
 

@@ -12,11 +12,11 @@ import pytest
 
 from codebase.repository import text
 from lab.figures.every_band import all_bands
-from viscache_lab.figures import FIGURES, aqvc_bands, claims_pages, vismap_bands, vlf_bands
-from viscache_lab.figures.claim_rules import Claim, interval
-from viscache_lab.figures.claims_pages import PAGES, filled
-from viscache_lab.figures.full_run import RUNS, FullRun, Judged, kept, read, written
-from viscache_lab.figures.outcome import Band, Row
+from viscache_lab.experiment import Band, Row, claims_pages
+from viscache_lab.experiment.claim_rules import Claim, interval
+from viscache_lab.experiment.claims_pages import PAGES, filled
+from viscache_lab.experiment.full_run import RUNS, FullRun, Judged, kept, read, written
+from viscache_lab.figures import FIGURES, aqvc_bands, vismap_bands, vlf_bands
 
 #: A claim that no full run here found, so far.
 FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith("H8"))

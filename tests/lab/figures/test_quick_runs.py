@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,61 +14,13 @@ import pytest
 
 from viscache import cli
 from viscache_lab import figures
-from viscache_lab.figures.everything import finished
+from viscache_lab.experiment.run import finished
 
-#: Rows with a band, and files beside table and record by what follows the figure's name.
-QUICK: dict[str, tuple[int, tuple[str, ...]]] = {
-    "aqvc-fig2": (8, (".png",)),
-    "aqvc-fig3": (4, (".png",)),
-    "aqvc-fig4": (7, (".png", ".csv")),
-    "aqvc-fig5": (
-        12,
-        (
-            "-courtyard.png",
-            "-conference.png",
-            "-apartment.png",
-            "-delta.png",
-            "-bidirectional.png",
-        ),
-    ),
-    "aqvc-fig6": (2, (".png", "-aa.png")),
-    "aqvc-fig7": (40, (".png", ".csv")),
-    "aqvc-fig8": (2, (".png", "-trade.png", ".csv")),
-    "aqvc-claims": (12, (".png", ".csv")),
-    "aqvc-quality": (5, (".csv", "-bias.csv")),
-    "aqvc-correct": (9, (".png", ".csv")),
-    "aqvc-nee": (15, (".png", ".csv")),
-    "aqvc-temporal": (14, (".png", ".csv")),
-    "vlf-fig1": (3, (".png",)),
-    "vlf-fig2": (4, (".png",)),
-    "vlf-fig3": (2, (".png",)),
-    "vlf-fig4": (2, (".png",)),
-    "vlf-fig5": (1, (".png", ".csv")),
-    "vlf-fig6": (1, (".png", ".csv")),
-    "vlf-fig7": (2, (".png",)),
-    "vlf-fig8": (3, (".png",)),
-    "vlf-tab1": (6, (".csv",)),
-    "vlf-x1": (2, (".png", ".csv")),
-    "vlf-x2": (3, (".png", "-bands.png", ".csv")),
-    "vlf-x3": (3, (".png", ".csv")),
-    "vlf-x4": (1, (".png", ".csv")),
-    "vlf-x5": (3, (".png", ".csv")),
-    "vismap-fig1": (1, (".png",)),
-    "vismap-fig3": (5, ("-table.png", "-slices.png")),
-    "vismap-fig4": (12, (".png",)),
-    "vismap-fig5": (4, (".png",)),
-    "vismap-fig8": (2, (".png",)),
-    "vismap-fig10": (1, (".png",)),
-    "vismap-fig12": (1, ("-garden1.png", "-dynamics.png")),
-    "vismap-tab2": (7, ()),
-    "vismap-fig11": (2, (".png",)),
-    "vismap-fig13": (1, (".png",)),
-    "vismap-tab3": (1, ()),
-    "vismap-sweep": (2, (".png",)),
-    "vismap-temporal": (2, (".png",)),
-    "trade": (5, (".png", ".csv")),
-    "extremes": (66, (".png", ".csv")),
-}
+#: Of each figure: rows with a band, tables, and what the axes of each picture show (title, label of
+#: x and y, names of series, number of images), numbers in titles left out.
+QUICK: dict[str, dict[str, Any]] = json.loads(
+    Path(__file__).with_name("quick_runs.json").read_text("utf-8")
+)
 #: Rows that need scenes by other authors.
 SKIPPED = {
     "vismap-fig4": ["living-room", "sanmiguel-part"],
@@ -87,7 +40,7 @@ OF_EQUALS = {"vlf-x3"}
 
 def test_every_figure_has_a_quick_run_with_a_band() -> None:
     assert set(QUICK) == set(figures.FIGURES)
-    assert [name for name, (n_banded, _) in QUICK.items() if n_banded == 0] == []
+    assert [name for name, quick in QUICK.items() if quick["banded"] == 0] == []
 
 
 def broken(rows: list[dict[str, Any]], how: str) -> list[str]:
@@ -138,17 +91,21 @@ def test_a_quick_run_measures_every_row_holds_and_draws(
     assert [row for row in got["rows"] if row["holds"] is False] == []
     assert got["holds"]
 
-    n_banded, endings = QUICK[name]
-    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
+    expected = dict(QUICK[name])
+    assert sum(row["band"] is not None for row in got["rows"]) == expected.pop("banded")
     assert all(row["measured"] is not None for row in got["rows"])
     assert [left["what"] for left in got["skipped"]] == SKIPPED.get(name, [])
 
     for how in INVERSIONS:
         assert broken(got["rows"], how) or (how == "ratio" and name in OF_EQUALS), how
 
-    files = {name + ending for ending in (*endings, ".md", ".json")}
-    assert {Path(file).name for file in got["files"]} == files
-    for file in map(Path, got["files"]):
-        assert file.stat().st_size > 0
-        if file.suffix == ".png":
-            assert file.read_bytes()[:4] == b"\x89PNG"
+    files = [*expected.pop("tables"), *expected, f"{name}.md", f"{name}.json"]
+    assert sorted(Path(file).name for file in got["files"]) == sorted(files)
+    assert all(Path(file).stat().st_size > 0 for file in got["files"])
+    assert {file: [shown(one) for one in axes] for file, axes in got["drawn"].items()} == expected
+
+
+def shown(axes: dict[str, Any]) -> list[Any]:
+    """What axes show, without the numbers of the title."""
+    title = re.sub(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?", "#", axes["title"])
+    return [title, axes["x"], axes["y"], axes["series"], axes["images"]]

@@ -10,6 +10,8 @@ import pytest
 
 import viscache as vc
 from viscache.frame import Frame
+from viscache_lab.experiment import Row, Trial
+from viscache_lab.experiment.drawing import Panel
 from viscache_lab.figures import (
     aqvc_claims,
     vismap_ambient,
@@ -21,7 +23,6 @@ from viscache_lab.figures import (
 )
 from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures.aqvc_runs import Trade
-from viscache_lab.figures.outcome import Row
 from viscache_lab.figures.vlf_tracers import FAST_EMBREE, Tuned
 
 
@@ -42,21 +43,21 @@ def holding(rows: list[Row]) -> list[bool]:
 
 def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields() -> None:
     found = {"CRT": 6.0, "VLF-RT": 3.0, "Embree": 0.5, FAST_EMBREE: 0.25}
-    rows = vlf_frames._count_rows(1000, found, TUNED, quick=False)
+    rows = list(vlf_frames._count_rows(1000, found, TUNED, quick=False))
     assert list(measured(rows).values()) == [2.0, 6.0, 12.0]
     assert holding(rows) == [True, True]
     times = {"CRT": 3.0, "VLF-RT": 6.0, "Embree": 9.0, FAST_EMBREE: 8.0}
-    slower = vlf_frames._count_rows(1000, times, TUNED, False)
+    slower = list(vlf_frames._count_rows(1000, times, TUNED, False))
     assert list(measured(slower).values()) == [0.5, pytest.approx(2 / 3), 0.75]
     assert holding(slower) == [False, False]
 
 
 def test_growth_is_that_of_time_and_steps_over_that_of_triangles() -> None:
     times = {"CRT": [1.0, 9.0], "VLF-RT": [2.0, 3.0], "Embree": [1.0, 1.0]}
-    rows = vlf_frames._growth_rows((1000, 10_000), times, (5.0, 20.0), quick=False)
+    rows = list(vlf_frames._growth_rows((1000, 10_000), times, (5.0, 20.0), quick=False))
     assert [row.measured for row in rows] == pytest.approx([0.4, 0.9, 0.15, 0.1])
     assert holding(rows) == [True, True]
-    fast = vlf_frames._growth_rows((10, 20), {"VLF-RT": [1.0, 2.0]}, (5.0, 10.0), quick=False)
+    fast = list(vlf_frames._growth_rows((10, 20), {"VLF-RT": [1.0, 2.0]}, (5.0, 10.0), quick=False))
     assert [row.measured for row in fast] == [1.0, 1.0] and holding(fast) == [False, False]
 
 
@@ -81,7 +82,7 @@ def test_the_walk_compares_tracers_frame_by_frame() -> None:
         for method, values in methods.items()
         for k, value in enumerate(values)
     ]
-    rows = vlf_frames._walk_rows(table, TUNED, quick=False)
+    rows = list(vlf_frames._walk_rows(table, TUNED, quick=False))
     assert measured(rows) == {
         "OpenGL-like: speed-up of VLF-RT over CRT, median": 1.5,
         "OpenGL-like: speed-up of Embree over VLF-RT, median": 3.0,
@@ -189,7 +190,7 @@ def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch: pytest.Monke
     monkeypatch.setattr(vismap_table3, "_rendered", rendered)
     monkeypatch.setattr(vismap_table3, "_times", lambda *_: times)
     picture: Any = SimpleNamespace(build_cache=lambda settings: None)
-    rows = vismap_table3._rendered_rows("garage", picture, vc.MapSettings(), samples, False)
+    rows = list(vismap_table3._rendered_rows("garage", picture, vc.MapSettings(), samples, False))
     beside = [row for row in rows if row.printed is not None]
     assert len(beside) == 3 * len(costs) + 2
     for row in beside:  # what the paper measured is what it prints; its line is not ours
@@ -231,11 +232,12 @@ def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(
         "blocked_share": lambda *_, **__: share,
         "paper_maps": lambda cache: None,
         "_guided_rows": lambda *_: [],
-        "_picture": lambda *_: None,
-        "save_figure": lambda *_, **__: None,
+        "_panels": lambda *_: [[Panel()]],
     }.items():
         monkeypatch.setattr(vismap_equal_time, name, value)
-    rows = measured(vismap_equal_time.figure13(tmp_path, False, False).rows)
+    trial = Trial(folder=tmp_path)
+    vismap_equal_time.figure13(trial)
+    rows = measured(trial.rows)
     assert rows["samples of product sampling in the same time"] == 4 * ours
     assert rows["variance left in equal time"] == pytest.approx(4 * 0.6, rel=0.05)
     assert rows[f"variance left at {ours} samples"] == pytest.approx(0.6, rel=0.05)

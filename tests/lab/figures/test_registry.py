@@ -5,16 +5,14 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from viscache import cli
 from viscache_lab import figures
-from viscache_lab.figures import registry
-from viscache_lab.figures.claim_rules import Claim
-from viscache_lab.figures.outcome import Band, Outcome, Row, text
-from viscache_lab.figures.registry import FigureInfo
+from viscache_lab.experiment import Band, Experiment, Registry, Row, Trial
+from viscache_lab.experiment.claim_rules import Claim
+from viscache_lab.experiment.rows import text
 
 BAND = Band(0.8, math.inf, "the paper says so")
 
@@ -24,13 +22,13 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
     """A figure `made-up` whose rows the test fills in."""
     rows: list[Row] = []
 
-    def function(folder: Path, quick: bool, progress: bool) -> Outcome:
-        (folder / "made-up.png").write_bytes(b"picture")
-        outcome = Outcome(rows=rows, files=[folder / "made-up.png"])
-        outcome.skip("far away", "absent")
-        return outcome
+    def function(trial: Trial) -> None:
+        (trial.folder / "made-up.png").write_bytes(b"picture")
+        trial.rows += rows
+        trial.files.append(trial.folder / "made-up.png")
+        trial.skip("far away", "absent")
 
-    info = FigureInfo(description="made up", function=function)
+    info = Experiment(description="made up", function=function)
     monkeypatch.setitem(figures.FIGURES, "made-up", info)
     return rows
 
@@ -53,28 +51,25 @@ def test_every_figure_is_listed_in_the_order_of_the_papers(
     assert "aqvc-fig6 (fine geometry: the hairball)\n" in capsys.readouterr().out
 
 
-def test_a_decorated_function_is_a_figure(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "FIGURES", {})
+def test_a_decorated_function_is_an_experiment() -> None:
+    made = Registry("figure", "lab.figures", ("aqvc", "vlf"))
 
-    @registry.figure("vlf-x9", "made up")
-    def sized(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
-        return Outcome()
+    @made.add("vlf-x9", "made up", sized=True)
+    @made.add("vlf-fig10", "made up")
+    @made.add("aqvc-x1", "made up")
+    def function(trial: Trial) -> None:
+        pass
 
-    @registry.figure("vlf-fig10", "made up")
-    @registry.figure("aqvc-x1", "made up")
-    def fixed(folder: Path, quick: bool, progress: bool) -> Outcome:
-        return Outcome()
-
-    registry.arrange()
-    assert list(registry.FIGURES) == ["aqvc-x1", "vlf-fig10", "vlf-x9"]
-    assert registry.FIGURES["vlf-x9"] == FigureInfo(
-        description="made up", function=sized, sized=True
-    )
-    assert not registry.FIGURES["vlf-fig10"].sized
+    ordered = sorted(made, key=made._place)
+    assert ordered == ["aqvc-x1", "vlf-fig10", "vlf-x9"]
+    assert made["vlf-x9"] == Experiment(description="made up", function=function, sized=True)
+    assert not made["vlf-fig10"].sized
     with pytest.raises(ValueError, match="name must be its own, got 'vlf-x9'"):
-        registry.figure("vlf-x9", "twice")
+        made.add("vlf-x9", "twice")
     with pytest.raises(ValueError, match=r"paper must be one of .*got 'fig1'"):
-        registry.figure("fig1", "of no paper")
+        made.add("fig1", "of no paper")
+    with pytest.raises(ValueError, match="unknown figure 'vlf-x8'; did you mean 'vlf-x9'"):
+        made.find("vlf-x8")
 
 
 def test_the_json_has_the_rows_and_the_files_that_were_written(
@@ -154,12 +149,11 @@ def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
 ) -> None:
     sizes = []
 
-    def function(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
-        sizes.append(size)
-        return Outcome()
+    def function(trial: Trial) -> None:
+        sizes.append(trial.size)
 
-    info = FigureInfo(description="made up", function=function, sized=True)
-    fixed = FigureInfo(description="made up", function=lambda folder, quick, progress: Outcome())
+    info = Experiment(description="made up", function=function, sized=True)
+    fixed = Experiment(description="made up", function=lambda trial: None)
     for name in list(figures.FIGURES):
         monkeypatch.delitem(figures.FIGURES, name)
     monkeypatch.setitem(figures.FIGURES, "sized", info)

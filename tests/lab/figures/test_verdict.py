@@ -6,10 +6,10 @@ import math
 
 import pytest
 
+from viscache_lab.experiment import Band, Row
+from viscache_lab.experiment.claim_rules import Claim
+from viscache_lab.experiment.verdict import claims_not_found, sentence, verdicts
 from viscache_lab.figures import aqvc_bands
-from viscache_lab.figures.claim_rules import Claim
-from viscache_lab.figures.outcome import Band, Row
-from viscache_lab.figures.verdict import claims_not_found, sentence, verdicts
 
 #: The paper says 8 and more; we expect 2 and more.
 WIDER = Band(2.0, math.inf, "Sec. 5.2: 8; expected: 2 and more", claimed=Claim.at_least(8.0))

@@ -12,8 +12,8 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache_lab.figures.drawing import project
-from viscache_lab.figures.outcome import Outcome
+from viscache_lab.experiment import Trial
+from viscache_lab.experiment.drawing import project
 from viscache_lab.figures.vismap_animation import Frame, _rows, crate_and_garage, swinging_camera
 from viscache_lab.figures.vismap_equal_time import noisiest_windows, samples_in
 from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
@@ -43,9 +43,9 @@ def frames(ratios: list[float]) -> list[Frame]:
 
 
 def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band() -> None:
-    steady = _rows(frames([0.3, 0.5] * 30))
+    steady = list(_rows(frames([0.3, 0.5] * 30)))
     assert steady[0].measured == pytest.approx(1) and steady[0].holds
-    creeping = _rows(frames(list(np.linspace(0.3, 0.9, 60))))
+    creeping = list(_rows(frames(list(np.linspace(0.3, 0.9, 60)))))
     assert creeping[0].holds is False
     assert steady[1].note == "120 inserted, 60 removed"
 
@@ -79,11 +79,11 @@ def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.delenv("VISCACHE_SCENES", raising=False)
-    outcome = Outcome()
-    assert list(living_rooms(outcome)) == []
+    trial = Trial()
+    assert list(living_rooms(trial)) == []
     names = ["living-room, noon", "living-room, sunset"]
-    assert [s["what"] for s in outcome.skipped] == names
-    assert "VISCACHE_SCENES" in outcome.skipped[0]["reason"]
+    assert [s["what"] for s in trial.skipped] == names
+    assert "VISCACHE_SCENES" in trial.skipped[0]["reason"]
     # A room of our own in its place, under one sky
     (tmp_path / "living-room").mkdir()
     (tmp_path / "hdr").mkdir()
@@ -96,11 +96,11 @@ def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
     head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16 +X 32\n"
     (tmp_path / "hdr" / "venice_sunset_1k.hdr").write_bytes(head + bytes([128] * 4) * 16 * 32)
     monkeypatch.setenv("VISCACHE_SCENES", str(tmp_path))
-    outcome = Outcome()
-    found = next(living_rooms(outcome))
+    trial = Trial()
+    found = next(living_rooms(trial))
     assert found[0] == names[1]
-    assert [s["what"] for s in outcome.skipped] == names[:1]
-    assert "hdr/kloppenheim_05_1k.hdr is absent" in outcome.skipped[0]["reason"]
-    rows = variance_rows(*found, quick=True)
+    assert [s["what"] for s in trial.skipped] == names[:1]
+    assert "hdr/kloppenheim_05_1k.hdr is absent" in trial.skipped[0]["reason"]
+    rows = list(variance_rows(*found, quick=True))
     assert [row.what.split(", rendered")[0] for row in rows] == [names[1]] * 2
     assert all(row.measured is not None and 0 < row.measured < 2 for row in rows)

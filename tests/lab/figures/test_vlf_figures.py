@@ -12,11 +12,12 @@ import pytest
 
 import viscache as vc
 from viscache_lab.cases.beams import Beams
+from viscache_lab.experiment import Trial
 from viscache_lab.figures import vlf_drawings, vlf_tracers
 from viscache_lab.figures.vlf_frames import local_shading
 from viscache_lab.figures.vlf_objects import ball
 from viscache_lab.figures.vlf_occlusion import place
-from viscache_lab.figures.vlf_tracers import camera_rays, first_hits, write_csv
+from viscache_lab.figures.vlf_tracers import camera_rays, first_hits
 
 
 def test_tiles_of_an_edge_by_every_way() -> None:
@@ -123,5 +124,5 @@ def test_the_object_that_moves_is_closed_and_of_the_size_asked_for() -> None:
 
 
 def test_a_table_has_every_column_of_its_rows(tmp_path: Path) -> None:
-    path = write_csv(tmp_path / "a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
-    assert path.read_text() == "x,y,z\n1,0.5,\n2,,a\n"
+    Trial(folder=tmp_path).csv("a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
+    assert (tmp_path / "a.csv").read_text() == "x,y,z\n1,0.5,\n2,,a\n"

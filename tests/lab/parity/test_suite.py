@@ -15,6 +15,7 @@ import pytest
 
 from viscache import cli
 from viscache_lab import bench
+from viscache_lab.experiment import Trial
 from viscache_lab.parity import judge as judging
 from viscache_lab.parity import renderers, suite, zoo
 from viscache_lab.parity.judge import Effort, Judged, judge
@@ -86,7 +87,8 @@ class TestWithMitsuba:
         assert found.compared.energy_difference == pytest.approx(0.05, abs=0.01)
 
     def test_what_is_warned_of_is_listed_with_its_warning(self) -> None:
-        outcome = bench.parity.parity(True, only="material/principled-default-sky")
+        outcome = Trial(quick=True, options={"only": "material/principled-default-sky"})
+        bench.parity.parity(outcome)
         assert outcome.answers_hold
         (row,) = outcome.skipped
         assert row["what"] == "material/principled-default-sky"
@@ -191,7 +193,7 @@ def test_a_silent_miss_fails_the_bench(
 
 def test_without_mitsuba_the_bench_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(renderers, "missing", lambda: "Mitsuba 3 is not installed")
-    result = bench.run("parity", quick=True)
+    result = bench.run_bench("parity", quick=True)
     assert result["skipped"] == [{"what": "parity", "reason": "Mitsuba 3 is not installed"}]
     assert result["answers_hold"]
 

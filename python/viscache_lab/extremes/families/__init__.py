@@ -1,7 +1,5 @@
-"""The families of checks, a file each. They register themselves by `@family`."""
+"""The families of checks, a file each, which declare themselves by `@FAMILIES.add`."""
 
-import importlib
-import pkgutil
+from viscache_lab.experiment.registry import FAMILIES
 
-for _module in pkgutil.iter_modules(__path__):
-    importlib.import_module(f"{__name__}.{_module.name}")
+FAMILIES.load()

@@ -8,11 +8,11 @@ from functools import cache, partial
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import picture
-from viscache_lab.extremes.registry import family
 
 #: Normals on axes, between two, on a diagonal, and on the seams of the octahedral map.
 NORMALS = {
@@ -29,7 +29,7 @@ SAME_RAYS = (0.85, 1.15)
 LIMIT_WHY = "grids are shifted by irrational amounts, and bins are rounded to; measured below 15 %"
 
 
-@family("bins", "normals and planes on the edges of bins and cells")
+@FAMILIES.add("bins", "normals and planes on the edges of bins and cells")
 def bins(full: bool) -> Iterator[Case]:
     modes = ("round", "octahedral") if full else ("round",)
     for place, normal in NORMALS.items():

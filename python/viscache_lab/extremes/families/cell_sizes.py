@@ -8,10 +8,10 @@ from functools import cache, partial
 from typing import Any
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import DIRECT, SHARED, differing, outside, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 #: Point and directional lights alone.
 POINTS = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
@@ -26,7 +26,7 @@ FORMS: dict[str, vc.Aqvc] = {
 }
 
 
-@family("cell_sizes", "C_E from 1e-3 to 1e4, presets and forms")
+@FAMILIES.add("cell_sizes", "C_E from 1e-3 to 1e4, presets and forms")
 def cell_sizes(full: bool) -> Iterator[Case]:
     for name, cache_ in FORMS.items():
         for c_e in (1e-3, 1e-9, 1e-30):

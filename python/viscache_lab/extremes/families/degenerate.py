@@ -8,10 +8,10 @@ from functools import cache, partial
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import METHODS, Method, bad_pixels, differing, picture, rel_l1
-from viscache_lab.extremes.registry import family
 from viscache_lab.extremes.scenes import Arrays
 
 #: One of each kind of answer; forms of the cache see the same triangles.
@@ -29,7 +29,7 @@ CHOSEN = (
 )
 
 
-@family("degenerate", "triangles without area, needles, coplanar copies")
+@FAMILIES.add("degenerate", "triangles without area, needles, coplanar copies")
 def degenerate(full: bool) -> Iterator[Case]:
     methods = METHODS if full else {name: METHODS[name] for name in CHOSEN}
     for name, method in methods.items():

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import METHODS, Method, picture
-from viscache_lab.extremes.registry import family
 
 CASTERS: dict[str, Any] = {
     "Embree": vc.Embree(),
@@ -21,7 +21,7 @@ CASTERS: dict[str, Any] = {
 }
 
 
-@family("empty", "scenes without triangles, and triangles behind the camera")
+@FAMILIES.add("empty", "scenes without triangles, and triangles behind the camera")
 def empty(full: bool) -> Iterator[Case]:
     for name, rays in CASTERS.items():
         yield Case(

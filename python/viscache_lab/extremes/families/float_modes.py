@@ -10,11 +10,11 @@ from functools import partial
 
 import numpy as np
 
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import DIRECT, METHODS, Method, picture
-from viscache_lab.extremes.registry import family
 
 #: Bits of the control word of SSE (MXCSR) beside the default, 0x1f80.
 MODES = {
@@ -29,7 +29,7 @@ ENVIRONMENT_BYTES = 32
 WHY = "the core sets the mode that it computes in, and restores the caller's"
 
 
-@family("float_modes", "denormals and rounding modes set by the caller")
+@FAMILIES.add("float_modes", "denormals and rounding modes set by the caller")
 def float_modes(full: bool) -> Iterator[Case]:
     if not can_set_mode():
         return

@@ -12,16 +12,16 @@ from typing import Any
 
 import viscache as vc
 from viscache.base import provenance
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.isas import instruction_sets
 from viscache_lab.extremes.pictures import METHODS, WHITTED, picture
-from viscache_lab.extremes.registry import family
 
 TIMEOUT_S = 100.0
 
 
-@family("isa", "portable code, AVX2 and AVX-512", every_isa=False)
+@FAMILIES.add("isa", "portable code, AVX2 and AVX-512", every_isa=False)
 def isa(full: bool) -> Iterator[Case]:
     here, _ = provenance.isa()
     yield Case(

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.rotation import turn
-from viscache_lab.extremes.registry import family
 
 #: Closed shapes: vertices, triangles, and the height of what is inside over its width.
 SHAPES = {
@@ -38,7 +38,7 @@ EMBREE_SHARE = {
 EMBREE_WHY = "Embree's robust rays miss triangles at vertices; three times what 5e7 rays showed"
 
 
-@family("leaks", "rays through vertices and edges of closed surfaces")
+@FAMILIES.add("leaks", "rays through vertices and edges of closed surfaces")
 def leaks(full: bool) -> Iterator[Case]:
     n = 2_000_000 if full else 40_000
     for shape in SHAPES:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import METHODS, bad_pixels, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 #: What asks every light.
 ALL = vc.Direct(n_area=0, n_environment=0, n_brdf=0)
@@ -30,7 +30,7 @@ PLACES = {
 }
 
 
-@family("lights", "zero lights, 10⁵ lights, lights on surfaces and of next to no area")
+@FAMILIES.add("lights", "zero lights, 10⁵ lights, lights on surfaces and of next to no area")
 def lights(full: bool) -> Iterator[Case]:
     for name, method in METHODS.items():
         if not method.maps:

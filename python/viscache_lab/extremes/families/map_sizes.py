@@ -11,16 +11,16 @@ import numpy as np
 
 import viscache as vc
 from viscache.settings.maps import ROWS
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.tables import sky_excess
 from viscache_lab.extremes.pictures import METHODS, SIZE, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 MAPS = METHODS["visibility maps"]
 
 
-@family("map_sizes", "visibility maps of 2^M × 2^M cells, M = 4 … 7")
+@FAMILIES.add("map_sizes", "visibility maps of 2^M × 2^M cells, M = 4 … 7")
 def map_sizes(full: bool) -> Iterator[Case]:
     row = ROWS.by_name["m"]
     for m in range(int(row["low"]), int(row["high"]) + 1):

@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.scales import RATIO, REDRAWN, error_ratio
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, Method, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 #: The direction of the offset: no axis, no diagonal.
 AWAY = np.array([1.0, 0.7, -0.4])
@@ -33,7 +33,7 @@ HOME_WHY = "the origin is subtracted in double: 1e-16 of the offset is lost; mea
 SILENT = 5e-3
 
 
-@family("offsets", "scenes far from the origin")
+@FAMILIES.add("offsets", "scenes far from the origin")
 def offsets(full: bool) -> Iterator[Case]:
     sizes = (1, 10, 100, 300, 1000) if full else (1, 1000)
     for name, method in METHODS.items():

@@ -14,11 +14,11 @@ from viscache.settings.by_name import replaced
 from viscache.settings.maps import ROWS as MAP_ROWS
 from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.rays import BSP_ROWS, FIELD_ROWS
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.tables import sky_excess
 from viscache_lab.extremes.pictures import SHARED, bad_pixels, differing, outside, picture
-from viscache_lab.extremes.registry import family
 
 #: Address space of the process: a structure that would need more must be refused.
 MOST_BYTES = 6 << 30
@@ -57,9 +57,7 @@ TABLES = (
     Table("Bsp", vc.Bsp(), BSP_ROWS, SAME),
 )
 #: What another parameter must be at the end of one.
-BESIDE: dict[tuple[str, float], dict[str, Any]] = {
-    ("m_nearest", 1): {"n_best": 1},
-}
+BESIDE: dict[tuple[str, float], dict[str, Any]] = {("m_nearest", 1): {"n_best": 1}}
 #: Where 0 is excluded: smaller numbers vanish among others of single precision.
 LEAST = 1e-30
 #: Ends that would be days of work, not numbers at risk: so many instead.
@@ -68,7 +66,7 @@ WORK = {"n_startup": 2000, "n_tiles": 512}
 APPROXIMATE = {("Vlf", "snap", True), ("Vlf", "kernel", "wald"), ("Bsp", "kernel", "wald")}
 
 
-@family(
+@FAMILIES.add(
     "parameters",
     "every parameter of every cache and structure at both ends of its range",
     most_bytes=MOST_BYTES,

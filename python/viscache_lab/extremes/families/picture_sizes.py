@@ -9,17 +9,10 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.pictures import (
-    METHODS,
-    SHARED,
-    Method,
-    bad_pixels,
-    differing,
-    picture,
-)
-from viscache_lab.extremes.registry import family
+from viscache_lab.extremes.pictures import METHODS, SHARED, Method, bad_pixels, differing, picture
 
 #: Samples of a pixel.
 MANY = 100_000
@@ -29,7 +22,7 @@ FORMS: dict[str, dict[str, Any]] = {
 }
 
 
-@family("picture_sizes", "1×1 and 1×8192 pictures, 10⁵ samples per pixel")
+@FAMILIES.add("picture_sizes", "1×1 and 1×8192 pictures, 10⁵ samples per pixel")
 def picture_sizes(full: bool) -> Iterator[Case]:
     sizes = [(1, 1), (1, 8192), (8192, 1)] + ([(2, 4096), (257, 3)] if full else [])
     for name, method in METHODS.items():

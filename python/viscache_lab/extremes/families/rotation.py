@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.scales import RATIO, error_ratio
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, Method, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 
-@family("rotation", "the same picture after a rotation")
+@FAMILIES.add("rotation", "the same picture after a rotation")
 def rotation(full: bool) -> Iterator[Case]:
     for name, given in METHODS.items():
         # A sky of one radiance is the same from all sides

@@ -7,11 +7,11 @@ from functools import partial
 from typing import Any
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, Method, differing, error_of, picture, rel_l1
-from viscache_lab.extremes.registry import family
 
 #: Errors of two grids or of two draws, means of three seeds: measured 0.5 … 1.4.
 RATIO = (0.4, 2.0)
@@ -20,7 +20,7 @@ ROUNDED = "coordinates are rounded by 6e-8 of their size; measured 1e-6 at most,
 REDRAWN = "other cells or random numbers; measured 0.66 … 1.3"
 
 
-@family("scales", "the same picture in any unit of length")
+@FAMILIES.add("scales", "the same picture in any unit of length")
 def scales(full: bool) -> Iterator[Case]:
     for name, method in METHODS.items():
         if not method.noisy:

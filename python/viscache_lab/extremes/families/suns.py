@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import bad_pixels, picture
-from viscache_lab.extremes.registry import family
 
 #: Every way of estimating the light of a sky.
 ESTIMATORS: dict[str, dict[str, Any]] = {
@@ -42,7 +42,7 @@ LINEAR = "light is linear, samples are the same: sums round by 1e-7; measured 1.
 FINE = 8
 
 
-@family("suns", "skies of one bright pixel, and black skies")
+@FAMILIES.add("suns", "skies of one bright pixel, and black skies")
 def suns(full: bool) -> Iterator[Case]:
     powers = (1e6, 1e-6, 1e12, 1e20, 1e30, 1e37, 1e-20, 1e-30) if full else (1e6, 1e30, 1e-20)
     for name, how in ESTIMATORS.items():

@@ -10,6 +10,7 @@ import numpy as np
 
 import viscache as vc
 from viscache.settings.by_name import replaced
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import (
@@ -21,14 +22,13 @@ from viscache_lab.extremes.pictures import (
     outside,
     picture,
 )
-from viscache_lab.extremes.registry import family
 
 BETWEEN = "a cache of bits lies between black and the picture without shadows"
 SAME = "the structure finds hits, its size only time"
 BDPT = vc.Bdpt(max_depth=4)
 
 
-@family("tables", "tables of one slot, maps of one record, one voxel, one texel")
+@FAMILIES.add("tables", "tables of one slot, maps of one record, one voxel, one texel")
 def tables(full: bool) -> Iterator[Case]:
     pairs = {"form": "pairs", "storage": "table"}
 

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
+from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import METHODS, Method, picture, unequal
-from viscache_lab.extremes.registry import family
 
 COUNTS = (1, 2, 3, 7)
 WHY = "a tile is the unit of work; random numbers do not know threads"
 
 
-@family("threads", "1, 2, 3 and 7 threads")
+@FAMILIES.add("threads", "1, 2, 3 and 7 threads")
 def threads(full: bool) -> Iterator[Case]:
     for name, method in METHODS.items():
         # Larger than a tile, so that there are several

@@ -129,8 +129,5 @@ def _instances() -> Iterator[Case]:
     for turned, transform in TRANSFORMS.items():
         placed = shape("instance", transform + LIFT, '<ref id="group"/>')
         yield Case(
-            name=f"instance/{turned}",
-            body=group + placed,
-            lights=SKY,
-            quick=turned == "mirror-x",
+            name=f"instance/{turned}", body=group + placed, lights=SKY, quick=turned == "mirror-x"
         )

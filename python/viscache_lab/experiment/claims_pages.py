@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from itertools import groupby
 
-from viscache_lab.figures.claim_rules import RULES, interval
-from viscache_lab.figures.full_run import RUNS, FullRun, Judged
+from viscache_lab.experiment.claim_rules import RULES, interval
+from viscache_lab.experiment.full_run import RUNS, FullRun, Judged
 
 __all__ = ["PAGES", "filled"]
 

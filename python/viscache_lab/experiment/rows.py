@@ -1,16 +1,15 @@
-"""The outcome of reproducing a figure: rows compared with bands, and the files written."""
+"""Measured values beside what a paper prints and a band."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field
-from pathlib import Path
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from viscache_lab.figures.claim_rules import Claim
+from viscache_lab.experiment.claim_rules import Claim
 
-__all__ = ["Band", "Outcome", "Row"]
+__all__ = ["Band", "Row", "text"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,20 +91,6 @@ class Row:
             "found": self.found,
             "note": "; ".join(text for text in (self.note, *source) if text),
         }
-
-
-@dataclass(kw_only=True, slots=True)
-class Outcome:
-    """The result of one figure's function."""
-
-    rows: list[Row] = field(default_factory=list)
-    files: list[Path] = field(default_factory=list)
-    skipped: list[dict[str, str]] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def skip(self, what: str, reason: str) -> None:
-        """Record what was left out, and why."""
-        self.skipped.append({"what": what, "reason": reason})
 
 
 def text(figure: str, rows: Sequence[Row]) -> str:

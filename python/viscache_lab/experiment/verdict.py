@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
-from viscache_lab.figures.full_run import CLAIMING
+from viscache_lab.experiment.full_run import CLAIMING
 
 __all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
 

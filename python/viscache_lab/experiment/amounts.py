@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import statistics
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
+import numpy as np
+
+import viscache as vc
 from viscache.base.provenance import embree_version, isa
-from viscache.scene import Scene
 from viscache.scenes import build
 
 __all__ = [
     "Clock",
-    "Outcome",
     "Sample",
+    "Turns",
     "at_most_figure",
     "build_scene",
+    "fastest",
     "figure",
+    "frame_clock",
     "interleave",
     "machine",
     "ratio_figure",
+    "student_t",
     "timed",
+    "turns",
 ]
 
+Key = TypeVar("Key")
 Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 
 
@@ -37,37 +46,6 @@ class Sample:
 
     wall_s: float
     cpu_s: float
-
-
-@dataclass(kw_only=True, slots=True)
-class Outcome:
-    """The results of a bench; `answers` lists each check of an answer and whether it holds."""
-
-    figures: list[dict[str, Any]] = field(default_factory=list)
-    answers: list[dict[str, Any]] = field(default_factory=list)
-    skipped: list[dict[str, str]] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def check(self, what: str, value: float, limit: float) -> None:
-        """Record a check that holds if value <= limit."""
-        holds = bool(value <= limit)  # not-a-number does not hold
-        self.answers.append({"what": what, "value": float(value), "limit": limit, "holds": holds})
-
-    def skip(self, what: str, reason: str) -> None:
-        """Record what was left out, and why."""
-        self.skipped.append({"what": what, "reason": reason})
-
-    def extend(self, other: Outcome) -> None:
-        """Append all that another outcome has."""
-        self.figures += other.figures
-        self.answers += other.answers
-        self.skipped += other.skipped
-        self.notes += other.notes
-
-    @property
-    def answers_hold(self) -> bool:
-        """True if every answer that was checked is right."""
-        return all(a["holds"] for a in self.answers)
 
 
 def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
@@ -90,6 +68,63 @@ def interleave(
         for name in names if i % 2 == 0 else reversed(names):
             samples[name].append(runs[name]())
     return samples
+
+
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """Durations and last answers of runs that took turns."""
+
+    samples: dict[str, list[Sample]]
+    answers: dict[str, Any]
+
+
+def turns(
+    runs: Mapping[Any, Callable[[], Any]],
+    repeats: int,
+    *,
+    warm_up: bool = True,
+    clock: Callable[[Any], Sample] | None = None,
+) -> Turns:
+    """Time runs that take turns, and keep their answers.
+
+    Parameters
+    ----------
+    runs : mapping
+        One that gives a `Sample` is timed by it.
+    repeats : int
+    warm_up : bool
+        Whether each runs once before.
+    clock : callable, optional
+        The duration of an answer, e.g. `frame_clock`; that of the call by default.
+    """
+    answers: dict[str, Any] = {}
+
+    def run(name: str) -> Sample:
+        time, answer = timed(runs[name])
+        if isinstance(answer, Sample):
+            return answer
+        answers[name] = answer
+        return time if clock is None else clock(answer)
+
+    return Turns(interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers)
+
+
+def frame_clock(frame: vc.Frame) -> Sample:
+    """The duration of a frame by its own timings."""
+    return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
+
+
+def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
+    """Which run takes the least CPU time, of two turns."""
+    names = {str(key): key for key in runs}
+    samples = turns({name: runs[key] for name, key in names.items()}, 2, warm_up=False).samples
+    return names[min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))]
+
+
+def student_t(values: Any) -> float:
+    """The mean of independent values over its standard error."""
+    error = float(np.std(values, ddof=1)) / math.sqrt(len(values))
+    return float(np.mean(values)) / max(error, 1e-300)
 
 
 def figure(
@@ -168,10 +203,10 @@ def ratio_figure(
     )
 
 
-def build_scene(spec: str) -> Scene:
+def build_scene(spec: str) -> vc.Scene:
     """A built-in scene from its spec."""
     made = build(spec)
-    return made if isinstance(made, Scene) else Scene.from_description(made, spec=spec)
+    return made if isinstance(made, vc.Scene) else vc.Scene.from_description(made, spec=spec)
 
 
 def machine() -> dict[str, Any]:

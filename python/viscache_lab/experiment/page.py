@@ -11,9 +11,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from viscache_lab.figures import registry
-from viscache_lab.figures.claim_rules import interval
-from viscache_lab.figures.verdict import claim_of, sentence
+from viscache_lab.experiment.claim_rules import interval
+from viscache_lab.experiment.registry import FIGURES
+from viscache_lab.experiment.verdict import claim_of, sentence
 
 __all__ = ["html"]
 
@@ -165,7 +165,7 @@ def _number(value: Any, end: int | None = None) -> str:
 
 
 def _description(name: str) -> str:
-    info = registry.FIGURES.get(name)
+    info = FIGURES.get(name)
     return "" if info is None else info.description
 
 

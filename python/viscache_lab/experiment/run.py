@@ -1,4 +1,4 @@
-"""Makes all figures and tables in sequence, resumable, and one page with all of them."""
+"""Runs experiments: a bench, a figure, or all figures in sequence, resumable, with their page."""
 
 from __future__ import annotations
 
@@ -12,17 +12,149 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from viscache.base.files import finite, write_whole
-from viscache.base.provenance import provenance
-from viscache_lab.figures import page, registry
-from viscache_lab.figures.registry import code_hash
-from viscache_lab.figures.verdict import claim_of, claims_not_found
+from viscache.base import provenance
+from viscache.base.files import finite, named, write_whole
+from viscache_lab.experiment import page, references
+from viscache_lab.experiment.amounts import machine
+from viscache_lab.experiment.registry import BENCHES, FIGURES, Registry
+from viscache_lab.experiment.rows import text
+from viscache_lab.experiment.trial import Trial
+from viscache_lab.experiment.verdict import claim_of, claims_not_found, sentence, verdicts
 
-__all__ = ["failing", "finished", "reproduce_all"]
+__all__ = ["code_hash", "failing", "finished", "reproduce", "reproduce_all", "run_bench"]
 
 Result = dict[str, Any]
 #: Errors of disks that are full or may not be written to.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
+
+
+def code_hash() -> str:
+    """Hash of the code that determines a figure: the sources of viscache, its core, and the lab."""
+    return provenance.code_hash(Path(__file__).parents[1])
+
+
+def run_bench(name: str, quick: bool = False, *, progress: bool = False, **options: Any) -> Result:
+    """Run one bench: the object that `viscache bench NAME --json` prints.
+
+    Parameters
+    ----------
+    name : str
+        One of `BENCHES`.
+    quick : bool
+        Small sizes, few repeats.
+    progress : bool
+        Show progress bars.
+    **options
+        Those of this bench alone.
+
+    Returns
+    -------
+    dict
+        bench, machine, date, figures, answers_checked, answers (each check with value and limit),
+        answers_hold, skipped, notes, quick.
+
+    Raises
+    ------
+    ValueError
+        The name is unknown; the message gives the nearest known one.
+    """
+    trial = Trial(quick=quick, progress=progress, options=options)
+    about = _perform(BENCHES, name, trial)
+    return {
+        "bench": name,
+        "machine": machine(),
+        "date": about["provenance"]["date"],
+        "figures": trial.figures,
+        "answers_checked": bool(trial.answers),
+        "answers_hold": trial.answers_hold,
+        "answers": trial.answers,
+        "skipped": trial.skipped,
+        "notes": trial.notes,
+        "quick": quick,
+    }
+
+
+def _perform(registry: Registry, name: str, trial: Trial) -> Result:
+    """Fill a trial; provenance and seconds of the run."""
+    began, cpu = time.perf_counter(), time.process_time()
+    registry.find(name).function(trial)
+    return {
+        "provenance": provenance.provenance(),
+        "seconds": time.perf_counter() - began,
+        "cpu_s": time.process_time() - cpu,
+    }
+
+
+def reproduce(
+    name: str,
+    directory: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    progress: bool = False,
+    size: tuple[int, int] | None = None,
+) -> Result:
+    """Reproduce one figure or table of the papers.
+
+    Parameters
+    ----------
+    name : str
+        One of `FIGURES`.
+    directory : path
+        Created if missing. Receives the pictures, `NAME.md` with the table, and `NAME.json`.
+    quick : bool
+        Small sizes: seconds instead of minutes.
+    progress : bool
+        Show a progress bar.
+    size : (width, height), optional
+        Size of the rendered pictures in pixels, for the figures that allow it.
+
+    Returns
+    -------
+    dict
+        What `viscache reproduce NAME --json` prints: figure, rows (what, printed, measured, ratio,
+        band, holds, claim, rule, because, said, found, note), files; beside them holds, verdicts
+        (claim and expectation, each with verdict, yes, all), drawn (what the axes of each picture
+        show), skipped, notes, quick, machine, provenance.
+
+    Raises
+    ------
+    ValueError
+        The name is unknown; the message gives the nearest known one. Or a size has no effect.
+    """
+    if size is not None and not FIGURES.find(name).sized:
+        sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
+        raise ValueError(f"size must be left out for {name}; it is for {sized}")
+    FIGURES.find(name)
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    trial = Trial(folder=folder, quick=quick, progress=progress, size=size)
+    try:
+        with references.kept_in(folder / "references"):
+            about = _perform(FIGURES, name, trial)
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise named(error, folder) from error
+    table, record = folder / f"{name}.md", folder / f"{name}.json"
+    rows = [row.as_dict() for row in trial.rows]
+    write_whole(table, f"{text(name, trial.rows)}\n{sentence(rows, quick=quick, figure=name)}\n")
+    result = {
+        "figure": name,
+        "rows": rows,
+        "files": [str(path) for path in [*trial.files, table, record]],
+        "drawn": trial.drawn,
+        "holds": all(row.holds is not False for row in trial.rows),
+        "verdicts": verdicts(rows, quick=quick, figure=name),
+        "skipped": trial.skipped,
+        "notes": trial.notes,
+        "quick": quick,
+        "size": None if size is None else list(size),
+        "machine": machine(),
+        "code": code_hash(),
+        **about,
+    }
+    write_whole(record, json.dumps(finite(result), indent=2))
+    return result
 
 
 def reproduce_all(
@@ -67,7 +199,7 @@ def reproduce_all(
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     results: list[Result] = []
-    for name, info in registry.FIGURES.items():
+    for name, info in FIGURES.items():
         wanted = size if info.sized else None
         known = finished(folder, name, quick=quick, size=wanted, older=older)
         result = known or _reproduced(name, folder, quick=quick, size=wanted, progress=progress)
@@ -97,7 +229,7 @@ def _reproduced(
 ) -> Result:
     began = time.perf_counter()
     try:
-        return registry.reproduce(name, folder, quick=quick, size=size, progress=progress)
+        return reproduce(name, folder, quick=quick, size=size, progress=progress)
     except Exception as error:
         if isinstance(error, OSError) and error.errno in NO_ROOM:
             raise  # the other figures would end in the same way
@@ -105,13 +237,14 @@ def _reproduced(
             "figure": name,
             "rows": [],
             "files": [],
+            "drawn": {},
             "holds": False,
             "verdicts": None,
             "skipped": [],
             "notes": [],
             "quick": quick,
             "size": None if size is None else list(size),
-            "provenance": provenance(),
+            "provenance": provenance.provenance(),
             "code": code_hash(),
             "seconds": time.perf_counter() - began,
             "error": f"{type(error).__name__}: {error}",

@@ -1,0 +1,215 @@
+"""Errors of frames and passes: beside converged pictures, over time, and those that stay."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import viscache as vc
+from viscache.metrics import confidence_interval
+from viscache_lab.experiment.amounts import figure, student_t
+
+__all__ = [
+    "Errors",
+    "Run",
+    "differences",
+    "energy_z",
+    "gain",
+    "gain_figure",
+    "log_interval",
+    "persistent_z",
+    "seed_by_seed",
+    "take_turns",
+]
+
+Array = npt.NDArray[Any]
+
+#: Floor of the relative error, as a share of the picture's mean.
+DARK = 0.05
+BOOTSTRAP = 1000
+
+
+class Errors:
+    """Squared errors of frames against the mean of other frames, whose own noise is taken out."""
+
+    def __init__(self, converged: Array) -> None:
+        self.picture = converged.mean(axis=0)
+        self.noise = converged.var(axis=0, ddof=1) / len(converged)
+        self.mean = float(self.picture.mean())
+
+    def of(self, images: Array) -> tuple[Array, Array]:
+        """Relative to the squared mean of the picture, and to each pixel; one value per frame."""
+        square = np.square(images - self.picture) - self.noise
+        floor = (DARK * self.mean) ** 2
+        relative = square / (np.square(self.picture) + floor)
+        return square.mean(axis=(1, 2, 3)) / self.mean**2, relative.mean(axis=(1, 2, 3))
+
+
+def seed_by_seed(
+    ways: dict[str, Callable[[int], tuple[Array, float]]], seeds: int
+) -> tuple[dict[str, Array], dict[str, list[float]]]:
+    """Images and CPU seconds of ways that take turns; each gives both for a seed."""
+    images: dict[str, list[Array]] = {way: [] for way in ways}
+    seconds: dict[str, list[float]] = {way: [] for way in ways}
+    for seed in range(seeds):
+        for way in ways if seed % 2 else reversed(ways):
+            image, spent = ways[way](seed)
+            images[way].append(image)
+            seconds[way].append(spent)
+    return {way: np.stack(stack) for way, stack in images.items()}, seconds
+
+
+def gain(
+    found: Mapping[str, tuple[Array, Array]],
+    seconds: Mapping[str, list[float]],
+    way: str,
+    number: int,
+    base: str = "exact",
+) -> tuple[float, float, float]:
+    """Error times seconds of the base over that of the other way, with its 95 % interval.
+
+    `number` chooses the error: 0 relative to the squared mean of the picture, 1 to each pixel.
+    """
+    rows = np.stack([found[base][number], seconds[base], found[way][number], seconds[way]], axis=1)
+    chosen = np.random.default_rng(0).integers(0, len(rows), (BOOTSTRAP, len(rows)))
+    means = np.concatenate([rows.mean(axis=0, keepdims=True), rows[chosen].mean(axis=1)])
+    gains = means[:, 0] * means[:, 1] / np.maximum(means[:, 2] * means[:, 3], 1e-30)
+    low, high = np.quantile(gains[1:], [0.025, 0.975])
+    return float(gains[0]), float(low), float(high)
+
+
+def gain_figure(
+    name: str,
+    found: Mapping[str, tuple[Array, Array]],
+    seconds: Mapping[str, list[float]],
+    way: str,
+    base: str = "exact",
+    goal: float | None = None,
+) -> dict[str, Any]:
+    """The gain of a way over the base by both errors, with errors and seconds of the two."""
+    ratio, low, high = gain(found, seconds, way, 0, base)
+    relative = gain(found, seconds, way, 1, base)
+    nmse, base_nmse = (float(found[w][0].mean()) for w in (way, base))
+    spent, base_spent = (float(np.mean(seconds[w])) for w in (way, base))
+    return figure(
+        name,
+        nmse * spent,
+        "nMSE·s",
+        baseline=base_nmse * base_spent,
+        ratios=sorted([low, ratio, high]),
+        goal=goal,
+        gain_rel=relative[0],
+        rel_low=relative[1],
+        rel_high=relative[2],
+        nmse=nmse,
+        base_nmse=base_nmse,
+        seconds=spent,
+        base_seconds=base_spent,
+    )
+
+
+#: Edge of the blocks of pixels between which the standard error is taken.
+BIAS_BLOCK = 16
+#: First passes of the two pictures: other blocks of samples.
+FIRST = (0, 512)
+
+
+def differences(
+    scene: vc.Scene, light: Any, caches: dict[Any, Any], size: tuple[int, int], passes: int
+) -> tuple[dict[str, Array], float]:
+    """By use of a cache: passes minus exact ones of the same eye samples; and the mean light.
+
+    The arrays are (pass, row, column, channel): of two pictures, half each, with what each learns
+    from its first passes. Their draws are independent.
+    """
+
+    def both(visibility: Any, use: Any = None) -> Array:
+        pictures = [
+            vc.Progressive(scene, light, visibility=visibility, use=use, first_pass=n, size=size)
+            for n in FIRST
+        ]
+        return np.concatenate([alone(p, passes // 2) for p in pictures])
+
+    exact = both("exact")
+    found = {use: both(cache, use) - exact for use, cache in caches.items()}
+    return found, float(exact.mean())
+
+
+def alone(picture: vc.Progressive, passes: int) -> Array:
+    """Each pass by itself."""
+    sums = [picture.passes(1).image.astype(np.float64) * (i + 1) for i in range(passes)]
+    return np.diff(np.stack([np.zeros_like(sums[0]), *sums]), axis=0)
+
+
+def energy_z(found: Array) -> float:
+    """The mean difference of the energy of frames in its standard errors."""
+    return student_t(found.mean(axis=(1, 2, 3)))
+
+
+def persistent_z(found: Array, light: float) -> tuple[float, float]:
+    """Squared bias of pixels over the squared mean light, and how many standard errors it is.
+
+    The first half times the second: their noise is independent, and what both have is the bias.
+    """
+    half = len(found) // 2
+    product = found[:half].mean(axis=0) * found[half:].mean(axis=0) / light**2
+    h, w = (n // BIAS_BLOCK for n in product.shape[:2])
+    cut = product[: h * BIAS_BLOCK, : w * BIAS_BLOCK].reshape(h, BIAS_BLOCK, w, BIAS_BLOCK, -1)
+    blocks = cut.mean(axis=(1, 3, 4)).ravel()
+    return float(blocks.mean()), student_t(blocks)
+
+
+@dataclass
+class Run:
+    """A method: its picture, CPU seconds and the energy of each pass."""
+
+    picture: vc.Progressive
+    cpu_s: float = 0.0
+    energies: list[float] = field(default_factory=list)
+
+    def add_pass(self) -> None:
+        before = sum(self.energies)
+        start = time.process_time()
+        frame = self.picture.passes(1)
+        self.cpu_s += time.process_time() - start
+        total = float(frame.image.sum(dtype=np.float64)) * self.picture.n_passes
+        self.energies.append(total - before)
+
+
+def take_turns(runs: list[Run], passes: int) -> None:
+    """Pass by pass, so that what else the machine does meets all methods alike."""
+    for i in range(passes):
+        for run in runs if i % 2 == 0 else runs[::-1]:
+            run.add_pass()
+
+
+def log_interval(ratios: Sequence[float]) -> tuple[float, float, float]:
+    """Geometric mean of independent ratios and its 95 % interval.
+
+    Parameters
+    ----------
+    ratios : sequence of float > 0
+        One per turn, at least two.
+
+    Returns
+    -------
+    tuple of float
+        The mean, and the ends of Student's interval of the logarithm's mean.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two ratios, or one is not above 0.
+    """
+    if len(ratios) < 2 or not all(r > 0 and math.isfinite(r) for r in ratios):
+        raise ValueError(f"ratios must be two or more finite numbers > 0, got {list(ratios)}")
+    logs = [math.log(r) for r in ratios]
+    low, high = confidence_interval(logs)
+    return math.exp(statistics.fmean(logs)), math.exp(low), math.exp(high)

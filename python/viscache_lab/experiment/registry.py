@@ -1,0 +1,117 @@
+"""The lists of experiments: figures of the papers, benches, families of numerical extremes."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from viscache.commands.shared import print_json
+from viscache.settings.checks import require
+from viscache.settings.spelling import nearest
+
+__all__ = ["BENCHES", "FAMILIES", "FIGURES", "Experiment", "Registry", "print_list"]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Experiment:
+    """A figure or table, a bench, or a family of checks."""
+
+    description: str
+    function: Callable[..., Any]
+    """Takes a `Trial`; that of a family takes `full` and gives its cases."""
+    sized: bool = False
+    """Whether its pictures can have another size."""
+    every_isa: bool = True
+    """Of a family: whether `--full` repeats it for every instruction set."""
+    most_bytes: int | None = None
+    """Of a family: address space of its process."""
+
+
+class Registry(dict[str, Experiment]):
+    """Name to experiment. The modules of `package` declare them by `@REGISTRY.add`.
+
+    Parameters
+    ----------
+    kind : str
+        What messages call one of them.
+    package : str
+        All its modules but those named `peer_…` are imported by `load`.
+    papers : tuple of str
+        The first words of all names, in their order; names without such words are in theirs.
+    """
+
+    def __init__(self, kind: str, package: str, papers: tuple[str, ...] = ()) -> None:
+        super().__init__()
+        self.kind, self.package, self.papers = kind, package, papers
+
+    def add(self, name: str, description: str, **about: Any) -> Callable[[Function], Function]:
+        """Declare a function as an experiment; `about` are further fields of `Experiment`."""
+        first = name.partition("-")[0]
+        if self.papers:
+            require(first in self.papers, f"a {self.kind}'s paper must be one of {self.papers}",
+                    name)  # fmt: skip
+        require(name not in self, f"a {self.kind}'s name must be its own", name)
+
+        def declare(function: Function) -> Function:
+            self[name] = Experiment(description=description, function=function, **about)
+            return function
+
+        return declare
+
+    def find(self, name: str) -> Experiment:
+        """The experiment of a name.
+
+        Raises
+        ------
+        ValueError
+            The name is unknown; the message gives the nearest known one.
+        """
+        if name not in self:
+            raise ValueError(f"unknown {self.kind} {name!r}{nearest(name, self)}")
+        return self[name]
+
+    def load(self) -> None:
+        """Import all modules of the package, and sort what they declare."""
+        for module in _modules(self.package):
+            importlib.import_module(module)
+        ordered = sorted(self.items(), key=lambda item: self._place(item[0]))
+        self.clear()
+        self.update(ordered)
+
+    def _place(self, name: str) -> tuple[int, int, int, str]:
+        """In the order of the papers: figures and tables by number, then the others."""
+        paper, _, rest = name.partition("-")
+        if paper not in self.papers:
+            return 0, 0, 0, name
+        numbered = re.fullmatch(r"(fig|tab)(\d+)", rest)
+        kind = ("fig", "tab").index(numbered[1]) if numbered else 2
+        return self.papers.index(paper), kind, int(numbered[2]) if numbered else 0, rest
+
+
+def print_list(registry: Registry, *, as_json: bool) -> int:
+    """Print the names with their descriptions; exit status 0."""
+    if as_json:
+        plural = f"{registry.kind}{'es' if registry.kind == 'bench' else 's'}"
+        print_json({plural: [{registry.kind: name} for name in registry]})
+    else:
+        for name, one in registry.items():
+            print(f"{name} ({one.description})")
+    return 0
+
+
+def _modules(package: str) -> Iterator[str]:
+    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
+        if not module.name.startswith("peer_"):
+            yield f"{package}.{module.name}"
+
+
+#: Figures and tables in the order of the papers; the trade of all methods and their extremes.
+FIGURES = Registry("figure", "viscache_lab.figures", ("aqvc", "vlf", "vismap", "trade", "extremes"))
+BENCHES = Registry("bench", "viscache_lab.bench")
+FAMILIES = Registry("family", "viscache_lab.extremes.families")
