@@ -333,7 +333,7 @@ SCENES: dict[str, Any] = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param("room", marks=pytest.mark.release), "apartment"])
 def test_the_frame_has_the_error_that_was_asked_for_within_30_percent(name: str) -> None:
     """From tiles of the frame itself where there are enough, else from whole small frames."""
     make, integrator, size, target, samples = SCENES[name]

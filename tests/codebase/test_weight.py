@@ -9,7 +9,7 @@ LIMITS = {
     "library, lines": 79_000,
     "python, lines": 32_600,
     "lab, lines": 20_450,
-    "tests, lines": 59_400,
+    "tests, lines": 60_000,
     "rooms": 19,
     "imports between rooms": 90,
     "imports that run back up": 5,

@@ -52,10 +52,10 @@ def usual(scene: vc.Scene) -> Images:
 
 
 MAPS = [
-    {"alpha": "one", "sampling": "product"},
+    pytest.param({"alpha": "one", "sampling": "product"}, marks=pytest.mark.release),
     {"alpha": 0.4, "sampling": "guided"},
-    {"alpha": "previous_pass", "sampling": "product"},
-    {"alpha": "previous_pass", "sampling": "guided"},
+    pytest.param({"alpha": "previous_pass", "sampling": "product"}, marks=pytest.mark.release),
+    pytest.param({"alpha": "previous_pass", "sampling": "guided"}, marks=pytest.mark.release),
     {"alpha": "previous_pass", "sampling": "auto"},
 ]
 

@@ -154,7 +154,7 @@ def test_greys_of_opacity_let_through_what_mitsubas_do(tmp_path: Path) -> None:
 
 @pytest.mark.mitsuba
 @pytest.mark.slow
-@pytest.mark.parametrize("opacity", [0.2, 0.7])
+@pytest.mark.parametrize("opacity", [pytest.param(0.2, marks=pytest.mark.release), 0.7])
 def test_holes_let_through_what_mitsubas_mask_does(tmp_path: Path, opacity: float) -> None:
     """Mitsuba's `volpath` sees lights through a mask; for `path` it is a wall."""
     path = write(tmp_path, opacity)

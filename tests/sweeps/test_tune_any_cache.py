@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viscache as vc
+from viscache import cli
 from viscache.sweeps.search import MOST_PILOTS, Span, best, search
 from viscache.sweeps.tune import Pilot
 
@@ -262,3 +263,18 @@ def test_what_does_not_combine_is_refused_before_a_frame_is_rendered() -> None:
     product = vc.Direct(environment="product")
     with pytest.raises(ValueError, match='with environment="product"'):
         vc.tune("slits", product, visibility=GridCache(), parameter={"cell": (0.1, 1)})
+
+
+def test_the_command_searches_any_number(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40"]
+    maps = ["--visibility", "shadow_map", "--parameter", "resolution", "--between", "8", "128"]
+    assert cli.main([*words, *maps, "--target", "rel_l1<=0.03", "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    assert got["parameter"] == "resolution" and isinstance(got["resolution"], int)
+    assert got["target"] == 0.03 and got["rel_l1"] <= 0.039
+    assert cli.main([*words, *maps, "--error", "0.03"]) == 0
+    assert "resolution" in capsys.readouterr().out
+    assert cli.main([*words, "--visibility", "shadow_map"]) == 2
+    assert "parameter must be one of resolution, bias" in capsys.readouterr().err
+    assert cli.main([*words, "--target", "rmse<=0.03"]) == 2
+    assert "or seconds<=NUMBER, got" in capsys.readouterr().err
