@@ -6,10 +6,10 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_200,
+    "library, lines": 79_210,
     "python, lines": 32_900,
     "lab, lines": 21_200,
-    "tests, lines": 62_000,
+    "tests, lines": 62_150,
     "rooms": 19,
     "imports between rooms": 90,
     "imports that run back up": 5,
@@ -18,7 +18,7 @@ LIMITS = {
     "parameters of entry points": 71,
     "settings fields": 135,
     "virtuals of VisibilityOracle": 6,
-    "overrides of them": 56,
+    "overrides of them": 48,
     "long functions": 7,
     "README, words": 920,
     "performance, words": 38_100,

@@ -2,21 +2,9 @@
 
 #include <bit>
 
-#include "viscache/sampling/point_key.h"
-#include "viscache/visibility/local_samples.h"
-
 namespace viscache {
 
 namespace {
-
-/// Threshold of 32 random bits: a query is drawn below it.
-uint64_t threshold(double q) { return uint64_t(std::clamp(std::floor(q * 0x1p32), 1.0, 0x1p32)); }
-
-float inverse_share(uint64_t threshold) { return float(0x1p32 / double(threshold)); }
-
-bool is_below(uint64_t key, uint64_t number, uint64_t threshold) {
-    return (mix64(key + number * 0x9E3779B97F4A7C15ull) >> 32) < threshold;
-}
 
 double deviation(double mean) { return std::sqrt(mean * (1 - mean)); }
 
@@ -27,22 +15,11 @@ MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, floa
     : map_(map),
       exact_(caster, extent, order_of_share(s.share.value_or(0))),
       share_(s.share),
-      seed_(s.seed),
-      lasting_seed_(s.lasting_seed),
+      keys_{s.seed, Purpose::kResidual, s.lasting_seed},
       weighted_(s.weighted),
       voxels_(map) {
+    wrap(exact_);
     for (size_t b = 0; b < kPlanes; ++b) bands_below_[b] = float(std::ldexp(s.certain, -int(b)));
-}
-
-void MeanOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_.watch(control);
-}
-
-/// Random key of an eye point. It depends on its position, not on tiles or threads.
-uint64_t MeanOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const {
-    Rng rng(seed_, Purpose::kResidual, uint64_t(group), 0);
-    return mix_point(rng.next_u32(), eyes.position[eye]);
 }
 
 /// Computes means and deviations of all columns for every voxel with eye points.
@@ -63,11 +40,12 @@ void MeanOracle::make_rows(const BlockAsk& ask) {
 }
 
 void MeanOracle::draw_evenly(const BlockAsk& ask, uint32_t eye) {
-    const uint64_t key = eye_key(ask.eyes, eye, ask.lights.group), below = threshold(*share_);
+    const uint64_t key = keys_.of(ask.eyes, eye, ask.lights.group);
+    const RandomShare share(*share_);
     for_each_bit(ask.wanted.row_span(eye), [&](size_t k) {
-        if (!is_below(key, k, below)) return;
+        if (!share.draws(key, k)) return;
         drawn_.set(eye, k);
-        inverse_.push_back(inverse_share(below));
+        inverse_.push_back(share.inverse);
     });
 }
 
@@ -78,11 +56,8 @@ void MeanOracle::draw_evenly(const BlockAsk& ask, uint32_t eye) {
 void MeanOracle::draw_by_contribution(const BlockAsk& ask, uint32_t eye) {
     const EyeBlock& eyes = ask.eyes;
     const BitMatrix& wanted = ask.wanted;
-    const bool lasts = !eyes.place.empty();
-    const uint32_t turn = lasts ? eyes.turn[eye] : 0;
-    uint64_t key = eye_key(eyes, eye, ask.lights.group);
-    if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kPlanes).next_u64();
-    key ^= mix64(uint64_t(ask.lights.group));
+    const uint32_t turn = eyes.place.empty() ? 0 : eyes.turn[eye];
+    const uint64_t key = keys_.of_turns(eyes, eye, ask.lights.group, kPlanes);
     if (ask.contributions) {
         std::array<Word*, kPlanes> below;
         for (size_t b = 0; b < kPlanes; ++b) below[b] = bands_.row(b);
@@ -184,14 +159,14 @@ Answer MeanOracle::pairs(const PairsAsk& ask, Counters& counters) {
     for (uint32_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
         const double mean = map_.mean(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far));
-        const uint64_t below =
-            threshold(share_.value_or(std::max(std::ldexp(1.0, -int(kPlanes)), 2 * deviation(mean))));
+        const RandomShare share(
+            share_.value_or(std::max(std::ldexp(1.0, -int(kPlanes)), 2 * deviation(mean))));
         weights_.push_back(float(mean));
         ++counters.group(q.group).queries;
-        if (!is_below(mix_point(eye_key(ask.eyes, q.eye, q.group), q.far), 0, below)) continue;
+        if (!share.draws(mix_point(keys_.of(ask.eyes, q.eye, q.group), q.far), 0)) continue;
         number.push_back(i);
         drawn.push_back(q);
-        inverse_.push_back(inverse_share(below));
+        inverse_.push_back(share.inverse);
     }
     Counters counted;
     const Answer seen = exact_.pairs({ask.eyes, drawn}, counted);

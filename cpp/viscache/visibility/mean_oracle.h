@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "viscache/visibility/exact.h"
+#include "viscache/visibility/random_share.h"
 #include "viscache/visibility/voxel_rows.h"
 
 namespace viscache {
@@ -39,7 +40,6 @@ public:
     MeanOracle(const VoxelVisibility& map, const RayCaster& caster, float extent,
                const MeanSettings& settings);
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
     Answer pairs(const PairsAsk& ask, Counters& counters) override;
@@ -48,7 +48,6 @@ private:
     static constexpr size_t kPlanes = MeanSettings::kHalvings;
     bool traces_all() const { return share_ && *share_ >= 1; }
     Answer traced(Answer exact, uint64_t rays_before, Counters& counters) const;
-    uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
     void make_rows(const BlockAsk& ask);
     void draw_evenly(const BlockAsk& ask, uint32_t eye);
     void draw_by_contribution(const BlockAsk& ask, uint32_t eye);
@@ -58,7 +57,7 @@ private:
     std::optional<double> share_;
     /// Bounds of contributions. A connection below h of them is drawn with at most q = 2^−h.
     std::array<float, kPlanes> bands_below_;
-    uint64_t seed_, lasting_seed_;
+    EyeKeys keys_;
     bool weighted_;
     std::vector<float> weights_;  ///< means of the columns of each voxel; of pairs, corrected
     std::vector<float> inverse_;  ///< 1/q of each drawn query, in their order

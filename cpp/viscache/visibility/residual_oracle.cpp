@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "viscache/sampling/point_key.h"
 #include "viscache/visibility/local_samples.h"
 
 namespace viscache {
@@ -12,22 +11,15 @@ ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const Ra
                                const ResidualSettings& s)
     : inner_(std::move(inner)),
       exact_(caster, extent, order_of_share(s.share.value_or(0))),
-      share_(s.share),
+      has_share_(s.share.has_value()),
+      share_(s.share.value_or(ResidualSettings::kPlainShare)),
       octaves_(s.octaves),
-      seed_(s.seed),
-      lasting_seed_(s.lasting_seed),
-      weighted_(s.weighted),
-      threshold_(uint64_t(
-          std::clamp(std::floor(s.share.value_or(ResidualSettings::kPlainShare) * 0x1p32), 1.0, 0x1p32))),
-      inverse_share_(float(0x1p32 / double(threshold_))) {
+      keys_{s.seed, Purpose::kResidual, s.lasting_seed},
+      weighted_(s.weighted) {
+    wrap(*inner_);
+    wrap(exact_);
     for (size_t b = 0; b < bounds_.size(); ++b)
         bounds_[b] = float(std::ldexp(s.certain, int(kMostOctaves - kPlainOctave) - int(b)));
-}
-
-void ResidualOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    inner_->watch(control);
-    exact_.watch(control);
 }
 
 void ResidualOracle::begin_tile(const EyeBlock& eyes) {
@@ -35,23 +27,13 @@ void ResidualOracle::begin_tile(const EyeBlock& eyes) {
     exact_.begin_tile(eyes);
 }
 
-/// Random key of an eye point. It depends on its position, not on tiles or threads.
-uint64_t ResidualOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const {
-    Rng rng(seed_, Purpose::kResidual, uint64_t(group), 0);
-    return mix_point(rng.next_u32(), eyes.position[eye]);
-}
-
-bool ResidualOracle::is_drawn(uint64_t key, uint64_t number) const {
-    return (mix64(key + number * 0x9E3779B97F4A7C15ull) >> 32) < threshold_;
-}
-
 /// Draws queries of one eye point for a ray, all with the same probability.
 void ResidualOracle::draw_evenly(const BlockAsk& ask, uint32_t eye) {
-    const uint64_t key = eye_key(ask.eyes, eye, ask.lights.group);
+    const uint64_t key = keys_.of(ask.eyes, eye, ask.lights.group);
     for_each_bit(ask.wanted.row_span(eye), [&](size_t k) {
-        if (!is_drawn(key, k)) return;
+        if (!share_.draws(key, k)) return;
         drawn_.set(eye, k);
-        drawn_as_.push_back({inverse_share_, 0});
+        drawn_as_.push_back({share_.inverse, 0});
     });
 }
 
@@ -78,14 +60,6 @@ void ResidualOracle::draw_by_contribution(const BlockAsk& ask, const Answer& inn
     ask.contributions->at_most(eye, std::span(bounds).subspan(highest),
                                std::span(below_bound).subspan(highest));
 
-    // Masks of frames that go on from each other are keyed by place and run of samples, others by the point
-    const bool lasts = !ask.eyes.place.empty();
-    const uint32_t turn = lasts ? ask.eyes.turn[eye] : 0;
-    uint64_t key = eye_key(ask.eyes, eye, int(group));
-    if (lasts)
-        key = Rng(lasting_seed_, Purpose::kResidual, ask.eyes.place[eye], turn >> kMostHalvings).next_u64();
-    key ^= mix64(group);
-
     kernels_.differs(wanted, visible, differs_.row(0), words);
     DrawRow row{.words = words,
                 .wanted = wanted,
@@ -93,8 +67,8 @@ void ResidualOracle::draw_by_contribution(const BlockAsk& ask, const Answer& inn
                 .doubts = inner.doubts ? inner.doubts->row(eye) : none_.row(0),
                 .differs = differs_.row(0),
                 .octaves = &octaves,
-                .key = key,
-                .turn = turn};
+                .key = keys_.of_turns(ask.eyes, eye, int(group), kMostHalvings),
+                .turn = ask.eyes.place.empty() ? 0 : ask.eyes.turn[eye]};
     std::ranges::copy(below_bound, row.below_bound.begin());
     std::array<uint64_t, kAnswerClasses> queries{};
     kernels_.draw(row, drawn_.row(eye), halved_.row(0), queries.data());
@@ -118,7 +92,7 @@ Answer ResidualOracle::block(const BlockAsk& ask, Counters& counters) {
         return answer;
     }
     // Draw the queries whose rays are traced
-    const bool by_contribution = !share_ && ask.contributions;
+    const bool by_contribution = !has_share_ && ask.contributions;
     drawn_.reset(rows, columns);
     drawn_as_.clear();
     if (by_contribution) {
@@ -145,7 +119,7 @@ void ResidualOracle::correct(const BlockAsk& ask, const BitMatrix& seen, bool by
                              Counters& counters) {
     BitMatrix& visible = *answer.bits;
     // If every answer is replaced by the truth, none has a weight
-    if (!by_contribution && inverse_share_ == 1) answer.weights = {};
+    if (!by_contribution && share_.inverse == 1) answer.weights = {};
     corrections_.clear();
     correction_begin_.assign(1, 0);
     size_t number = 0;
@@ -191,7 +165,7 @@ Answer ResidualOracle::pairs(const PairsAsk& ask, Counters& counters) {
             ++counters.exact_queries;
             continue;
         }
-        if (!is_drawn(mix_point(eye_key(ask.eyes, q.eye, q.group), q.far), 0)) continue;
+        if (!share_.draws(mix_point(keys_.of(ask.eyes, q.eye, q.group), q.far), 0)) continue;
         number.push_back(i);
         drawn.push_back(q);
     }
@@ -210,10 +184,10 @@ Answer ResidualOracle::pairs(const PairsAsk& ask, Counters& counters) {
         counters.wrong += said != truth;
         const float value = said ? weights_[i] : 0.f;
         // At q = 1 this is the true visibility without rounding
-        const float weight = inverse_share_ == 1
+        const float weight = share_.inverse == 1
                                  ? float(truth)
-                                 : value + (float(truth) - value) * (weighted_ ? inverse_share_ : 1.f);
-        if (said != truth || value != 1) corrections_.push_back({i, weight - value, 1 / inverse_share_});
+                                 : value + (float(truth) - value) * (weighted_ ? share_.inverse : 1.f);
+        if (said != truth || value != 1) corrections_.push_back({i, weight - value, 1 / share_.inverse});
         weights_[i] = weight;
         weight == 0 ? clear_bit(answer.bits->row(0), i) : set_bit(answer.bits->row(0), i);
     }

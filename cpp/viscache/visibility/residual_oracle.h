@@ -12,8 +12,7 @@
 // bring. Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
 //
 // How a query gets its q (draw_by_contribution). Bounds fall by halves, and each has a mask of random bits
-// that clears every second query below it. A query below h bounds must pass h masks, so it is drawn with q =
-// 2^−h:
+// that clears half of the queries below it. A query below h bounds must pass h masks, so its q is 2^−h:
 //
 //     contribution     large ◄───────────────────────► small
 //     bounds                  B0      B1      B2      B3
@@ -36,6 +35,7 @@
 
 #include "viscache/visibility/draw_kernels.h"
 #include "viscache/visibility/exact.h"
+#include "viscache/visibility/random_share.h"
 
 namespace viscache {
 
@@ -76,7 +76,6 @@ public:
 
     VisibilityOracle& inner() { return *inner_; }
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
     PairOrder order(const EyeBlock& eyes, std::optional<int> group) override {
         return inner_->order(eyes, group);
@@ -91,8 +90,6 @@ private:
         float inverse_share;
         uint8_t answer_class;
     };
-    bool is_drawn(uint64_t key, uint64_t number) const;
-    uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
     void draw_evenly(const BlockAsk& ask, uint32_t eye);
     void draw_by_contribution(const BlockAsk& ask, const Answer& inner, uint32_t eye, Counters& counters);
     void correct(const BlockAsk& ask, const BitMatrix& seen, bool by_contribution, Answer& answer,
@@ -100,15 +97,14 @@ private:
 
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
-    std::optional<double> share_;
+    bool has_share_;
+    RandomShare share_;  ///< of all queries, or of those without known contributions
     /// Bounds of contributions, falling by halves. A class of octave o counts the kHalvings bounds from
     /// number kMostOctaves − o on.
     std::array<float, kBounds> bounds_;
     ClassOctaves octaves_;
-    uint64_t seed_, lasting_seed_;
+    EyeKeys keys_;
     bool weighted_;
-    uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
-    float inverse_share_;
     const DrawKernels& kernels_ = draw_kernels(active_isa());
     // For `block`
     BitMatrix drawn_;

@@ -1,21 +1,8 @@
 #include "viscache/visibility/roulette_oracle.h"
 
-#include "viscache/sampling/point_key.h"
-
 namespace viscache {
 
 namespace {
-
-/// q as a threshold for 32 random bits, and the inverse of the resulting probability.
-struct Chance {
-    uint32_t threshold;
-    float weight;
-    explicit Chance(double q) {
-        const double steps = std::clamp(std::floor(q * 0x1p32), 1.0, 0x1p32);
-        threshold = uint32_t(steps - 1);
-        weight = float(0x1p32 / steps);
-    }
-};
 
 /// 32 random bits of one connection, from the key of the eye point and the index of the far end.
 inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
@@ -29,11 +16,6 @@ inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
 }
 
 }  // namespace
-
-void LearningOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_.watch(control);
-}
 
 Answer LearningOracle::block(const BlockAsk& ask, Counters& counters) {
     const Answer answer = exact_.block(ask, counters);
@@ -59,26 +41,15 @@ Answer LearningOracle::pairs(const PairsAsk& ask, Counters& counters) {
     return answer;
 }
 
-void RouletteOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_.watch(control);
-}
-
-/// Random key of an eye point. It depends on its position, not on tiles or threads.
-uint64_t RouletteOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const {
-    Rng rng(seed_, Purpose::kRoulette, uint64_t(group), 0);
-    return mix_point(rng.next_u32(), eyes.position[eye]);
-}
-
 /// Computes the probabilities of all columns for every voxel with eye points.
 void RouletteOracle::make_rows(const BlockAsk& ask) {
     thresholds_.clear();
     weights_.clear();
     voxels_.make(ask, [&](uint32_t voxel, std::span<const uint32_t> far) {
         for (const uint32_t cell : far) {
-            const Chance chance(map_.probability(voxel, cell));
-            thresholds_.push_back(chance.threshold);
-            weights_.push_back(chance.weight);
+            const RandomShare share(map_.probability(voxel, cell));
+            thresholds_.push_back(uint32_t(share.threshold - 1));
+            weights_.push_back(share.inverse);
         }
         thresholds_.resize((thresholds_.size() + kWordBits - 1) / kWordBits * kWordBits);
     });
@@ -86,7 +57,7 @@ void RouletteOracle::make_rows(const BlockAsk& ask) {
 
 /// Draws the wanted columns of one eye point that are traced.
 void RouletteOracle::draw_row(const BlockAsk& ask, size_t eye, Word* drawn) const {
-    const uint64_t key = eye_key(ask.eyes, eye, ask.lights.group);
+    const uint64_t key = keys_.of(ask.eyes, eye, ask.lights.group);
     const uint32_t low = uint32_t(key), high = uint32_t(key >> 32);
     const size_t words = words_for(ask.lights.count);
     const Word* wanted = ask.wanted.row(eye);
@@ -127,11 +98,11 @@ Answer RouletteOracle::pairs(const PairsAsk& ask, Counters& counters) {
     traced_.clear();
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        const Chance chance(
+        const RandomShare share(
             map_.probability(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far)));
-        const uint64_t key = mix_point(eye_key(ask.eyes, q.eye, q.group), q.far);
-        weights_.push_back(chance.weight);
-        if (random_bits(uint32_t(key), uint32_t(key >> 32), 0) <= chance.threshold) {
+        const uint64_t key = mix_point(keys_.of(ask.eyes, q.eye, q.group), q.far);
+        weights_.push_back(share.inverse);
+        if (random_bits(uint32_t(key), uint32_t(key >> 32), 0) < share.threshold) {
             number_.push_back(uint32_t(i));
             traced_.push_back(q);
         } else {

@@ -7,6 +7,7 @@
 
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/kept_voxels.h"
+#include "viscache/visibility/random_share.h"
 #include "viscache/visibility/voxel_rows.h"
 
 namespace viscache {
@@ -17,9 +18,10 @@ public:
     /// `map` must outlive the oracle and may be shared by several. `journal`: records what was added.
     LearningOracle(VoxelVisibility& map, const RayCaster& caster, float extent,
                    VoxelJournal::Entries* journal = nullptr)
-        : map_(map), exact_(caster, extent), journal_(journal) {}
+        : map_(map), exact_(caster, extent), journal_(journal) {
+        wrap(exact_);
+    }
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
     Answer pairs(const PairsAsk& ask, Counters& counters) override;
@@ -43,9 +45,14 @@ public:
     /// This is biased on purpose, for tests that must detect it.
     RouletteOracle(const VoxelVisibility& map, const RayCaster& caster, float extent, uint64_t seed,
                    bool weighted = true)
-        : map_(map), exact_(caster, extent), seed_(seed), weighted_(weighted), voxels_(map) {}
+        : map_(map),
+          exact_(caster, extent),
+          keys_{seed, Purpose::kRoulette},
+          weighted_(weighted),
+          voxels_(map) {
+        wrap(exact_);
+    }
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
     Answer pairs(const PairsAsk& ask, Counters& counters) override;
@@ -53,14 +60,13 @@ public:
 private:
     void make_rows(const BlockAsk& ask);
     void draw_row(const BlockAsk& ask, size_t eye, Word* drawn) const;
-    uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
     std::span<const float> weights() const {
         return weighted_ ? std::span<const float>(weights_) : std::span<const float>();
     }
 
     const VoxelVisibility& map_;
     ExactOracle exact_;
-    uint64_t seed_;
+    EyeKeys keys_;
     bool weighted_;
     std::vector<float> weights_;  ///< 1/q of the columns of each voxel, or of pairs
     // For `block`. A column is traced if 32 random bits are at most its threshold

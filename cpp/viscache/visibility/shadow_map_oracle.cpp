@@ -22,11 +22,6 @@ Receivers16 receivers_of(const EyeBlock& eyes, size_t first) {
 
 }  // namespace
 
-void ShadowMapOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_.watch(control);
-}
-
 Answer ShadowMapOracle::block(const BlockAsk& ask, Counters& counters) {
     const BitMatrix& wanted = ask.wanted;
     const uint64_t queries = count_bits(wanted);

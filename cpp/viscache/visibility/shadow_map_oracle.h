@@ -12,9 +12,10 @@ class ShadowMapOracle final : public VisibilityOracle {
 public:
     /// `maps` must outlive the oracle and may be shared by several.
     ShadowMapOracle(const ShadowMaps& maps, const RayCaster& caster, float extent)
-        : maps_(maps), exact_(caster, extent) {}
+        : maps_(maps), exact_(caster, extent) {
+        wrap(exact_);
+    }
 
-    void watch(const Control& control) override;
     Answer block(const BlockAsk& ask, Counters& counters) override;
     Answer pairs(const PairsAsk& ask, Counters& counters) override;
 

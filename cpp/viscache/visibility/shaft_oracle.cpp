@@ -75,11 +75,6 @@ ShaftTotals::Sums ShaftTotals::sums() const {
     return sums_;
 }
 
-void ShaftOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_->watch(control);
-}
-
 void ShaftOracle::begin_tile(const EyeBlock& eyes) {
     exact_->begin_tile(eyes);
     is_prepared_ = false;

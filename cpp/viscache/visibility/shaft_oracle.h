@@ -48,9 +48,10 @@ public:
           extent_(extent),
           exact_(std::move(exact)),
           options_(options),
-          totals_(totals) {}
+          totals_(totals) {
+        wrap(*exact_);
+    }
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
     Answer block(const BlockAsk& ask, Counters& counters) override;
     Answer pairs(const PairsAsk& ask, Counters& counters) override {
