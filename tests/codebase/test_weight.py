@@ -6,7 +6,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_210,
+    "library, lines": 79_220,
     "python, lines": 32_900,
     "lab, lines": 21_200,
     "tests, lines": 62_150,

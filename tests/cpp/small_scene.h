@@ -1,7 +1,7 @@
 #pragma once
 // A scene of a few triangles with lights, for tests of whole frames.
+#include "viscache/casters/bsp_caster.h"
 #include "viscache/scene/scene.h"
-#include "viscache/visibility/bsp_caster.h"
 
 namespace viscache::test {
 

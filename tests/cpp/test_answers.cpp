@@ -5,11 +5,11 @@
 #include "check.h"
 #include "small_scene.h"
 #include "viscache/aqvc/aqvc_source.h"
-#include "viscache/visibility/exact_source.h"
+#include "viscache/oracles/exact_source.h"
+#include "viscache/oracles/residual_source.h"
+#include "viscache/oracles/roulette_oracle.h"
+#include "viscache/oracles/unoccluded_source.h"
 #include "viscache/visibility/local_samples.h"
-#include "viscache/visibility/residual_source.h"
-#include "viscache/visibility/roulette_oracle.h"
-#include "viscache/visibility/unoccluded_source.h"
 
 namespace viscache::test::answers_tests {
 namespace {

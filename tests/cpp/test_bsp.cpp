@@ -3,7 +3,7 @@
 #include <random>
 
 #include "check.h"
-#include "viscache/visibility/bsp_caster.h"
+#include "viscache/casters/bsp_caster.h"
 
 namespace viscache::test::bsp_tests {
 namespace {

@@ -1,10 +1,10 @@
-// scene/decoders.h: every format from hand-made files, and thousands of damaged ones, for the sanitizers.
-#include "viscache/scene/decoders.h"
+// formats/decoders.h: every format from hand-made files, and thousands of damaged ones, for the sanitizers.
+#include "viscache/formats/decoders.h"
 
 #include <random>
 
 #include "check.h"
-#include "viscache/scene/decode_image.h"
+#include "viscache/formats/decode_image.h"
 
 namespace viscache::test::decoders_tests {
 namespace {

@@ -7,12 +7,12 @@
 #include <set>
 
 #include "check.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/casters/embree_caster.h"
+#include "viscache/shafts/shaft_kernels.h"
+#include "viscache/shafts/shaft_scene.h"
 #include "viscache/visibility/point_order.h"
 #include "viscache/visibility/segment_packets.h"
 #include "viscache/visibility/shadow_ray.h"
-#include "viscache/visibility/shaft_kernels.h"
-#include "viscache/visibility/shaft_scene.h"
 
 namespace viscache::test::shafts_tests {
 namespace {

@@ -7,13 +7,13 @@
 #include "check.h"
 #include "small_scene.h"
 #include "viscache/aqvc/aqvc_source.h"
+#include "viscache/oracles/exact_source.h"
+#include "viscache/oracles/residual_source.h"
+#include "viscache/oracles/roulette_source.h"
+#include "viscache/oracles/shadow_map_source.h"
 #include "viscache/render/frame.h"
 #include "viscache/render/taps.h"
 #include "viscache/visibility/ask.h"
-#include "viscache/visibility/exact_source.h"
-#include "viscache/visibility/residual_source.h"
-#include "viscache/visibility/roulette_source.h"
-#include "viscache/visibility/shadow_map_source.h"
 
 namespace viscache::test::sources_tests {
 namespace {

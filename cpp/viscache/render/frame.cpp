@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "viscache/math/wall_clock.h"
+#include "viscache/oracles/exact_source.h"
 #include "viscache/render/audit_pixels.h"
 #include "viscache/render/estimators.h"
 #include "viscache/render/frame_start.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/exact_source.h"
 
 namespace viscache {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 
 namespace viscache {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "viscache/oracles/exact.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/light_pick.h"
 #include "viscache/render/mean_light.h"
-#include "viscache/visibility/exact.h"
 #include "viscache/visibility/reference_light.h"
 
 namespace viscache {

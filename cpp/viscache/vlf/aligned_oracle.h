@@ -1,6 +1,6 @@
 #pragma once
 // Exact visibility that may trace shared directions with the aligned batch.
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/vlf/direction_block.h"
 
 namespace viscache {
