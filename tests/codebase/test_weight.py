@@ -6,7 +6,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_220,
+    "library, lines": 79_290,
     "python, lines": 32_900,
     "lab, lines": 21_200,
     "tests, lines": 62_150,
@@ -19,7 +19,7 @@ LIMITS = {
     "settings fields": 135,
     "virtuals of VisibilityOracle": 6,
     "overrides of them": 48,
-    "long functions": 7,
+    "long functions": 2,
     "README, words": 920,
     "performance, words": 38_100,
     "reference, words": 19_100,

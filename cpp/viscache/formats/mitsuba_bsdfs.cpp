@@ -50,7 +50,8 @@ double MitsubaReader::ior(Node owner, const char* name, double fallback) {
 }
 
 /// plastic, roughplastic: a diffuse base under a dielectric coating.
-Material MitsubaReader::plastic(Node node, bool rough) {
+Material MitsubaReader::plastic(Node node, int /*depth*/) {
+    const bool rough = type_of(node) == "roughplastic";
     Material m;
     m.kind = MaterialKind::kGlossy;
     m.coat = rough ? CoatKind::kRough : CoatKind::kSmooth;
@@ -72,8 +73,10 @@ void MitsubaReader::set_roughness(Material& m, Node node) {
     m.roughness = alpha.image >= 0 ? clamp_roughness(luminance(alpha.color)) : roughness(node, 0.1);
 }
 
-Material MitsubaReader::conductor(Node node, bool rough) {
+Material MitsubaReader::conductor(Node node, int /*depth*/) {
+    const bool rough = type_of(node) == "roughconductor";
     Material m;
+    m.two_sided = false;
     m.beckmann = rough && is_beckmann(node);
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
@@ -93,17 +96,20 @@ Material MitsubaReader::conductor(Node node, bool rough) {
     return m;
 }
 
-Material MitsubaReader::dielectric(Node node) {
+Material MitsubaReader::dielectric(Node node, int /*depth*/) {
+    const std::string type = type_of(node);
     Material m;
     m.kind = MaterialKind::kDielectric;
+    m.thin = type == "thindielectric";
     m.eta = float(ior(node, "int_ior", 1.5046) / ior(node, "ext_ior", 1.000277));
     for (const char* name : {"specular_reflectance", "specular_transmittance"})
         if (const Node given = property(node, name); given && !(color(node, name, {1, 1, 1}) == Rgb{1, 1, 1}))
             warn_at(given, "a factor of what glass reflects or transmits is not modelled; 1 is used");
+    if (type == "roughdielectric") warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
     return m;
 }
 
-Material MitsubaReader::principled(Node node) {
+Material MitsubaReader::principled(Node node, int /*depth*/) {
     Material m;
     m.kind = MaterialKind::kGlossy;
     const ColorTexture base = color_texture(node, "base_color", kGrey);
@@ -141,54 +147,68 @@ Material MitsubaReader::mask(Node node, int depth) {
     return m;
 }
 
-Material MitsubaReader::bsdf(Node node, int depth) {
-    if (depth > kMaxDepth) fail_at(node, "bsdfs are nested too deeply, or refer to themselves");
+Material MitsubaReader::two_sided(Node node, int depth) {
+    Material m = nested(node, depth);
+    m.two_sided = true;
+    const auto inside = [](Node c) { return is_bsdf(c) || std::string_view(c.name()) == "ref"; };
+    if (std::count_if(node.children().begin(), node.children().end(), inside) > 1)
+        warn_at(node, "a bsdf of its own for the back is not modelled; the first is used for both sides");
+    return m;
+}
+
+Material MitsubaReader::diffuse(Node node, int /*depth*/) {
     const std::string type = type_of(node);
     Material m;
-    m.two_sided = false;
-    if (type == "twosided") {
-        m = nested(node, depth);
-        m.two_sided = true;
-        const auto inside = [](Node c) { return is_bsdf(c) || std::string_view(c.name()) == "ref"; };
-        if (std::count_if(node.children().begin(), node.children().end(), inside) > 1)
-            warn_at(node, "a bsdf of its own for the back is not modelled; the first is used for both sides");
-    } else if (type == "mask") {
-        m = mask(node, depth);
-    } else if (type == "diffuse" || type == "lambertian" || type == "roughdiffuse" || type == "difftrans") {
-        set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey));
-        if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
-        if (type == "difftrans") {
-            m.two_sided = true;
-            warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
-        }
-    } else if (type == "plastic" || type == "roughplastic") {
-        m = plastic(node, type == "roughplastic");
-    } else if (type == "phong" || type == "ward") {
-        m.kind = MaterialKind::kGlossy;
-        set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
-        m.specular = clamp01(color(node, "specular_reflectance", {.2f, .2f, .2f}));
-        const double exponent = std::max(0.0, number(node, "exponent", 30));
-        m.roughness =
-            type == "phong" ? clamp_roughness(float(std::sqrt(2 / (exponent + 2)))) : roughness(node, 0.1);
-    } else if (type == "conductor" || type == "roughconductor") {
-        m = conductor(node, type == "roughconductor");
-        m.two_sided = false;
-    } else if (type == "dielectric" || type == "roughdielectric" || type == "thindielectric") {
-        m = dielectric(node);
-        if (type == "roughdielectric")
-            warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
-        m.thin = type == "thindielectric";
-    } else if (type == "principled" || type == "principledthin") {
-        m = principled(node);
-    } else if (type == "bumpmap" || type == "normalmap" || type == "coating" || type == "roughcoating" ||
-               type == "mixturebsdf" || type == "blendbsdf") {
-        warn_at(node, "'" + type + "' is not modelled; the first bsdf inside is used");
-        m = nested(node, depth);
-    } else {
-        warn_at(node, "bsdf '" + type + "' is not modelled; grey diffuse is used");
-        m.two_sided = true;
-    }
+    m.two_sided = type == "difftrans";
+    set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey));
+    if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
+    if (type == "difftrans") warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
     return m;
+}
+
+/// phong, ward: a lobe beside a diffuse base.
+Material MitsubaReader::phong(Node node, int /*depth*/) {
+    Material m;
+    m.two_sided = false;
+    m.kind = MaterialKind::kGlossy;
+    set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
+    m.specular = clamp01(color(node, "specular_reflectance", {.2f, .2f, .2f}));
+    const double exponent = std::max(0.0, number(node, "exponent", 30));
+    m.roughness = type_of(node) == "phong" ? clamp_roughness(float(std::sqrt(2 / (exponent + 2))))
+                                           : roughness(node, 0.1);
+    return m;
+}
+
+/// Of layers and mixtures, which are not modelled, the first part.
+Material MitsubaReader::first_inside(Node node, int depth) {
+    warn_at(node, "'" + type_of(node) + "' is not modelled; the first bsdf inside is used");
+    return nested(node, depth);
+}
+
+Material MitsubaReader::bsdf(Node node, int depth) {
+    using Reader = MitsubaReader;
+    // clang-format off
+    static constexpr std::pair<std::string_view, ReadBsdf Reader::*> kTypes[] = {
+        {"twosided", &Reader::two_sided}, {"mask", &Reader::mask},
+        {"diffuse", &Reader::diffuse}, {"lambertian", &Reader::diffuse},
+        {"roughdiffuse", &Reader::diffuse}, {"difftrans", &Reader::diffuse},
+        {"plastic", &Reader::plastic}, {"roughplastic", &Reader::plastic},
+        {"phong", &Reader::phong}, {"ward", &Reader::phong},
+        {"conductor", &Reader::conductor}, {"roughconductor", &Reader::conductor},
+        {"dielectric", &Reader::dielectric}, {"roughdielectric", &Reader::dielectric},
+        {"thindielectric", &Reader::dielectric},
+        {"principled", &Reader::principled}, {"principledthin", &Reader::principled},
+        {"bumpmap", &Reader::first_inside}, {"normalmap", &Reader::first_inside},
+        {"coating", &Reader::first_inside}, {"roughcoating", &Reader::first_inside},
+        {"mixturebsdf", &Reader::first_inside}, {"blendbsdf", &Reader::first_inside},
+    };
+    // clang-format on
+    if (depth > kMaxDepth) fail_at(node, "bsdfs are nested too deeply, or refer to themselves");
+    const std::string type = type_of(node);
+    for (const auto& [name, read] : kTypes)
+        if (name == type) return (this->*read)(node, depth);
+    warn_at(node, "bsdf '" + type + "' is not modelled; grey diffuse is used");
+    return {};
 }
 
 int MitsubaReader::material(Node node) {

@@ -86,11 +86,9 @@ private:
     Material bsdf(Node node, int depth);
     Material nested(Node node, int depth);
     bool is_beckmann(Node node);
-    Material plastic(Node node, bool rough);
-    Material conductor(Node node, bool rough);
-    Material dielectric(Node node);
-    Material principled(Node node);
-    Material mask(Node node, int depth);
+    /// Types of bsdfs. `depth`: so many bsdfs stand around the node.
+    using ReadBsdf = Material(Node node, int depth);
+    ReadBsdf two_sided, mask, diffuse, plastic, phong, conductor, dielectric, principled, first_inside;
     float roughness(Node node, double fallback);
     double ior(Node owner, const char* name, double fallback);
     void set_base(Material& m, const ColorTexture& base);
