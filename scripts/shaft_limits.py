@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Limits of shafts against packets: scripts/shaft_limits.py [-o FILE] [--again FILE]
 Measures both engines in the scenes of `viscache bench aligned`, and replays the choice of
-visibility/shaft_choice.h for several limits, on the scenes that chose them and on the others."""
+shafts/shaft_choice.h for several limits, on the scenes that chose them and on the others."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 // Our own single-ray tracers: the BSP, and the watertight one over boxes of Embree.
 #include "bind_rows.h"
 #include "caster_queries.h"
-#include "viscache/visibility/bsp_caster.h"
-#include "viscache/visibility/watertight_caster.h"
+#include "viscache/casters/bsp_caster.h"
+#include "viscache/casters/watertight_caster.h"
 
 namespace viscache::bindings {
 

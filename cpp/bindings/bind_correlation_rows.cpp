@@ -7,10 +7,10 @@
 #include "real_numbers.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
+#include "viscache/oracles/visibility_rows.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/point_rows.h"
 #include "viscache/visibility/ray_caster.h"
-#include "viscache/visibility/visibility_rows.h"
 #include "viscache/vlf/aligned_rows.h"
 
 namespace viscache::bindings {

@@ -108,128 +108,100 @@ void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     image.bytes.clear();
 }
 
-}  // namespace
+void bind_meshes(py::class_<SceneDescription>& d) {
+    d.def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+          py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
+          py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
+          py::arg("in_world") = true, py::arg("name") = "", py::arg("emission_texture") = -1,
+          "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
+          "2),\n"
+          "emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.\n"
+          "Returns its index.");
+}
 
-void bind_description(py::module_& m) {
-    py::register_exception<SceneError>(m, "SceneError", PyExc_ValueError);
+void bind_materials(py::class_<SceneDescription>& d) {
+    d.def(
+        "add_material",
+        [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
+           float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff, CoatKind coat,
+           bool nonlinear, bool thin, float opacity, float metallic, int metallic_roughness_texture,
+           int roughness_texture, Float3 metal_eta, Float3 metal_k, bool beckmann) {
+            d.materials.push_back({kind,
+                                   vec3(base_color),
+                                   vec3(specular),
+                                   roughness,
+                                   eta,
+                                   two_sided,
+                                   base_texture,
+                                   alpha_texture,
+                                   alpha_cutoff,
+                                   coat,
+                                   nonlinear,
+                                   thin,
+                                   opacity,
+                                   metallic,
+                                   metallic_roughness_texture,
+                                   roughness_texture,
+                                   {vec3(metal_eta), vec3(metal_k)},
+                                   beckmann});
+            return int(d.materials.size()) - 1;
+        },
+        py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
+        py::arg("base_color") = Float3{.5f, .5f, .5f}, py::arg("specular") = Float3{1, 1, 1},
+        py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
+        py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
+        py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
+        py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
+        py::arg("roughness_texture") = -1, py::arg("metal_eta") = Float3{0, 0, 0},
+        py::arg("metal_k") = Float3{0, 0, 0}, py::arg("beckmann") = false,
+        "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
+        "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
+        "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
+        "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
+        "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
+        "the rest are small holes in a fixed pattern. A negative alpha_cutoff takes alpha_texture for\n"
+        "such shares too. A glossy material without a coat can be metallic\n"
+        "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have "
+        "an\n"
+        "image: the green channel of metallic_roughness_texture multiplies the root of roughness and "
+        "the\n"
+        "blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.\n"
+        "A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index\n"
+        "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
+        "0:\n"
+        "its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with\n"
+        "beckmann=True; those of a rough coat are named by its kind.");
+}
 
-    py::native_enum<MaterialKind>(m, "MaterialKind", "enum.Enum", "Kinds of materials.")
-        .value("DIFFUSE", MaterialKind::kDiffuse)
-        .value("GLOSSY", MaterialKind::kGlossy)
-        .value("MIRROR", MaterialKind::kMirror)
-        .value("DIELECTRIC", MaterialKind::kDielectric)
-        .finalize();
+void bind_instances(py::class_<SceneDescription>& d) {
+    d.def(
+        "add_instance",
+        [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
+            d.instances.push_back({std::move(meshes), relative(d, affine_from(to_world))});
+            return int(d.instances.size()) - 1;
+        },
+        py::arg("meshes"), py::arg("to_world"),
+        "Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; "
+        "returns\n"
+        "its index.");
+}
 
-    py::native_enum<CoatKind>(m, "CoatKind", "enum.Enum", "Layers over a glossy material.")
-        .value("NONE", CoatKind::kNone)
-        .value("SMOOTH", CoatKind::kSmooth)
-        .value("ROUGH", CoatKind::kRough)
-        .value("BECKMANN", CoatKind::kBeckmann)
-        .finalize();
-
-    py::class_<SceneDescription>(
-        m, "SceneDescription",
-        "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
-        "Vectors are three numbers, lengths are in scene units, light is in linear RGB. Positions and\n"
-        "transforms are given in the world. `origin` is subtracted from them in double precision, before\n"
-        "they become floats: scenes far from the origin keep their digits.")
-        .def(py::init([](Point origin) {
-                 if (!std::isfinite(origin[0] + origin[1] + origin[2]))
-                     throw py::value_error("origin must be finite");
-                 SceneDescription d;
-                 d.origin = origin;
-                 return d;
-             }),
-             py::arg("origin") = Point{})
-        .def_readonly("origin", &SceneDescription::origin, "The point of the world at (0, 0, 0).")
-        .def_readwrite("name", &SceneDescription::name, "Name that is shown with the scene.")
-        .def(
-            "add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
-            py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
-            py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
-            py::arg("in_world") = true, py::arg("name") = "", py::arg("emission_texture") = -1,
-            "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
-            "2),\n"
-            "emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.\n"
-            "Returns its index.")
-        .def(
-            "add_material",
-            [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
-               float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff,
-               CoatKind coat, bool nonlinear, bool thin, float opacity, float metallic,
-               int metallic_roughness_texture, int roughness_texture, Float3 metal_eta, Float3 metal_k,
-               bool beckmann) {
-                // In the order of the struct's members
-                d.materials.push_back({kind,
-                                       vec3(base_color),
-                                       vec3(specular),
-                                       roughness,
-                                       eta,
-                                       two_sided,
-                                       base_texture,
-                                       alpha_texture,
-                                       alpha_cutoff,
-                                       coat,
-                                       nonlinear,
-                                       thin,
-                                       opacity,
-                                       metallic,
-                                       metallic_roughness_texture,
-                                       roughness_texture,
-                                       {vec3(metal_eta), vec3(metal_k)},
-                                       beckmann});
-                return int(d.materials.size()) - 1;
-            },
-            py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
-            py::arg("base_color") = Float3{.5f, .5f, .5f}, py::arg("specular") = Float3{1, 1, 1},
-            py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
-            py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
-            py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
-            py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
-            py::arg("roughness_texture") = -1, py::arg("metal_eta") = Float3{0, 0, 0},
-            py::arg("metal_k") = Float3{0, 0, 0}, py::arg("beckmann") = false,
-            "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
-            "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
-            "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
-            "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
-            "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
-            "the rest are small holes in a fixed pattern. A negative alpha_cutoff takes alpha_texture for\n"
-            "such shares too. A glossy material without a coat can be metallic\n"
-            "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have "
-            "an\n"
-            "image: the green channel of metallic_roughness_texture multiplies the root of roughness and "
-            "the\n"
-            "blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.\n"
-            "A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index\n"
-            "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
-            "0:\n"
-            "its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with\n"
-            "beckmann=True; those of a rough coat are named by its kind.")
-        .def(
-            "add_instance",
-            [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
-                d.instances.push_back({std::move(meshes), relative(d, affine_from(to_world))});
-                return int(d.instances.size()) - 1;
-            },
-            py::arg("meshes"), py::arg("to_world"),
-            "Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; "
-            "returns\n"
-            "its index.")
-        .def(
-            "add_point_light",
-            [](SceneDescription& d, Point position, Float3 intensity, const std::optional<Float3>& axis,
-               std::array<float, 2> cone_deg, const std::string& falloff) {
-                d.point_lights.push_back({relative(d, position), vec3(intensity),
-                                          axis ? cone_from(*axis, cone_deg, falloff) : SpotCone{}});
-            },
-            py::arg("position"), py::arg("intensity"), py::kw_only(), py::arg("axis") = py::none(),
-            py::arg("cone_deg") = std::array<float, 2>{30, 40}, py::arg("falloff") = "smooth",
-            "Add a point light; intensity in W/sr. With an `axis` it is a spot light: the whole intensity "
-            "within\n"
-            "the first angle of `cone_deg`, none beyond the second (in degrees from the axis). Between "
-            "them,\n"
-            "`falloff` is t (\"angle\", t linear in the angle), or t² (\"quadratic\"), t⁴ (\"quartic\") or\n"
-            "t²(3 - 2t) (\"smooth\") with t linear in the cosine.")
+void bind_lights(py::class_<SceneDescription>& d) {
+    d.def(
+         "add_point_light",
+         [](SceneDescription& d, Point position, Float3 intensity, const std::optional<Float3>& axis,
+            std::array<float, 2> cone_deg, const std::string& falloff) {
+             d.point_lights.push_back({relative(d, position), vec3(intensity),
+                                       axis ? cone_from(*axis, cone_deg, falloff) : SpotCone{}});
+         },
+         py::arg("position"), py::arg("intensity"), py::kw_only(), py::arg("axis") = py::none(),
+         py::arg("cone_deg") = std::array<float, 2>{30, 40}, py::arg("falloff") = "smooth",
+         "Add a point light; intensity in W/sr. With an `axis` it is a spot light: the whole intensity "
+         "within\n"
+         "the first angle of `cone_deg`, none beyond the second (in degrees from the axis). Between "
+         "them,\n"
+         "`falloff` is t (\"angle\", t linear in the angle), or t² (\"quadratic\"), t⁴ (\"quartic\") or\n"
+         "t²(3 - 2t) (\"smooth\") with t linear in the cosine.")
         .def(
             "add_point_lights",
             [](SceneDescription& d, const DoubleArray& positions, const FloatArray& intensities) {
@@ -255,12 +227,15 @@ void bind_description(py::module_& m) {
                 d.sphere_lights.push_back({relative(d, center), radius, vec3(radiance)});
             },
             py::arg("center"), py::arg("radius"), py::arg("radiance"),
-            "Add a sphere that emits; radiance in W/(m²·sr).")
-        .def("add_image", &add_image, py::arg("pixels"), py::kw_only(), py::arg("nearest") = false,
-             py::arg("wrap") = py::make_tuple("repeat", "repeat"),
-             "Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard "
-             "edges.\n"
-             "`wrap` is what it shows beyond its borders along u and v: \"repeat\", \"mirror\" or \"clamp\".")
+            "Add a sphere that emits; radiance in W/(m²·sr).");
+}
+
+void bind_images(py::class_<SceneDescription>& d) {
+    d.def("add_image", &add_image, py::arg("pixels"), py::kw_only(), py::arg("nearest") = false,
+          py::arg("wrap") = py::make_tuple("repeat", "repeat"),
+          "Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard "
+          "edges.\n"
+          "`wrap` is what it shows beyond its borders along u and v: \"repeat\", \"mirror\" or \"clamp\".")
         .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
              "Set the pixels of a pending image.")
         .def_property_readonly(
@@ -277,16 +252,19 @@ void bind_description(py::module_& m) {
                         py::arg("channels") = i.channels, py::arg("bits") = i.bytes.empty() ? 32 : 8));
                 return out;
             },
-            "Path, place, size and bits per value of every image; width 0 = still to be decoded.")
-        .def(
-            "set_environment",
-            [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {
-                d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
-            },
-            py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1,
-            py::arg("to_world") = py::none(),
-            "Light from infinity: constant radiance in W/(m²·sr), or a lat-long image (an index) times "
-            "scale.")
+            "Path, place, size and bits per value of every image; width 0 = still to be decoded.");
+}
+
+void bind_sky_and_cameras(py::class_<SceneDescription>& d) {
+    d.def(
+         "set_environment",
+         [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {
+             d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
+         },
+         py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1,
+         py::arg("to_world") = py::none(),
+         "Light from infinity: constant radiance in W/(m²·sr), or a lat-long image (an index) times "
+         "scale.")
         .def(
             "clear_environment", [](SceneDescription& d) { d.environment.reset(); },
             "Remove the environment.")
@@ -306,13 +284,16 @@ void bind_description(py::module_& m) {
             py::arg("fov_deg") = 45.f, py::arg("width") = 640, py::arg("height") = 400,
             py::arg("horizontal") = false, py::arg("view_height") = 0.f, py::arg("name") = "camera",
             "Add a camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in pixels. "
-            "With view_height > 0 it is orthographic, and its picture is so high in scene units.")
-        .def(
-            "warn",
-            [](SceneDescription& d, std::string where, std::string text) {
-                d.warnings.push_back({std::move(where), std::move(text)});
-            },
-            py::arg("where"), py::arg("text"), "Add a warning for the scene's users, with its place.")
+            "With view_height > 0 it is orthographic, and its picture is so high in scene units.");
+}
+
+void bind_what_was_added(py::class_<SceneDescription>& d) {
+    d.def(
+         "warn",
+         [](SceneDescription& d, std::string where, std::string text) {
+             d.warnings.push_back({std::move(where), std::move(text)});
+         },
+         py::arg("where"), py::arg("text"), "Add a warning for the scene's users, with its place.")
         .def_property_readonly(
             "warnings",
             [](const SceneDescription& d) {
@@ -331,9 +312,53 @@ void bind_description(py::module_& m) {
                 return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() +
                        emitters + d.environment.has_value();
             },
-            "Lights added so far: emitting meshes and the environment count as one each.")
-        .def(py::pickle([](const SceneDescription& d) { return py::bytes(description_bytes(d)); },
-                        [](const py::bytes& bytes) { return description_from(bytes); }));
+            "Lights added so far: emitting meshes and the environment count as one each.");
+}
+
+}  // namespace
+
+void bind_description(py::module_& m) {
+    py::register_exception<SceneError>(m, "SceneError", PyExc_ValueError);
+
+    py::native_enum<MaterialKind>(m, "MaterialKind", "enum.Enum", "Kinds of materials.")
+        .value("DIFFUSE", MaterialKind::kDiffuse)
+        .value("GLOSSY", MaterialKind::kGlossy)
+        .value("MIRROR", MaterialKind::kMirror)
+        .value("DIELECTRIC", MaterialKind::kDielectric)
+        .finalize();
+
+    py::native_enum<CoatKind>(m, "CoatKind", "enum.Enum", "Layers over a glossy material.")
+        .value("NONE", CoatKind::kNone)
+        .value("SMOOTH", CoatKind::kSmooth)
+        .value("ROUGH", CoatKind::kRough)
+        .value("BECKMANN", CoatKind::kBeckmann)
+        .finalize();
+
+    py::class_<SceneDescription> d(
+        m, "SceneDescription",
+        "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
+        "Vectors are three numbers, lengths are in scene units, light is in linear RGB. Positions and\n"
+        "transforms are given in the world. `origin` is subtracted from them in double precision, before\n"
+        "they become floats: scenes far from the origin keep their digits.");
+    d.def(py::init([](Point origin) {
+              if (!std::isfinite(origin[0] + origin[1] + origin[2]))
+                  throw py::value_error("origin must be finite");
+              SceneDescription d;
+              d.origin = origin;
+              return d;
+          }),
+          py::arg("origin") = Point{})
+        .def_readonly("origin", &SceneDescription::origin, "The point of the world at (0, 0, 0).")
+        .def_readwrite("name", &SceneDescription::name, "Name that is shown with the scene.");
+    bind_meshes(d);
+    bind_materials(d);
+    bind_instances(d);
+    bind_lights(d);
+    bind_images(d);
+    bind_sky_and_cameras(d);
+    bind_what_was_added(d);
+    d.def(py::pickle([](const SceneDescription& d) { return py::bytes(description_bytes(d)); },
+                     [](const py::bytes& bytes) { return description_from(bytes); }));
 }
 
 }  // namespace viscache::bindings

@@ -1,7 +1,7 @@
 // Scene files, and read-only views of a SceneDescription for tests and `info`.
 #include "described.h"
 #include "gil.h"
-#include "viscache/scene/load.h"
+#include "viscache/formats/load.h"
 
 namespace viscache::bindings {
 

@@ -2,8 +2,8 @@
 
 #include "arrays.h"
 #include "bind_rows.h"
+#include "viscache/oracles/kept_voxels.h"
 #include "viscache/scene/scene.h"
-#include "viscache/visibility/kept_voxels.h"
 
 namespace viscache::bindings {
 

@@ -7,11 +7,11 @@
 #include "bind_rows.h"
 #include "checked_rows.h"
 #include "real_numbers.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
 #include "viscache/scene/scene.h"
-#include "viscache/visibility/exact.h"
 
 namespace viscache::bindings {
 

@@ -3,8 +3,8 @@
 
 #include "caster_queries.h"
 #include "real_numbers.h"
-#include "viscache/visibility/block_tracer.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/casters/block_tracer.h"
+#include "viscache/casters/embree_caster.h"
 
 namespace viscache::bindings {
 

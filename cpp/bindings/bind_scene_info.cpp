@@ -1,8 +1,8 @@
 // The contents of a frozen scene as plain Python objects.
 #include "described.h"
 #include "gil.h"
+#include "viscache/formats/decode_image.h"
 #include "viscache/scene/content_hash.h"
-#include "viscache/scene/decode_image.h"
 #include "viscache/scene/scene.h"
 
 namespace viscache::bindings {

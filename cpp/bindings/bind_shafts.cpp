@@ -4,8 +4,8 @@
 #include "caster_queries.h"
 #include "isa_argument.h"
 #include "real_numbers.h"
-#include "viscache/visibility/shaft_matrix.h"
-#include "viscache/visibility/shaft_source.h"
+#include "viscache/shafts/shaft_matrix.h"
+#include "viscache/shafts/shaft_source.h"
 
 namespace viscache::bindings {
 

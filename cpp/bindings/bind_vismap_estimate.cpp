@@ -127,27 +127,8 @@ py::array_t<double> of_texels(const BoundPoint& p, F f) {
     return out;
 }
 
-void bind_point(py::module_& s) {
-    py::class_<BoundPoint>(s, "PointEstimate", "Light × reflection × maps at one point, all given as tables.")
-        .def(
-            py::init([](std::shared_ptr<EnvironmentPyramid> light, const FloatArray& b, const BoolArray& maps,
-                        const FloatArray& beta, const std::vector<BoolArray>& dilated, double eta) {
-                return std::make_unique<BoundPoint>(std::move(light), b, maps, beta, dilated, eta);
-            }),
-            py::arg("light"), py::arg("b"), py::arg("maps"), py::arg("beta"), py::kw_only(),
-            py::arg("dilated") = std::vector<BoolArray>{}, py::arg("eta") = 1.0,
-            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: two dilations of the maps (m < 6) or three.")
-        .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.moments().l_ns; })
-        .def_property_readonly("guided", [](const BoundPoint& p) { return p.point.guided(); })
-        .def_property_readonly(
-            "j", [](const BoundPoint& p) { return p.point.moments().j; }, "J per channel.")
-        .def_property_readonly("j_luminance", [](const BoundPoint& p) { return p.point.integrals().j; })
-        .def_property_readonly(
-            "w2", [](const BoundPoint& p) { return p.point.integrals().w2; }, "∫ L·B̃·Ṽ² of luminances.")
-        .def_property_readonly(
-            "dilated", [](const BoundPoint& p) { return p.point.integrals().dilated; }, "∫ L·B̃·Ṽ^k.")
-        .def_property_readonly("mean_w", [](const BoundPoint& p) { return p.point.moments().mean_w; })
-        .def_property_readonly("variance_w", [](const BoundPoint& p) { return p.point.moments().variance_w; })
+void bind_texels(py::class_<BoundPoint>& point) {
+    point
         .def(
             "cells", [](const BoundPoint& p) { return cells(p.point.cells().visible, p.maps.view.m); },
             "Ṽ, (2^m, 2^m).")
@@ -177,7 +158,11 @@ void bind_point(py::module_& s) {
             [](const BoundPoint& p) {
                 return of_texels(p, [&](uint32_t z) { return double(p.point.tree().b(z)); });
             },
-            "Luminance of B̃ of the texels, (R, R).")
+            "Luminance of B̃ of the texels, (R, R).");
+}
+
+void bind_integrals_and_samples(py::class_<BoundPoint>& point) {
+    point
         .def(
             "flat",
             [](const BoundPoint& p, const std::string& isa) {
@@ -218,6 +203,34 @@ void bind_point(py::module_& s) {
              py::arg("mode") = AlphaMode::kFixed, py::arg("alpha") = 1.0, py::arg("seed") = 0,
              py::arg("threads") = 1,
              "The same for passes of these sizes. `alpha` belongs to the first pass.");
+}
+
+void bind_point(py::module_& s) {
+    py::class_<BoundPoint> point(s, "PointEstimate",
+                                 "Light × reflection × maps at one point, all given as tables.");
+    point
+        .def(
+            py::init([](std::shared_ptr<EnvironmentPyramid> light, const FloatArray& b, const BoolArray& maps,
+                        const FloatArray& beta, const std::vector<BoolArray>& dilated, double eta) {
+                return std::make_unique<BoundPoint>(std::move(light), b, maps, beta, dilated, eta);
+            }),
+            py::arg("light"), py::arg("b"), py::arg("maps"), py::arg("beta"), py::kw_only(),
+            py::arg("dilated") = std::vector<BoolArray>{}, py::arg("eta") = 1.0,
+            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: two dilations of the maps (m < 6) or three.")
+        .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.moments().l_ns; })
+        .def_property_readonly("guided", [](const BoundPoint& p) { return p.point.guided(); })
+        .def_property_readonly(
+            "j", [](const BoundPoint& p) { return p.point.moments().j; }, "J per channel.")
+        .def_property_readonly("j_luminance", [](const BoundPoint& p) { return p.point.integrals().j; })
+        .def_property_readonly(
+            "w2", [](const BoundPoint& p) { return p.point.integrals().w2; }, "∫ L·B̃·Ṽ² of luminances.")
+        .def_property_readonly(
+            "dilated", [](const BoundPoint& p) { return p.point.integrals().dilated; }, "∫ L·B̃·Ṽ^k.")
+        .def_property_readonly("mean_w", [](const BoundPoint& p) { return p.point.moments().mean_w; })
+        .def_property_readonly("variance_w",
+                               [](const BoundPoint& p) { return p.point.moments().variance_w; });
+    bind_texels(point);
+    bind_integrals_and_samples(point);
 }
 
 }  // namespace

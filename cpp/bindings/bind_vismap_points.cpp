@@ -61,48 +61,8 @@ py::tuple with_counts(PixelPoints found) {
     return py::make_tuple(Points{std::move(found.points)}, found.misses, found.bad_normals);
 }
 
-}  // namespace
-
-void bind_vismap_points(py::module_& m) {
-    py::module_ v = m.def_submodule("vismap");
-    py::class_<Points>(v, "CachePoints", "Query points of a cache. d_max is 0 for points without a surface.")
-        .def(py::init(&points_of), py::arg("positions"), py::arg("normals"), py::arg("d_max"),
-             py::arg("footprint"), py::arg("first_row") = 0)
-        .def("__len__", [](const Points& p) { return p.size(); })
-        .def("take", &taken, py::arg("indices"), "A selection of the points, in this order.")
-        .def_property_readonly(
-            "positions",
-            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].position; }); })
-        .def_property_readonly(
-            "normals",
-            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].normal; }); })
-        .def_property_readonly(
-            "d_max",
-            [](const Points& p) { return column<float>(p.size(), [&](size_t i) { return p[i].d_max; }); })
-        .def_property_readonly("footprint", [](const Points& p) {
-            return column<float>(p.size(), [&](size_t i) { return p[i].footprint; });
-        });
-    py::class_<PixelRules>(v, "PixelRules", "Search radii of records; see viscache.MapSettings.")
-        .def(py::init([](float reach, float most_reach, float least_cos) {
-                 return PixelRules{reach, most_reach, least_cos};
-             }),
-             py::arg("reach"), py::arg("most_reach") = PixelRules{}.most_reach,
-             py::arg("least_cos") = PixelRules{}.least_cos);
-    v.def(
-        "morton_order",
-        [](const FloatArray& positions) {
-            const Vec3* rows = rows3(positions, "positions");
-            const size_t n = size_t(positions.shape(0));
-            // Row numbers are those of records, in 32 bits.
-            if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
-            std::vector<uint32_t> order;
-            {
-                const WithoutGil release;
-                order = morton_order({rows, n});
-            }
-            return py::array_t<uint32_t>(py::ssize_t(n), order.data());
-        },
-        py::arg("positions"), "Row numbers of the positions along the Morton curve of their bounding box.");
+/// First hits of cameras.
+void bind_hits(py::module_& v) {
     v.def(
         "pixel_points",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
@@ -149,6 +109,50 @@ void bind_vismap_points(py::module_& m) {
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("n"), py::arg("seed"), py::arg("rules"),
         "First hits of n rays stratified over the image; misses; bad normals.");
+}
+
+}  // namespace
+
+void bind_vismap_points(py::module_& m) {
+    py::module_ v = m.def_submodule("vismap");
+    py::class_<Points>(v, "CachePoints", "Query points of a cache. d_max is 0 for points without a surface.")
+        .def(py::init(&points_of), py::arg("positions"), py::arg("normals"), py::arg("d_max"),
+             py::arg("footprint"), py::arg("first_row") = 0)
+        .def("__len__", [](const Points& p) { return p.size(); })
+        .def("take", &taken, py::arg("indices"), "A selection of the points, in this order.")
+        .def_property_readonly(
+            "positions",
+            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].position; }); })
+        .def_property_readonly(
+            "normals",
+            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].normal; }); })
+        .def_property_readonly(
+            "d_max",
+            [](const Points& p) { return column<float>(p.size(), [&](size_t i) { return p[i].d_max; }); })
+        .def_property_readonly("footprint", [](const Points& p) {
+            return column<float>(p.size(), [&](size_t i) { return p[i].footprint; });
+        });
+    py::class_<PixelRules>(v, "PixelRules", "Search radii of records; see viscache.MapSettings.")
+        .def(py::init([](float reach, float most_reach, float least_cos) {
+                 return PixelRules{reach, most_reach, least_cos};
+             }),
+             py::arg("reach"), py::arg("most_reach") = PixelRules{}.most_reach,
+             py::arg("least_cos") = PixelRules{}.least_cos);
+    v.def(
+        "morton_order",
+        [](const FloatArray& positions) {
+            const Vec3* rows = rows3(positions, "positions");
+            const size_t n = size_t(positions.shape(0));
+            if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
+            std::vector<uint32_t> order;
+            {
+                const WithoutGil release;
+                order = morton_order({rows, n});
+            }
+            return py::array_t<uint32_t>(py::ssize_t(n), order.data());
+        },
+        py::arg("positions"), "Row numbers of the positions along the Morton curve of their bounding box.");
+    bind_hits(v);
 }
 
 }  // namespace viscache::bindings

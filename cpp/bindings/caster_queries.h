@@ -3,7 +3,7 @@
 #include "arrays.h"
 #include "interrupt.h"
 #include "row_view.h"
-#include "viscache/visibility/check_rays.h"
+#include "viscache/casters/check_rays.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/visible_matrix.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "arrays.h"
-#include "viscache/visibility/check_rays.h"
+#include "viscache/casters/check_rays.h"
 
 namespace viscache::bindings {
 

@@ -140,6 +140,7 @@ Answer PythonOracle::block(const BlockAsk& ask, Counters& counters) {
     weights_.clear();
     call([&] {
         const py::tuple answer = written_.attr("block")(far_ends_dict(ask.lights), unpacked(wanted));
+        // Its bits count where they were asked for, and its weights if it has any
         const auto bits = answer[0].cast<WordArray>();
         const size_t words = words_for(wanted.columns());
         if (bits.ndim() != 2 || size_t(bits.shape(0)) != wanted.rows() || size_t(bits.shape(1)) != words)

@@ -3,7 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/visibility/oracle_source.h"
 
 namespace viscache::bindings {

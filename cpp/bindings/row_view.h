@@ -1,7 +1,7 @@
 #pragma once
 // Rows of vectors in NumPy arrays of any layout.
 #include "arrays.h"
-#include "viscache/visibility/ray_arrays.h"
+#include "viscache/casters/ray_arrays.h"
 
 namespace viscache::bindings {
 

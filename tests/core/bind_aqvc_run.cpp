@@ -5,7 +5,7 @@
 #include "arrays.h"
 #include "real_numbers.h"
 #include "viscache/aqvc/quantized_cache.h"
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/visibility/given_contributions.h"
 
 namespace viscache::bindings {

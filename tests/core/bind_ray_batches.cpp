@@ -3,9 +3,9 @@
 #include "caster_queries.h"
 #include "isa_argument.h"
 #include "real_numbers.h"
+#include "viscache/casters/ray_batch.h"
+#include "viscache/casters/ray_order.h"
 #include "viscache/visibility/packet_choice.h"
-#include "viscache/visibility/ray_batch.h"
-#include "viscache/visibility/ray_order.h"
 #include "viscache/visibility/shadow_ray.h"
 
 namespace viscache::bindings {

@@ -1,8 +1,8 @@
 // Look-ups in the shadow map of one light, and in a voxel map of given connections.
 #include "caster_queries.h"
+#include "viscache/oracles/kept_voxels.h"
+#include "viscache/oracles/shadow_map.h"
 #include "viscache/render/shared_lights.h"
-#include "viscache/visibility/kept_voxels.h"
-#include "viscache/visibility/shadow_map.h"
 
 namespace viscache::bindings {
 

@@ -2,8 +2,8 @@
 #include "arrays.h"
 #include "bind_rows.h"
 #include "gil.h"
-#include "viscache/visibility/flat_triangles.h"
-#include "viscache/visibility/triangle_kernels.h"
+#include "viscache/casters/flat_triangles.h"
+#include "viscache/casters/triangle_kernels.h"
 
 namespace viscache::bindings {
 

@@ -5,9 +5,9 @@
 
 #include "check.h"
 #include "viscache/aqvc/aqvc_source.h"
+#include "viscache/casters/bsp_caster.h"
 #include "viscache/render/bdpt.h"
 #include "viscache/render/path_weight.h"
-#include "viscache/visibility/bsp_caster.h"
 
 namespace viscache::test::bdpt_tests {
 namespace {

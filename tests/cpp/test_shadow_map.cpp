@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "check.h"
-#include "viscache/visibility/shadow_map.h"
+#include "viscache/oracles/shadow_map.h"
 
 namespace viscache::test::shadow_map_tests {
 namespace {

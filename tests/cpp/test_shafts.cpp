@@ -6,10 +6,10 @@
 #include <set>
 
 #include "check.h"
+#include "viscache/shafts/shaft_scene.h"
 #include "viscache/visibility/point_order.h"
 #include "viscache/visibility/segment_packets.h"
 #include "viscache/visibility/shadow_ray.h"
-#include "viscache/visibility/shaft_scene.h"
 
 namespace viscache::test::shafts_tests {
 namespace {

@@ -81,9 +81,9 @@ CLOCKS = """
 bindings/bind_aqvc_levels.cpp bindings/gil.cpp viscache/math/cpu_time.h viscache/math/wall_clock.h
 viscache/render/aligned_ambient.cpp viscache/render/bdpt.cpp
 viscache/render/environment_product.cpp viscache/render/frame.cpp viscache/render/frame.h
-viscache/render/stage_clock.h viscache/visibility/roulette_source.cpp
-viscache/visibility/shadow_map_source.cpp viscache/visibility/shaft_matrix.cpp
-viscache/visibility/shaft_source.cpp
+viscache/render/stage_clock.h viscache/oracles/roulette_source.cpp
+viscache/oracles/shadow_map_source.cpp viscache/shafts/shaft_matrix.cpp
+viscache/shafts/shaft_source.cpp
 """
 
 

@@ -1,6 +1,6 @@
 #include "viscache/aqvc/aqvc_source.h"
 
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 
 namespace viscache {
 

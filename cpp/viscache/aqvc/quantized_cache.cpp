@@ -43,6 +43,7 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, ExactAnswers exact, cons
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
       sample_rows_(caster, offset_extent) {
+    wrap(exact_.oracle());
     // By group: C_E and refinement may differ.
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
@@ -62,7 +63,6 @@ void QuantizedCache::use_rows(AqvcRows& rows) {
 
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
-    exact_.oracle().watch(control);
     tracer_.watch(control);
     pairs_.watch(control);
     sample_rows_.watch(control);

@@ -30,6 +30,18 @@ Word transpose8(Word x) {
 
 }  // namespace
 
+uint64_t count_bits(std::span<const Word> words) {
+    uint64_t n = 0;
+    for (Word w : words) n += uint64_t(std::popcount(w));
+    return n;
+}
+
+uint64_t count_bits(const BitMatrix& m) {
+    uint64_t n = 0;
+    for (size_t r = 0; r < m.rows(); ++r) n += count_bits(m.row_span(r).first(words_for(m.columns())));
+    return n;
+}
+
 // Byte by byte: 8 × 8 bits of the rows 0 ... 7, and of the rows 8 ... 15.
 void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]) {
     const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));

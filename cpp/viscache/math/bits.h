@@ -80,6 +80,10 @@ private:
     size_t rows_ = 0, columns_ = 0, row_words_ = 0, capacity_ = 0;
 };
 
+/// Number of set bits.
+uint64_t count_bits(std::span<const Word> words);
+uint64_t count_bits(const BitMatrix& m);
+
 /// One column of 16 rows: bit i of the result is bit k of row first_row + i. Rows past the end count as 0.
 uint16_t column16(const BitMatrix& m, size_t first_row, size_t k);
 /// Transposes a block of 16 rows × 64 columns: columns[j] receives column 64·w + j of the 16 rows that start

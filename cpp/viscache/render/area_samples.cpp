@@ -141,10 +141,12 @@ int most_area_samples(const Scene& scene, const IntegratorSettings& settings) {
     return settings.n_area + (any ? settings.n_brdf : 0);
 }
 
-void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
+void add_area_samples(const EyePathTracer& frame, const EyeTile& eyes, uint32_t eye, WeightedSamples& out,
                       Counters& counters) {
-    AreaSampler sampler(scene, eyes, eye, settings, out, counters);
+    if (is_black(eyes.shading[eye])) return;
+    const IntegratorSettings& settings = frame.integrator;
+    const uint64_t seed = frame.frame.seed;
+    AreaSampler sampler(frame.scene, eyes, eye, settings, out, counters);
     sampler.add_light_samples(EyeSamples(seed, Purpose::kAreaLight, eyes, eye, settings.n_area));
     if (sampler.draws_by_brdf())
         sampler.add_brdf_samples(EyeSamples(seed, Purpose::kAreaBrdf, eyes, eye, settings.n_brdf));

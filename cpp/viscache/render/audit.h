@@ -5,10 +5,10 @@
 #include <functional>
 #include <vector>
 
+#include "viscache/oracles/exact.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/tile_contributions.h"
-#include "viscache/visibility/exact.h"
 
 namespace viscache {
 

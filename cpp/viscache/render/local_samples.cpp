@@ -145,12 +145,13 @@ private:
 
 }  // namespace
 
-void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                             const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
-                             Counters& counters) {
-    const int n_light = settings.n_environment, n_brdf = settings.n_brdf;
+void add_environment_samples(const EyePathTracer& frame, const EyeTile& eyes, uint32_t eye,
+                             WeightedSamples& out, Counters& counters) {
     const ShadingPoint& point = eyes.shading[eye];
-    SkySamples samples(*scene.environment(), point, lobe_constants(point), eyes.throughput[eye],
+    if (is_black(point)) return;
+    const int n_light = frame.integrator.n_environment, n_brdf = frame.integrator.n_brdf;
+    const uint64_t seed = frame.frame.seed;
+    SkySamples samples(*frame.scene.environment(), point, lobe_constants(point), eyes.throughput[eye],
                        float(n_light), float(n_brdf), out, counters);
     if (!samples.black()) {
         samples.add_light_samples(EyeSamples(seed, Purpose::kEnvironmentLight, eyes, eye, n_light), n_light);
@@ -160,25 +161,28 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
     out.at.close(eye);
 }
 
-void add_lobe_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
+void add_lobe_samples(const EyePathTracer& frame, const EyeTile& eyes, uint32_t eye, WeightedSamples& out,
                       Counters& counters) {
+    if (!has_lobe(eyes.shading[eye])) return;
+    const IntegratorSettings& settings = frame.integrator;
     const int sets = settings.interleave;
     const size_t set = sets > 1 ? eyes.block.turn[eye] % size_t(sets) : 0;
     const int n_light = set_size(settings.n_environment, sets, set), n = set_size(settings.n_brdf, sets, set);
     const LobeConstants lobe = sharp_lobe(eyes.shading[eye]);
     if (lobe.share > 0 && n > 0) {
-        SkySamples samples(*scene.environment(), eyes.shading[eye], lobe, eyes.throughput[eye],
+        SkySamples samples(*frame.scene.environment(), eyes.shading[eye], lobe, eyes.throughput[eye],
                            float(n_light), float(n), out, counters);
-        samples.add_brdf_samples(EyeSamples(seed, Purpose::kBrdf, eyes, eye, most_lobe_samples(settings)), n);
+        const EyeSamples numbers(frame.frame.seed, Purpose::kBrdf, eyes, eye, most_lobe_samples(settings));
+        samples.add_brdf_samples(numbers, n);
         samples.flush();
     }
     out.at.close(eye);
 }
 
-void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
-                         WeightedSamples& out) {
-    const EyeSamples samples(seed, Purpose::kAmbient, eyes, eye, settings.n_ambient);
+void add_ambient_samples(const EyePathTracer& frame, const EyeTile& eyes, uint32_t eye, WeightedSamples& out,
+                         Counters&) {
+    const IntegratorSettings& settings = frame.integrator;
+    const EyeSamples samples(frame.frame.seed, Purpose::kAmbient, eyes, eye, settings.n_ambient);
     const bool by_cosine = settings.ambient_distribution == AmbientDistribution::kCosine;
     const HemisphereSequence sequence{samples.sx, samples.sy, frame_around(eyes.block.normal[eye]),
                                       by_cosine};

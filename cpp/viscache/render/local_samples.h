@@ -38,22 +38,16 @@ ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float 
 /// Largest number of samples of area lights per eye point.
 int most_area_samples(const Scene& scene, const IntegratorSettings& settings);
 
-// Each function adds the samples of one eye point and closes its row.
-void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
-                      Counters& counters);
-void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                             const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
-                             Counters& counters);
+/// Adds the samples of one eye point of a frame and closes its row. An eye point that reflects nothing gets
+/// no row.
+using AddSamples = void(const EyePathTracer& frame, const EyeTile& eyes, uint32_t eye, WeightedSamples& out,
+                        Counters& counters);
+AddSamples add_area_samples, add_environment_samples, add_ambient_samples;
+/// Samples of a sharp lobe, beside the set of shared directions of the eye point (`shared_sky`).
+AddSamples add_lobe_samples;
 /// Largest number of samples of the lobe of one eye point, beside shared directions of the sky.
 inline int most_lobe_samples(const IntegratorSettings& s) {
     return (s.n_brdf + s.interleave - 1) / s.interleave;
 }
-/// Samples of a sharp lobe of an eye point, beside its set of shared directions (`shared_sky`).
-void add_lobe_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
-                      Counters& counters);
-void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
-                         WeightedSamples& out);
 
 }  // namespace viscache

@@ -63,6 +63,7 @@ void QueryAudit::block(const BlockAsk& ask, const Answer& answer, const TileCont
         return;
     }
     refuse_weights(answer);
+    // What is asked again: the bright connections, and a share of the others
     asked_.reset(n, columns);
     bright_.reset(n, columns);
     row_.assign(ask.wanted.row_words(), 0);
@@ -88,6 +89,7 @@ void QueryAudit::block(const BlockAsk& ask, const Answer& answer, const TileCont
             asked[w] = (wanted[w] & asked[w]) | bright[w];
         }
     }
+    // Rays answer it, and every answer that differs counts with its light
     exact_.begin_tile(eyes_->block);
     const Answer exact = exact_.block({eyes_->block, ask.lights, asked_}, counters_);
     const uint64_t certain = count_bits(bright_);
@@ -116,6 +118,7 @@ void QueryAudit::samples(const WeightedSamples& samples, const Answer& answer) {
     }
     found.queries += all.size();
     refuse_weights(answer);
+    // What is asked again, as in a block
     LocalSamples some;
     some.semantic = all.semantic;
     some.group = all.group;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 
 namespace viscache {
 
@@ -32,6 +32,7 @@ const LocalSamples& samples_of(const PairsAsk& ask) {
     return *ask.samples;
 }
 
+/// Records what is asked, and sees nothing.
 class TapOracle final : public VisibilityOracle {
 public:
     explicit TapOracle(size_t groups) : groups_(groups) {}
@@ -71,10 +72,10 @@ void TapSource::end_item(VisibilityOracle& oracle, size_t item) {
 
 namespace {
 
+/// Hands on the answers of another oracle and records them.
 class AnswerOracle final : public VisibilityOracle {
 public:
-    explicit AnswerOracle(std::unique_ptr<VisibilityOracle> own) : inner(std::move(own)) {}
-    void watch(const Control& control) override { inner->watch(control); }
+    explicit AnswerOracle(std::unique_ptr<VisibilityOracle> own) : inner(std::move(own)) { wrap(*inner); }
     void begin_tile(const EyeBlock& eyes) override {
         kept = {};
         inner->begin_tile(eyes);
@@ -92,6 +93,7 @@ public:
         BitMatrix& bits = kept.bits.emplace_back(rows, columns);
         std::vector<float>& weights = kept.weights.emplace_back();
         for (size_t r = 0; r < rows; ++r) std::ranges::copy(answer.row(r), bits.row(r));
+        // The record has one row of weights with their corrections; the frame adds corrections one by one
         Answer recorded = answer;
         recorded.bits = &bits;
         for (size_t r = 0; r < rows; ++r) {
@@ -166,6 +168,7 @@ std::unique_ptr<VisibilityOracle> ContributionSource::make() {
 
 namespace {
 
+/// Gives recorded answers.
 class GivenOracle final : public VisibilityOracle {
 public:
     explicit GivenOracle(const GivenAnswers& answers) : answers_(answers) {}

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "viscache/oracles/exact.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/light_pick.h"
 #include "viscache/render/mean_light.h"
-#include "viscache/visibility/exact.h"
 #include "viscache/visibility/reference_light.h"
 
 namespace viscache {
@@ -26,8 +26,8 @@ public:
         return light_[eye];
     }
     /// Adds this of all eye points to their pixels.
-    void add_to(std::span<float> pixels) const {
-        for (size_t i = 0; i < eyes_.size(); ++i) pixels[eyes_.pixel[i]] += unoccluded(uint32_t(i));
+    void add_to(std::span<const uint32_t> pixel_of, std::span<float> pixels) const {
+        for (size_t i = 0; i < eyes_.size(); ++i) pixels[pixel_of[i]] += unoccluded(uint32_t(i));
     }
     void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
         tell(eye);

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "viscache/scene/spectra.h"
-
 namespace viscache {
+
+float srgb_to_linear(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
 
 namespace {
 
@@ -16,7 +16,7 @@ Table table(bool srgb) {
     Table values;
     for (int i = 0; i < 256; ++i) {
         const float plain = float(i) / 255.f;
-        values[size_t(i)] = srgb ? loading::srgb_to_linear(plain) : plain;
+        values[size_t(i)] = srgb ? srgb_to_linear(plain) : plain;
     }
     return values;
 }

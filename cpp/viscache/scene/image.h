@@ -12,6 +12,8 @@ namespace viscache {
 /// The linear values of the 256 bytes: sRGB-encoded, or n/255.
 const float* byte_values(bool srgb);
 
+float srgb_to_linear(float encoded);
+
 /// What an image shows beyond its borders.
 enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };
 

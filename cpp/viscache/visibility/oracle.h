@@ -195,7 +195,10 @@ public:
     VisibilityOracle(VisibilityOracle&&) = default;
     virtual ~VisibilityOracle() = default;
     /// Long calls throw `Cancelled` soon after `control` requests it. `control` must outlive the oracle.
-    virtual void watch(const Control& control) { control_ = &control; }
+    virtual void watch(const Control& control) {
+        control_ = &control;
+        for (VisibilityOracle* oracle : wrapped_) oracle->watch(control);
+    }
     /// Discards the previous tile and reads the eye points of the next one.
     virtual void begin_tile(const EyeBlock& /*eyes*/) {}
     /// The order in which `pairs` should get connections of this tile: samples of a light group, or queries
@@ -207,6 +210,8 @@ public:
     virtual Answer pairs(const PairsAsk& ask, Counters& counters) = 0;
 
 protected:
+    /// Control is handed on to this oracle, which is a part of this one.
+    void wrap(VisibilityOracle& oracle) { wrapped_.push_back(&oracle); }
     const Control& control() const { return *control_; }
     /// Call this every few milliseconds of work.
     void check_cancelled() const { control_->check(); }
@@ -219,6 +224,7 @@ protected:
 private:
     static inline const Control unwatched_{};
     const Control* control_ = &unwatched_;
+    std::vector<VisibilityOracle*> wrapped_;
     BitMatrix bits_;
 };
 

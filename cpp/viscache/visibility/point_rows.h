@@ -3,7 +3,7 @@
 #include <span>
 
 #include "viscache/visibility/oracle_source.h"
-#include "viscache/visibility/visibility_rows.h"
+#include "viscache/visibility/row_input.h"
 
 namespace viscache {
 

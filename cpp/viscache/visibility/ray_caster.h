@@ -44,6 +44,9 @@ public:
     /// The faster traversal of 16 rays to one point or along one direction, where the bounding box of their
     /// origins has this half diagonal (packet_choice.h).
     virtual Coherence flag_for(float) const { return Coherence::kIncoherent; }
+    /// The traversal of packets of segments between any two points that gives the answers of single rays
+    /// (segment_packets.h).
+    virtual Coherence flag_of_segments() const { return Coherence::kCoherent; }
 };
 
 }  // namespace viscache

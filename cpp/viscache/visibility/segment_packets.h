@@ -1,6 +1,5 @@
 #pragma once
 // Packets of 16 segments between two points.
-#include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
@@ -51,7 +50,7 @@ inline uint32_t segments16(RayPacket16& packet) {
 /// Traces packets of segments with the answers of single rays.
 class SegmentPackets {
 public:
-    explicit SegmentPackets(const RayCaster& caster) : caster_(caster), flag_(flag_of(caster)) {}
+    explicit SegmentPackets(const RayCaster& caster) : caster_(caster), flag_(caster.flag_of_segments()) {}
 
     /// Occluded lanes, out of `mask`, of 16 origins and 16 end points, which are overwritten.
     uint16_t occluded(uint16_t mask, RayPacket16& packet) const {
@@ -68,12 +67,6 @@ public:
     }
 
 private:
-    /// Boxes of instances have axes of their own, so any segment may lie along one of their faces.
-    static Coherence flag_of(const RayCaster& caster) {
-        const auto* embree = dynamic_cast<const EmbreeCaster*>(&caster);
-        const bool turned = embree && !embree->scene().description().instances.empty();
-        return turned ? Coherence::kIncoherent : Coherence::kCoherent;
-    }
     const RayCaster& caster_;
     Coherence flag_;
 };

@@ -1,8 +1,8 @@
 #include "viscache/vismap/record_tracer.h"
 
 #include "viscache/math/morton.h"
+#include "viscache/oracles/visibility_rows.h"
 #include "viscache/sampling/direction_pattern.h"
-#include "viscache/visibility/visibility_rows.h"
 
 namespace viscache {
 

@@ -3,10 +3,10 @@
 // axis.
 #include <optional>
 
+#include "viscache/casters/embree_caster.h"
 #include "viscache/math/bits.h"
 #include "viscache/math/isa.h"
 #include "viscache/math/parallel.h"
-#include "viscache/visibility/embree_caster.h"
 #include "viscache/vlf/aligned_blocks.h"
 
 namespace viscache {

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "viscache/casters/flat_triangles.h"
 #include "viscache/math/bounds.h"
 #include "viscache/math/frame.h"
 #include "viscache/math/parallel.h"
 #include "viscache/math/vec.h"
-#include "viscache/visibility/flat_triangles.h"
 
 namespace viscache {
 

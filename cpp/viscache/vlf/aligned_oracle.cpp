@@ -4,11 +4,6 @@
 
 namespace viscache {
 
-void AlignedOracle::watch(const Control& control) {
-    VisibilityOracle::watch(control);
-    exact_.watch(control);
-}
-
 Answer AlignedOracle::block(const BlockAsk& ask, Counters& counters) {
     // Local lights have no common direction; only skies and distant lights suit the batch.
     BitMatrix* bits = is_direction(ask.lights.semantic) ? by_batch(ask, counters) : nullptr;

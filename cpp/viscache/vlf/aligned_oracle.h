@@ -1,6 +1,6 @@
 #pragma once
 // Exact visibility that may trace shared directions with the aligned batch.
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/vlf/direction_block.h"
 
 namespace viscache {
@@ -13,9 +13,10 @@ public:
     /// With `choose`, the engine is chosen for every block. Without it, the batch traces all blocks except
     /// those with points that are too far away for it.
     AlignedOracle(const AlignedBatch& batch, ExactOracle exact, bool choose)
-        : batch_(batch), exact_(std::move(exact)), choose_(choose) {}
+        : batch_(batch), exact_(std::move(exact)), choose_(choose) {
+        wrap(exact_);
+    }
 
-    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
     // Passes on only the bits: answers of this oracle do not claim to be exact.

@@ -1,6 +1,6 @@
 #pragma once
 // Rows of visibility, traced by the cheaper engine.
-#include "viscache/visibility/visibility_rows.h"
+#include "viscache/oracles/visibility_rows.h"
 #include "viscache/vlf/direction_block.h"
 
 namespace viscache {

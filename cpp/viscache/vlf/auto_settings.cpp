@@ -1,6 +1,6 @@
 #include "viscache/vlf/auto_settings.h"
 
-#include "viscache/visibility/bsp_tree.h"
+#include "viscache/casters/bsp_tree.h"
 
 namespace viscache {
 

@@ -3,7 +3,7 @@
 #include <bit>
 #include <numeric>
 
-#include "viscache/visibility/exact.h"
+#include "viscache/oracles/exact.h"
 #include "viscache/vlf/aligned_kernels.h"
 
 namespace viscache {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <tuple>
 
+#include "viscache/casters/triangle_kernels.h"
 #include "viscache/visibility/parameter_row.h"
-#include "viscache/visibility/triangle_kernels.h"
 #include "viscache/vlf/directions.h"
 #include "viscache/vlf/subfield.h"
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "viscache/casters/flat_triangles.h"
+#include "viscache/casters/triangle_kernels.h"
 #include "viscache/scene/scene.h"
-#include "viscache/visibility/flat_triangles.h"
-#include "viscache/visibility/triangle_kernels.h"
 #include "viscache/vlf/tile_walk.h"
 
 namespace viscache {

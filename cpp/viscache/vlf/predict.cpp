@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "viscache/visibility/bsp_tree.h"
+#include "viscache/casters/bsp_tree.h"
 
 namespace viscache {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "viscache/casters/flat_triangles.h"
 #include "viscache/math/frame.h"
-#include "viscache/visibility/flat_triangles.h"
 
 namespace viscache {
 

@@ -3,7 +3,7 @@
 #include <bit>
 #include <string>
 
-#include "viscache/visibility/bsp_tree.h"
+#include "viscache/casters/bsp_tree.h"
 #include "viscache/vlf/auto_settings.h"
 #include "viscache/vlf/field_trace.h"
 

@@ -5,7 +5,7 @@
 #include <new>
 #include <string_view>
 
-#include "viscache/scene/decode_image.h"
+#include "viscache/formats/decode_image.h"
 
 namespace {
 

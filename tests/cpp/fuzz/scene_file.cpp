@@ -7,8 +7,8 @@
 #include <string>
 
 #include "input_file.h"
+#include "viscache/formats/load.h"
 #include "viscache/scene/check.h"
-#include "viscache/scene/load.h"
 
 namespace viscache::fuzz {
 namespace {

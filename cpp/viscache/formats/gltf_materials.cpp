@@ -1,0 +1,286 @@
+// glTF 2.0: converts metallic-roughness materials and their images to the nearest material.
+#include "viscache/formats/gltf_reader.h"
+
+#include "viscache/formats/decode_image.h"
+
+namespace viscache::loading {
+
+namespace {
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+/// Decodes URL escapes such as "%20".
+std::string url_decoded(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
+        const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
+        if (low >= 0) {
+            out += char(high * 16 + low);
+            i += 2;
+        } else {
+            out += uri[i];
+        }
+    }
+    return out;
+}
+
+Rgb gltf_rgb(const std::vector<double>& v, Rgb fallback) {
+    return v.size() >= 3 ? Rgb{float(v[0]), float(v[1]), float(v[2])} : fallback;
+}
+
+/// A value of KHR_texture_transform.
+const tinygltf::Value* transform_value(const tinygltf::TextureInfo& info, const char* name) {
+    const auto found = info.extensions.find("KHR_texture_transform");
+    if (found == info.extensions.end() || !found->second.IsObject() || !found->second.Has(name)) return {};
+    return &found->second.Get(name);
+}
+
+int coordinates_of(const tinygltf::TextureInfo& info) {
+    const tinygltf::Value* given = transform_value(info, "texCoord");
+    return given && given->IsInt() ? given->GetNumberAsInt() : info.texCoord;
+}
+
+/// First scaled, then turned counter-clockwise, then moved; v grows downwards.
+UvTransform uv_transform(const tinygltf::TextureInfo& info) {
+    const auto pair = [&](const char* name, double fallback) -> std::array<double, 2> {
+        const tinygltf::Value* v = transform_value(info, name);
+        if (!v || !v->IsArray() || v->ArrayLen() != 2 || !v->Get(0).IsNumber() || !v->Get(1).IsNumber())
+            return {fallback, fallback};
+        return {v->Get(0).GetNumberAsDouble(), v->Get(1).GetNumberAsDouble()};
+    };
+    const tinygltf::Value* turned = transform_value(info, "rotation");
+    const double angle = turned && turned->IsNumber() ? turned->GetNumberAsDouble() : 0;
+    const double c = std::cos(angle), s = std::sin(angle);
+    const auto [x, y] = pair("scale", 1);
+    const auto [u, v] = pair("offset", 0);
+    return {{{c * x, s * y, u}, {-s * x, c * y, v}}};
+}
+
+/// The texture coordinates of a mesh are those of the first of these images.
+int texcoord_of(const tinygltf::Material& in) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    for (const auto& info : {pbr.baseColorTexture, pbr.metallicRoughnessTexture, in.emissiveTexture})
+        if (info.index >= 0) return coordinates_of(info);
+    return 0;
+}
+
+}  // namespace
+
+int GltfReader::image_source(int texture, const std::string& where) const {
+    if (texture < 0 || size_t(texture) >= model_.textures.size())
+        fail(where, "texture " + std::to_string(texture) + ", the file has " +
+                        std::to_string(model_.textures.size()));
+    const int source = model_.textures[size_t(texture)].source;
+    if (source >= 0 && size_t(source) >= model_.images.size())
+        fail(where,
+             "image " + std::to_string(source) + ", the file has " + std::to_string(model_.images.size()));
+    return source;
+}
+
+std::string GltfReader::image_path(int source) const {
+    const tinygltf::Image& image = model_.images[size_t(source)];
+    return image.uri.empty() || !image.image.empty() ? "" : resolve(path_, url_decoded(image.uri));
+}
+
+std::string GltfReader::image_bytes(int source, const std::string& where) const {
+    const tinygltf::Image& image = model_.images[size_t(source)];
+    if (!image.image.empty()) return {image.image.begin(), image.image.end()};
+    if (image.bufferView < 0) return read_file(image_path(source), where);
+    if (size_t(image.bufferView) >= model_.bufferViews.size())
+        fail(where, "the image's buffer view does not exist");
+    const tinygltf::BufferView& view = model_.bufferViews[size_t(image.bufferView)];
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(where, "the image's buffer does not exist");
+    const auto& data = model_.buffers[size_t(view.buffer)].data;
+    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+        fail(where, "the image does not fit into its buffer");
+    return {data.begin() + std::ptrdiff_t(view.byteOffset),
+            data.begin() + std::ptrdiff_t(view.byteOffset + view.byteLength)};
+}
+
+/// A decoded copy, for means and single channels. Empty if the image cannot be read and that is not an
+/// error.
+std::optional<viscache::Image> GltfReader::decoded(int texture, bool srgb, const std::string& where) {
+    const int source = image_source(texture, where);
+    if (source < 0) return {};
+    try {
+        return decode_image(image_bytes(source, where), where, srgb);
+    } catch (const SceneError& error) {
+        loading_.warn(where, std::string(error.what()) + "; the image is left out");
+        return {};
+    }
+}
+
+/// Filter and borders of the texture's sampler.
+LookUp GltfReader::look_up(int texture, const std::string& where) const {
+    const int index = model_.textures[size_t(texture)].sampler;
+    if (index < 0) return {};
+    if (size_t(index) >= model_.samplers.size())
+        fail(where,
+             "sampler " + std::to_string(index) + ", the file has " + std::to_string(model_.samplers.size()));
+    const tinygltf::Sampler& in = model_.samplers[size_t(index)];
+    const auto wrap = [](int mode) {
+        return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::kClamp
+               : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::kMirror
+                                                               : Wrap::kRepeat;
+    };
+    return {in.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST, wrap(in.wrapS), wrap(in.wrapT)};
+}
+
+int GltfReader::add_texture(Look& look, const tinygltf::TextureInfo& info, bool srgb,
+                            const std::string& where) {
+    const int texture = info.index, source = image_source(texture, where);
+    if (source < 0) {
+        loading_.warn(where, "a texture without an image is left out");
+        return -1;
+    }
+    if (!look.uv.add(uv_transform(info).downwards()))
+        loading_.warn(where,
+                      "the images of a material share one transform of texture coordinates; that of the "
+                      "first is used");
+    const LookUp how = look_up(texture, where);
+    if (const std::string path = image_path(source); !path.empty())
+        return loading_.add_image(path, where, srgb, how);
+    const auto [found, is_new] = embedded_.try_emplace({source, srgb, how}, -1);
+    if (is_new)
+        if (auto image = decoded(texture, srgb, where)) {
+            set_look_up(*image, how);
+            loading_.scene.images.push_back(std::move(*image));
+            found->second = int(loading_.scene.images.size()) - 1;
+        }
+    return found->second;
+}
+
+double GltfReader::extension_number(const tinygltf::Material& in, const char* extension, const char* name,
+                                    double fallback) {
+    const auto found = in.extensions.find(extension);
+    if (found == in.extensions.end() || !found->second.IsObject() || !found->second.Has(name))
+        return fallback;
+    const tinygltf::Value& value = found->second.Get(name);
+    return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
+}
+
+/// Reflectance at normal incidence of what is no metal (KHR_materials_ior, KHR_materials_specular).
+Rgb GltfReader::dielectric_specular(const tinygltf::Material& in, const std::string& where) {
+    const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
+    const auto found = in.extensions.find("KHR_materials_specular");
+    if (found == in.extensions.end() || !found->second.IsObject()) return {f0, f0, f0};
+    Rgb color{1, 1, 1};
+    if (const auto& given = found->second.Get("specularColorFactor");
+        given.IsArray() && given.ArrayLen() == 3) {
+        std::vector<double> values;
+        for (int i = 0; i < 3; ++i)
+            values.push_back(given.Get(i).IsNumber() ? given.Get(i).GetNumberAsDouble() : 1);
+        color = max({0, 0, 0}, gltf_rgb(values, {1, 1, 1}));
+    }
+    if (found->second.Has("specularTexture") || found->second.Has("specularColorTexture"))
+        loading_.warn(where, "a specular image is not modelled; its factor is used");
+    const double factor = extension_number(in, "KHR_materials_specular", "specularFactor", 1);
+    return clamp01(color * f0) * std::clamp(float(factor), 0.f, 1.f);
+}
+
+void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
+    if (in.alphaMode == "OPAQUE") return;
+    const auto& pbr = in.pbrMetallicRoughness;
+    const double factor = pbr.baseColorFactor.size() == 4 ? pbr.baseColorFactor[3] : 1;
+    const double cutoff = in.alphaMode == "MASK" ? in.alphaCutoff : 0.5;
+    const auto image = m.base_texture >= 0 ? decoded(pbr.baseColorTexture.index, true, where) : std::nullopt;
+    if (image && (image->channels == 2 || image->channels == 4)) {
+        m.alpha_texture = m.base_texture;
+        m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;
+        if (in.alphaMode != "MASK")
+            loading_.warn(where, "alpha mode '" + in.alphaMode + "' with an image is a cut-out at 0.5 here");
+    } else if (in.alphaMode == "MASK") {
+        m.opacity = factor < cutoff ? 0.f : 1.f;
+    } else {
+        m.opacity = std::clamp(float(factor), 0.f, 1.f);
+    }
+}
+
+/// Roughness and metal, by factors or by their image.
+void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, Look& look,
+                           const std::string& where) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    const auto& given = pbr.metallicRoughnessTexture;
+    double metallic = pbr.metallicFactor, roughness = pbr.roughnessFactor;
+    if (given.index >= 0 && coordinates_of(given) == look.texcoord) {
+        m.metallic_roughness_texture = add_texture(look, given, false, where);
+    } else if (given.index >= 0) {
+        loading_.warn(where,
+                      "a metallic-roughness image with texture coordinates of its own is not modelled; its "
+                      "means are used");
+        if (const auto image = decoded(given.index, false, where)) {
+            const Rgb mean = mean_of(*image).color;
+            roughness *= mean.y;
+            metallic *= mean.z;
+        }
+    }
+    metallic = std::clamp(metallic, 0.0, 1.0);
+    m.roughness = clamp_roughness(float(roughness * roughness));
+    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0) {
+        m.metallic = float(metallic);
+    } else {  // the same mixture everywhere
+        m.specular = clamp01(m.specular * float(1 - metallic) + m.base_color * float(metallic));
+        m.base_color = m.base_color * float(1 - metallic);
+    }
+}
+
+viscache::Material GltfReader::surface(const tinygltf::Material& in, Look& look, const std::string& where) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    viscache::Material m;
+    m.two_sided = in.doubleSided;
+    if (extension_number(in, "KHR_materials_transmission", "transmissionFactor", 0) > 0.5) {
+        m.kind = MaterialKind::kDielectric;
+        m.two_sided = true;
+        m.eta = float(extension_number(in, "KHR_materials_ior", "ior", 1.5));
+        if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
+        return m;
+    }
+    m.kind = MaterialKind::kGlossy;
+    m.base_color = clamp01(gltf_rgb(pbr.baseColorFactor, {1, 1, 1}));
+    if (pbr.baseColorTexture.index >= 0)
+        m.base_texture = add_texture(look, pbr.baseColorTexture, true, where);
+    m.specular = dielectric_specular(in, where);
+    roughness(m, in, look, where);
+    if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
+    alpha(m, in, where);
+    return m;
+}
+
+/// Needs the texture coordinates of the look.
+void GltfReader::emission(Look& look, const tinygltf::Material& in, const std::string& where) {
+    const Rgb e = max({0, 0, 0}, gltf_rgb(in.emissiveFactor, {0, 0, 0}));
+    look.emission = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
+    if (!(max_component(look.emission) > 0) || in.emissiveTexture.index < 0) return;
+    if (coordinates_of(in.emissiveTexture) == look.texcoord) {
+        look.emission_texture = add_texture(look, in.emissiveTexture, true, where);
+        return;
+    }
+    loading_.warn(where,
+                  "an emissive image with texture coordinates of its own is not modelled; its mean is used");
+    if (const auto image = decoded(in.emissiveTexture.index, true, where))
+        look.emission = look.emission * mean_of(*image).color;
+}
+
+const GltfReader::Look& GltfReader::look(int index) {
+    const auto [found, is_new] = looks_.try_emplace(index);
+    if (!is_new) return found->second;
+    const std::string where = path_ + ": material " + std::to_string(index);
+    if (index >= 0 && size_t(index) >= model_.materials.size())
+        fail(where, "the file has " + std::to_string(model_.materials.size()) + " materials");
+    const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
+    Look& look = found->second;
+    look.texcoord = texcoord_of(in);
+    look.material = loading_.add_material(surface(in, look, where));
+    look.two_sided = in.doubleSided;
+    emission(look, in, where);
+    return look;
+}
+
+}  // namespace viscache::loading

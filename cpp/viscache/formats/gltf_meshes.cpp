@@ -1,0 +1,161 @@
+// glTF 2.0: converts accessors and primitives to meshes.
+#include "viscache/formats/gltf_reader.h"
+
+#include <cstring>
+
+namespace viscache::loading {
+
+namespace {
+
+template <class T>
+double value_at(const unsigned char* p, bool normalized) {
+    T v;
+    std::memcpy(&v, p, sizeof v);
+    if constexpr (std::is_integral_v<T>)
+        if (normalized) return std::max(double(v) / double(std::numeric_limits<T>::max()), -1.0);
+    return double(v);
+}
+
+std::string count_text(int index, const char* what, size_t count) {
+    return std::string(what) + " " + std::to_string(index) + ", the file has " + std::to_string(count);
+}
+
+}  // namespace
+
+double GltfReader::Elements::get(size_t element, int c) const {
+    const unsigned char* p =
+        data + element * stride + size_t(c) * size_t(tinygltf::GetComponentSizeInBytes(uint32_t(component)));
+    switch (component) {
+        case TINYGLTF_COMPONENT_TYPE_BYTE: return value_at<int8_t>(p, normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return value_at<uint8_t>(p, normalized);
+        case TINYGLTF_COMPONENT_TYPE_SHORT: return value_at<int16_t>(p, normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return value_at<uint16_t>(p, normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return value_at<uint32_t>(p, normalized);
+        default: return value_at<float>(p, normalized);
+    }
+}
+
+GltfReader::Elements GltfReader::elements(int index, const std::string& where) const {
+    if (index < 0 || size_t(index) >= model_.accessors.size())
+        fail(where, count_text(index, "accessor", model_.accessors.size()));
+    const tinygltf::Accessor& a = model_.accessors[size_t(index)];
+    const std::string place = where + ": accessor " + std::to_string(index);
+    if (a.sparse.isSparse) fail(place, "sparse accessors are not read");
+    if (a.bufferView < 0 || size_t(a.bufferView) >= model_.bufferViews.size())
+        fail(place, count_text(a.bufferView, "buffer view", model_.bufferViews.size()));
+    const tinygltf::BufferView& view = model_.bufferViews[size_t(a.bufferView)];
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
+    const auto& data = model_.buffers[size_t(view.buffer)].data;
+    const int n = tinygltf::GetNumComponentsInType(uint32_t(a.type));
+    const int size = tinygltf::GetComponentSizeInBytes(uint32_t(a.componentType));
+    if (n <= 0 || size <= 0 || a.componentType == TINYGLTF_COMPONENT_TYPE_INT ||
+        a.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE)
+        fail(place, "unknown component type " + std::to_string(a.componentType));
+
+    // All elements must lie inside the view, and the view inside its buffer.
+    const size_t element = size_t(n) * size_t(size), stride = view.byteStride ? view.byteStride : element;
+    const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
+    const bool fits = view_fits && stride >= element && a.count > 0 && a.byteOffset <= view.byteLength &&
+                      element <= view.byteLength - a.byteOffset &&
+                      (a.count - 1) <= (view.byteLength - a.byteOffset - element) / stride;
+    if (!fits)
+        fail(place, std::to_string(a.count) + " elements of " + std::to_string(element) +
+                        " bytes do not fit into the buffer of " + std::to_string(data.size()) + " bytes");
+    return {data.data() + view.byteOffset + a.byteOffset, a.count, stride, a.componentType, n, a.normalized};
+}
+
+std::vector<Vec3> GltfReader::vec3s(int accessor, const std::string& where) const {
+    const Elements e = elements(accessor, where);
+    if (e.n != 3)
+        fail(where, "accessor " + std::to_string(accessor) + " must hold 3 components, it holds " +
+                        std::to_string(e.n));
+    std::vector<Vec3> out(e.count);
+    for (size_t i = 0; i < e.count; ++i)
+        out[i] = {float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))};
+    return out;
+}
+
+void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& p, const std::string& where) {
+    std::vector<uint32_t> corners;
+    const size_t n = mesh.vertices.size();
+    if (p.indices >= 0) {
+        const Elements e = elements(p.indices, where);
+        if (e.n != 1 || e.component == TINYGLTF_COMPONENT_TYPE_FLOAT)
+            fail(where, "indices must be unsigned integers");
+        for (size_t i = 0; i < e.count; ++i) {
+            const double x = e.get(i, 0);
+            if (!(x >= 0 && x < double(n)))
+                fail(where, "index " + std::to_string(int64_t(x)) + ", the primitive has " +
+                                std::to_string(n) + " vertices");
+            corners.push_back(uint32_t(x));
+        }
+    } else {
+        for (size_t i = 0; i < n; ++i) corners.push_back(uint32_t(i));
+    }
+    const size_t m = corners.size();
+    if (p.mode == TINYGLTF_MODE_TRIANGLES) {
+        if (m % 3) fail(where, std::to_string(m) + " indices are not whole triangles");
+        for (size_t i = 0; i + 2 < m; i += 3)
+            mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    } else {
+        const bool strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
+        for (size_t i = 0; i + 2 < m; ++i)
+            mesh.triangles.push_back(strip ? Vec3u{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]}
+                                           : Vec3u{corners[i + 1], corners[i + 2], corners[0]});
+    }
+}
+
+std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primitive& p,
+                                                         const std::string& where) {
+    const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
+    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+        mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+        loading_.warn(where, "points and lines are not modelled; skipped");
+        return {};
+    }
+    const auto position = p.attributes.find("POSITION");
+    if (position == p.attributes.end()) {
+        loading_.warn(where, "a primitive without POSITION is skipped");
+        return {};
+    }
+    if (!p.targets.empty()) loading_.warn(where, "morph targets are not modelled; ignored");
+    viscache::Mesh mesh;
+    mesh.vertices = vec3s(position->second, where);
+    const Look& seen = look(p.material);
+    if (const auto normal = p.attributes.find("NORMAL"); normal != p.attributes.end())
+        mesh.normals = vec3s(normal->second, where);
+    if (const auto uv = p.attributes.find("TEXCOORD_" + std::to_string(seen.texcoord));
+        uv != p.attributes.end()) {
+        const Elements e = elements(uv->second, where);
+        if (e.n != 2) fail(where, "texture coordinates must hold 2 components");
+        // Row 0 of an image is v = 0 in glTF.
+        for (size_t i = 0; i < e.count; ++i) mesh.uvs.push_back({float(e.get(i, 0)), 1 - float(e.get(i, 1))});
+    }
+    transform_uvs(mesh, seen.uv.get());
+    tinygltf::Primitive known = p;
+    known.mode = mode;
+    add_triangles(mesh, known, where);
+    mesh.material = seen.material;
+    mesh.emission = seen.emission;
+    mesh.emission_texture = seen.emission_texture;
+    mesh.emits_two_sided = seen.two_sided;
+    check_mesh(mesh, where);
+    return mesh;
+}
+
+std::vector<viscache::Mesh> GltfReader::meshes_of(int index) {
+    const tinygltf::Mesh& in = model_.meshes[size_t(index)];
+    std::vector<viscache::Mesh> out;
+    for (size_t i = 0; i < in.primitives.size(); ++i) {
+        const std::string where =
+            path_ + ": mesh " + std::to_string(index) + " primitive " + std::to_string(i);
+        if (auto mesh = primitive_mesh(in.primitives[i], where)) {
+            mesh->name = in.name;
+            out.push_back(std::move(*mesh));
+        }
+    }
+    return out;
+}
+
+}  // namespace viscache::loading

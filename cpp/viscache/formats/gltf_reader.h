@@ -1,0 +1,83 @@
+#pragma once
+// Reads glTF 2.0 and GLB scenes with tinygltf. Internal to the loader.
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include "viscache/formats/loading.h"
+
+namespace viscache::loading {
+
+class GltfReader {
+public:
+    GltfReader(const std::string& path, Loading& loading) : path_(path), loading_(loading) {}
+    void read_scene();
+
+private:
+    /// What a glTF material contributes to the meshes that use it.
+    struct Look {
+        int material = -1;
+        Rgb emission{};
+        int emission_texture = -1;
+        bool two_sided = false;
+        int texcoord = 0;  ///< index of the texture coordinate set
+        MaterialUv uv;     ///< what the images make of the coordinates
+    };
+    /// Elements of an accessor, with bounds checks.
+    struct Elements {
+        const unsigned char* data = nullptr;
+        size_t count = 0, stride = 0;
+        int component = 0, n = 0;
+        bool normalized = false;
+
+        double get(size_t element, int c) const;
+    };
+    struct Placed {
+        int mesh;
+        Affine to_world;
+    };
+
+    // load_gltf.cpp: files, nodes, placement
+    void parse();
+    void check_extensions();
+    void visit(int node, const Affine& parent, int depth);
+    Affine local_transform(const tinygltf::Node& node, const std::string& where);
+    void add_camera(int camera, const Affine& t, const std::string& where);
+    void add_light(const tinygltf::Node& node, const Affine& t, const std::string& where);
+    void place_all();
+    void bake(std::vector<viscache::Mesh> meshes, const Affine& t, const std::string& where);
+
+    // gltf_meshes.cpp
+    Elements elements(int accessor, const std::string& where) const;
+    std::vector<Vec3> vec3s(int accessor, const std::string& where) const;
+    std::vector<viscache::Mesh> meshes_of(int mesh);
+    std::optional<viscache::Mesh> primitive_mesh(const tinygltf::Primitive& p, const std::string& where);
+    void add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& p, const std::string& where);
+
+    // gltf_materials.cpp
+    const Look& look(int material);
+    viscache::Material surface(const tinygltf::Material& in, Look& look, const std::string& where);
+    void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
+    void emission(Look& look, const tinygltf::Material& in, const std::string& where);
+    Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
+    double extension_number(const tinygltf::Material& in, const char* extension, const char* name,
+                            double fallback);
+    int image_source(int texture, const std::string& where) const;
+    std::string image_bytes(int source, const std::string& where) const;
+    std::string image_path(int source) const;
+    int add_texture(Look& look, const tinygltf::TextureInfo& info, bool srgb, const std::string& where);
+    LookUp look_up(int texture, const std::string& where) const;
+    void roughness(viscache::Material& m, const tinygltf::Material& in, Look& look, const std::string& where);
+    std::optional<viscache::Image> decoded(int texture, bool srgb, const std::string& where);
+
+    const std::string path_;
+    Loading& loading_;
+    tinygltf::Model model_;
+    std::vector<char> visited_;
+    std::vector<Placed> placed_;
+    std::map<int, Look> looks_;
+    /// Scene image of an embedded one; key: index, sRGB or linear, look-up.
+    std::map<std::tuple<int, bool, LookUp>, int> embedded_;
+};
+
+}  // namespace viscache::loading

@@ -1,0 +1,330 @@
+// PLY polygon files: ascii and little-endian binary.
+#include <cstring>
+
+#include "viscache/formats/loading.h"
+
+namespace viscache::loading {
+
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct Property {
+    std::string name;
+    Type type = Type::kFloat;
+    bool is_list = false;
+    Type count_type = Type::kUint8;
+};
+
+struct Element {
+    std::string name;
+    uint64_t count = 0;
+    std::vector<Property> properties;
+};
+
+struct PlyHeader {
+    bool ascii = false;
+    std::vector<Element> elements;
+    size_t end = 0;    ///< byte offset of the data
+    size_t lines = 0;  ///< number of header lines
+};
+
+std::optional<Type> type_named(std::string_view s) {
+    if (s == "char" || s == "int8") return Type::kInt8;
+    if (s == "uchar" || s == "uint8") return Type::kUint8;
+    if (s == "short" || s == "int16") return Type::kInt16;
+    if (s == "ushort" || s == "uint16") return Type::kUint16;
+    if (s == "int" || s == "int32") return Type::kInt32;
+    if (s == "uint" || s == "uint32") return Type::kUint32;
+    if (s == "float" || s == "float32") return Type::kFloat;
+    if (s == "double" || s == "float64") return Type::kDouble;
+    return {};
+}
+
+size_t size_of(Type t) {
+    switch (t) {
+        case Type::kInt8:
+        case Type::kUint8: return 1;
+        case Type::kInt16:
+        case Type::kUint16: return 2;
+        case Type::kInt32:
+        case Type::kUint32:
+        case Type::kFloat: return 4;
+        case Type::kDouble: return 8;
+    }
+    return 1;
+}
+
+std::vector<std::string> words_of(std::string_view line) {
+    std::vector<std::string> words;
+    for (size_t i = 0; i < line.size();) {
+        const size_t begin = line.find_first_not_of(" \t\r", i);
+        if (begin == std::string_view::npos) break;
+        const size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
+        words.emplace_back(line.substr(begin, end - begin));
+        i = end;
+    }
+    return words;
+}
+
+void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::string& where) {
+    Property p;
+    if (h.elements.empty()) fail(where, "a property stands before any element");
+    p.is_list = w.size() == 5 && w[1] == "list";
+    if (!p.is_list && w.size() != 3) fail(where, "a property must be 'property <type> <name>' or a list");
+    const auto type = type_named(w[p.is_list ? 3 : 1]);
+    if (!type) fail(where, "unknown property type '" + w[p.is_list ? 3 : 1] + "'");
+    p.type = *type;
+    p.name = w.back();
+    if (p.is_list) {
+        const auto count_type = type_named(w[2]);
+        if (!count_type || *count_type == Type::kFloat || *count_type == Type::kDouble)
+            fail(where, "the count of a list must have an integer type, got '" + w[2] + "'");
+        p.count_type = *count_type;
+    }
+    h.elements.back().properties.push_back(p);
+}
+
+/// Reads one header line; returns true at end_header.
+bool read_header_line(PlyHeader& h, const std::vector<std::string>& w, bool& has_format,
+                      const std::string& where) {
+    if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
+    if (w[0] == "format") {
+        if (w.size() != 3 || (w[1] != "ascii" && w[1] != "binary_little_endian"))
+            fail(where,
+                 "format '" + (w.size() > 1 ? w[1] : "") + "'; ascii and binary_little_endian are read");
+        h.ascii = w[1] == "ascii";
+        has_format = true;
+    } else if (w[0] == "element") {
+        const auto count = w.size() == 3 ? parse_integer(w[2]) : std::nullopt;
+        if (!count || *count < 0) fail(where, "an element must be 'element <name> <count>'");
+        h.elements.push_back({w[1], uint64_t(*count), {}});
+    } else if (w[0] == "property") {
+        read_property(h, w, where);
+    } else if (w[0] == "end_header") {
+        return true;
+    } else {
+        fail(where, "unknown header line '" + w[0].substr(0, 40) + "'");
+    }
+    return false;
+}
+
+PlyHeader read_ply_header(std::string_view text, const std::string& path) {
+    PlyHeader h;
+    bool has_format = false;
+    for (size_t begin = 0;;) {
+        const size_t newline = text.find('\n', begin);
+        const std::string where = at_line(path, ++h.lines);
+        if (newline == std::string_view::npos || newline - begin > 4096)
+            fail(where, "the PLY header does not end (no end_header)");
+        const auto words = words_of(text.substr(begin, newline - begin));
+        begin = newline + 1;
+        if (h.lines == 1) {
+            if (words.size() != 1 || words[0] != "ply")
+                fail(where, "not a PLY file: it must start with 'ply'");
+        } else if (read_header_line(h, words, has_format, where)) {
+            if (!has_format) fail(where, "the PLY header has no format line");
+            h.end = begin;
+            return h;
+        }
+    }
+}
+
+/// Reads values one after the other, from text or bytes.
+class PlyValues {
+public:
+    PlyValues(std::string_view data, const PlyHeader& h, const std::string& path)
+        : data_(data), at_(h.end), line_(h.lines + 1), ascii_(h.ascii), path_(path) {}
+
+    std::string where() const {
+        return ascii_ ? at_line(path_, line_) : path_ + ": byte " + std::to_string(at_);
+    }
+    size_t left() const { return data_.size() - at_; }
+
+    double next(Type type) {
+        if (ascii_) return next_word();
+        const size_t size = size_of(type);
+        if (left() < size) fail(where(), "the file ends inside the data");
+        const char* p = data_.data() + at_;
+        at_ += size;
+        switch (type) {
+            case Type::kInt8: return get<int8_t>(p);
+            case Type::kUint8: return get<uint8_t>(p);
+            case Type::kInt16: return get<int16_t>(p);
+            case Type::kUint16: return get<uint16_t>(p);
+            case Type::kInt32: return get<int32_t>(p);
+            case Type::kUint32: return get<uint32_t>(p);
+            case Type::kFloat: return double(get<float>(p));
+            case Type::kDouble: return get<double>(p);
+        }
+        return 0;
+    }
+
+    /// Length of a list. Refused if the rest of the file cannot hold that many entries.
+    uint64_t next_count(const Property& p) {
+        const double n = next(p.count_type);
+        const uint64_t room = left() / (ascii_ ? 1 : size_of(p.type)) + 1;
+        if (!(n >= 0) || n != std::floor(n) || n > double(room))
+            fail(where(), "list '" + p.name + "' has a count that the file cannot hold");
+        return uint64_t(n);
+    }
+
+private:
+    template <class T>
+    static T get(const char* p) {
+        T v;
+        std::memcpy(&v, p, sizeof v);
+        return v;
+    }
+
+    double next_word() {
+        while (at_ < data_.size() && std::strchr(" \t\r\n", data_[at_]) && data_[at_] != '\0')
+            line_ += data_[at_++] == '\n';
+        size_t end = at_;
+        while (end < data_.size() && !(std::strchr(" \t\r\n", data_[end]) && data_[end] != '\0')) ++end;
+        if (end == at_) fail(where(), "the file ends inside the data");
+        const auto value = parse_number(data_.substr(at_, end - at_));
+        if (!value)
+            fail(where(), "a number must stand here, got '" +
+                              std::string(data_.substr(at_, std::min<size_t>(end - at_, 40))) + "'");
+        at_ = end;
+        return *value;
+    }
+
+    std::string_view data_;
+    size_t at_, line_;
+    bool ascii_;
+    const std::string& path_;
+};
+
+/// Smallest possible size of a row of the element, in bytes.
+uint64_t least_row_bytes(const Element& e, bool ascii) {
+    uint64_t bytes = 0;
+    for (const Property& p : e.properties) bytes += ascii ? 2 : size_of(p.is_list ? p.count_type : p.type);
+    return bytes;
+}
+
+void check_count(const Element& e, const PlyValues& values, bool ascii, const std::string& path) {
+    const uint64_t row = least_row_bytes(e, ascii);
+    if (e.count == 0) return;
+    if (row == 0 || e.count > (values.left() + 1) / row)
+        fail(path, "element '" + e.name + "' is said to have " + std::to_string(e.count) +
+                       " rows, the file cannot hold them");
+}
+
+/// Slot of a vertex property: 0-2 position, 3-5 normal, 6-7 uv, -1 ignored.
+int slot_of(const std::string& name) {
+    const char* const names[8][4] = {{"x", "", "", ""},
+                                     {"y", "", "", ""},
+                                     {"z", "", "", ""},
+                                     {"nx", "", "", ""},
+                                     {"ny", "", "", ""},
+                                     {"nz", "", "", ""},
+                                     {"u", "s", "texture_u", "texture_s"},
+                                     {"v", "t", "texture_v", "texture_t"}};
+    for (int slot = 0; slot < 8; ++slot)
+        for (const char* known : names[slot])
+            if (*known && name == known) return slot;
+    return -1;
+}
+
+void read_vertices(Mesh& mesh, const Element& e, PlyValues& values) {
+    std::vector<int> slots;
+    bool has[8] = {};
+    for (const Property& p : e.properties) {
+        slots.push_back(p.is_list ? -1 : slot_of(p.name));
+        if (slots.back() >= 0) has[slots.back()] = true;
+    }
+    if (!has[0] || !has[1] || !has[2]) fail(values.where(), "vertices must have x, y and z");
+    const bool normals = has[3] && has[4] && has[5], uvs = has[6] && has[7];
+    for (uint64_t i = 0; i < e.count; ++i) {
+        float row[8] = {};
+        for (size_t k = 0; k < slots.size(); ++k) {
+            const Property& p = e.properties[k];
+            if (p.is_list) {
+                for (uint64_t n = values.next_count(p); n > 0; --n) values.next(p.type);
+            } else if (const double x = values.next(p.type); slots[k] >= 0) {
+                row[slots[k]] = float(x);
+            }
+        }
+        mesh.vertices.push_back({row[0], row[1], row[2]});
+        if (normals) mesh.normals.push_back({row[3], row[4], row[5]});
+        if (uvs) mesh.uvs.push_back({row[6], row[7]});
+    }
+}
+
+void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const std::string& where) {
+    if (face.size() < 3)
+        fail(where, "a face has " + std::to_string(face.size()) + " corners, it must have 3 or more");
+    for (uint32_t i : face)
+        if (i >= vertices)
+            fail(where, "a face uses vertex index " + std::to_string(i) + ", the file has " +
+                            std::to_string(vertices) + " vertices");
+    for (size_t k = 1; k + 1 < face.size(); ++k) mesh.triangles.push_back({face[0], face[k], face[k + 1]});
+}
+
+void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertices) {
+    bool found = false;
+    std::vector<uint32_t> face;
+    for (const Property& p : e.properties)
+        found = found || (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"));
+    if (!found) fail(values.where(), "faces must have the list vertex_indices");
+    for (uint64_t i = 0; i < e.count; ++i)
+        for (const Property& p : e.properties) {
+            uint64_t n = p.is_list ? values.next_count(p) : 1;
+            const bool corners = p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+            face.clear();
+            for (; n > 0; --n) {
+                const double x = values.next(p.type);
+                if (!corners) continue;
+                if (!(x >= 0 && x < 4294967295.0) || x != std::floor(x))
+                    fail(values.where(), "a face uses vertex index " + std::to_string(x) + ", the file has " +
+                                             std::to_string(vertices) + " vertices");
+                face.push_back(uint32_t(x));
+            }
+            if (corners) add_face(mesh, face, vertices, values.where());
+        }
+}
+
+void skip_rows(const Element& e, PlyValues& values) {
+    for (uint64_t i = 0; i < e.count; ++i)
+        for (const Property& p : e.properties)
+            for (uint64_t n = p.is_list ? values.next_count(p) : 1; n > 0; --n) values.next(p.type);
+}
+
+}  // namespace
+
+Mesh read_ply(const std::string& path, const std::string& asked_at) {
+    const std::string text = read_file(path, asked_at);
+    const PlyHeader header = read_ply_header(text, path);
+    Mesh mesh;
+    PlyValues values(text, header, path);
+    uint64_t vertices = 0;
+    for (const Element& e : header.elements)
+        if (e.name == "vertex") vertices = e.count;
+    for (const Element& e : header.elements) {
+        check_count(e, values, header.ascii, path);
+        if (e.name == "vertex") {
+            if (!mesh.vertices.empty()) fail(path, "the element 'vertex' is given twice");
+            mesh.vertices.reserve(e.count);
+            read_vertices(mesh, e, values);
+        } else if (e.name == "face") {
+            mesh.triangles.reserve(e.count);
+            read_faces(mesh, e, values, vertices);
+        } else {
+            skip_rows(e, values);
+        }
+    }
+    if (mesh.triangles.empty()) fail(path, "the file has no faces");
+    check_mesh(mesh, path);
+    return mesh;
+}
+
+void load_ply(const std::string& path, Loading& loading) {
+    Mesh mesh = read_ply(path);
+    mesh.name = loading.scene.name;
+    mesh.material = loading.add_material({});
+    loading.add_mesh(std::move(mesh), path);
+}
+
+}  // namespace viscache::loading

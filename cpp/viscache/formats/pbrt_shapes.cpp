@@ -1,0 +1,281 @@
+// pbrt text: shapes and lights.
+#include "viscache/formats/pbrt_reader.h"
+
+namespace viscache::loading {
+
+namespace {
+
+/// The corners of patches of `n` corners.
+std::vector<uint32_t> corners(const PbrtParam& indices, size_t n, size_t vertices) {
+    if (indices.numbers.empty() || indices.numbers.size() % n)
+        fail(indices.where, n == 3 ? "'indices' must be triples" : "'indices' must be fours");
+    std::vector<uint32_t> flat;
+    for (double x : indices.numbers) {
+        if (!(x >= 0 && x < double(vertices)) || x != std::floor(x))
+            fail(indices.where, "'indices' holds " + std::to_string(x) + ", the mesh has " +
+                                    std::to_string(vertices) + " vertices");
+        flat.push_back(uint32_t(x));
+    }
+    return flat;
+}
+
+void add_triangles(Mesh& mesh, const PbrtParam& indices) {
+    const auto flat = corners(indices, 3, mesh.vertices.size());
+    for (size_t i = 0; i < flat.size(); i += 3) mesh.triangles.push_back({flat[i], flat[i + 1], flat[i + 2]});
+}
+
+Mesh inline_mesh(const PbrtParams& params, const std::string& where) {
+    Mesh mesh;
+    mesh.vertices = params.vec3s("P");
+    const PbrtParam* indices = params.find("indices");
+    const bool is_one = !indices && mesh.vertices.size() == 3;  // pbrt-v4: a triangle needs no indices
+    if (mesh.vertices.empty() || (!indices && !is_one)) fail(where, "a triangle mesh needs P and indices");
+    if (is_one)
+        mesh.triangles = {{0, 1, 2}};
+    else
+        add_triangles(mesh, *indices);
+    mesh.normals = params.vec3s("N");
+    mesh.uvs = params.vec2s(params.has("uv") ? "uv" : "st");
+    return mesh;
+}
+
+/// The area of one light: a shape, or one triangle of a mesh, to which pbrt gives the power of the light.
+double light_area(const Mesh& mesh, const std::string& type) {
+    double area = 0;
+    for (Vec3u t : mesh.triangles) {
+        const Vec3 a = mesh.vertices[t.x];
+        area += length(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)) / 2;
+    }
+    const bool is_mesh = type == "trianglemesh" || type == "plymesh" || type == "loopsubdiv";
+    const bool is_patches = type == "bilinearmesh";
+    return area / (is_mesh      ? double(mesh.triangles.size())
+                   : is_patches ? double(mesh.triangles.size()) / 2
+                                : 1);
+}
+
+}  // namespace
+
+std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtParams& params,
+                                           const std::string& where) {
+    if (type == "trianglemesh") return inline_mesh(params, where);
+    if (type == "loopsubdiv") {
+        loading_.warn(where, "'loopsubdiv' is not modelled; its control mesh is used");
+        return inline_mesh(params, where);
+    }
+    if (type == "bilinearmesh") return bilinear_mesh(params, where);
+    if (type == "plymesh") {
+        const PbrtParam* file = params.find("filename");
+        if (!file) fail(where, "a plymesh needs a filename");
+        const std::string path = path_named(params.string("filename", ""), file->where);
+        if (!loading_.has_mesh_file(path, file->where)) return {};
+        return read_ply(path, file->where);
+    }
+    if (auto mesh = round_shape(type, params, where)) return mesh;
+    loading_.warn(where, "shape '" + type + "' is not modelled; skipped");
+    return {};
+}
+
+/// Patches of four corners, each as two triangles.
+Mesh PbrtReader::bilinear_mesh(const PbrtParams& params, const std::string& where) {
+    Mesh mesh;
+    mesh.vertices = params.vec3s("P");
+    const PbrtParam* indices = params.find("indices");
+    if (mesh.vertices.empty() || (!indices && mesh.vertices.size() != 4))
+        fail(where, "a bilinear mesh needs P and indices");
+    const auto flat =
+        indices ? corners(*indices, 4, mesh.vertices.size()) : std::vector<uint32_t>{0, 1, 2, 3};
+    bool flat_patches = true;
+    for (size_t i = 0; i < flat.size(); i += 4) {
+        const uint32_t p00 = flat[i], p10 = flat[i + 1], p01 = flat[i + 2], p11 = flat[i + 3];
+        mesh.triangles.push_back({p00, p10, p11});
+        mesh.triangles.push_back({p00, p11, p01});
+        const Vec3 a = mesh.vertices[p10] - mesh.vertices[p00], b = mesh.vertices[p01] - mesh.vertices[p00],
+                   c = mesh.vertices[p11] - mesh.vertices[p00];
+        const float size = length(a) * length(b) * length(c);
+        flat_patches = flat_patches && std::fabs(dot(cross(a, b), c)) <= 1e-4f * size;
+    }
+    mesh.normals = params.vec3s("N");
+    mesh.uvs = params.vec2s("uv");
+    // A patch has its own coordinates where none are given
+    if (mesh.uvs.empty() && flat.size() == 4 && mesh.vertices.size() == 4) {
+        mesh.uvs.resize(4);
+        for (uint32_t k = 0; k < 4; ++k) mesh.uvs[flat[k]] = {float(k % 2), float(k / 2)};
+    }
+    if (!flat_patches) loading_.warn(where, "curved patches are not modelled; each is two triangles");
+    return mesh;
+}
+
+/// The texture coordinates that pbrt gives to shapes without.
+void PbrtReader::add_default_uvs(Mesh& mesh, const std::string& type, const PbrtParams& params) {
+    if (!mesh.uvs.empty()) return;
+    const CornerUvs triangle{{{0, 0}, {1, 0}, {1, 1}}}, other_half{{{0, 0}, {1, 1}, {0, 1}}};
+    if (type == "disk")
+        mesh = textured_disk(params);
+    else if (type == "bilinearmesh")
+        add_triangle_uvs(mesh, {triangle, other_half});
+    else
+        add_triangle_uvs(mesh, {triangle});
+}
+
+/// pbrt keeps normals on their side in mirrored transforms. Shading normals, if given, determine the side of
+/// a triangle.
+void PbrtReader::orient(Mesh& mesh) {
+    const bool mirrored = now_.ctm.determinant() < 0;
+    transform_mesh(mesh, now_.ctm);
+    if (mesh.normals.empty()) {
+        if (mirrored != now_.reversed) flip_winding(mesh);
+        return;
+    }
+    wind_by_normals(mesh);
+    if (now_.reversed) flip_normals(mesh);
+}
+
+/// True if the shape is a full sphere that emits outwards.
+bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where) {
+    const auto scale = uniform_scale(now_.ctm);
+    if (!now_.area_light || now_.area_light->image >= 0 || object_ || !scale || now_.reversed ||
+        !is_whole_sphere(params))
+        return false;
+    const double radius = params.number("radius", 1);
+    if (!(radius > 0)) fail(where, "the radius of a sphere must be > 0");
+    const double r = radius * *scale, area = 12.566370614359172 * r * r;
+    loading_.scene.sphere_lights.push_back(
+        {now_.ctm.point({0, 0, 0}), float(r), radiance(*now_.area_light, area)});
+    return true;
+}
+
+/// The current material, or a copy of it with the alpha cut-out of the shape.
+int PbrtReader::shape_material(const PbrtParams& params, const std::string& where) {
+    if (now_.material == kNoMaterial) now_.material = loading_.add_material({});
+    const PbrtParam* alpha = params.find("alpha");
+    if (!alpha) return now_.material;
+    const PbrtTexture t = color_texture(params, "alpha", kOne);
+    if (t.image < 0 && t.color.x >= 1) return now_.material;
+    Material m = loading_.scene.materials[size_t(now_.material)];
+    if (t.image < 0) m.opacity = t.color.x;
+    m.alpha_texture = t.image;
+    const int index = loading_.add_material(m);
+    material_uv_[index] = m.base_texture >= 0 ? material_uv_[now_.material] : t.uv;
+    if (material_uv_[index] != t.uv)
+        loading_.warn(where,
+                      "the images of a material share one transform of texture coordinates; that of the "
+                      "base colour is used");
+    return index;
+}
+
+void PbrtReader::shape(const std::string& where) {
+    const std::string type = name_argument();
+    const PbrtParams params = params_of("shape");
+    if (now_.material == kNoSurface)
+        return loading_.warn(where, "a shape without a surface (material \"none\") is skipped");
+    // An alpha of 0 makes a shape invisible
+    if (const PbrtParam* alpha = params.find("alpha"); alpha && alpha->numbers == std::vector<double>{0})
+        return;
+    if (type == "sphere" && sphere_light(params, where)) return;
+    auto mesh = shape_mesh(type, params, where);
+    if (!mesh) return;
+    // Indices and normals must be valid before the winding is changed.
+    check_mesh(*mesh, where);
+    mesh->material = shape_material(params, where);
+    const bool shines_image = now_.area_light && !object_ && now_.area_light->image >= 0;
+    if (shines_image || uses_image(loading_.scene.materials[size_t(mesh->material)]))
+        add_default_uvs(*mesh, type, params);
+    orient(*mesh);
+    transform_uvs(*mesh, material_uv_[mesh->material]);
+    mesh->in_world = object_ == nullptr;
+    if (now_.area_light && object_) {
+        loading_.warn(where, "emission inside an object is not modelled (as in pbrt); skipped");
+    } else if (now_.area_light) {
+        mesh->emission = radiance(*now_.area_light, light_area(*mesh, type));
+        mesh->emission_texture = now_.area_light->image;
+        mesh->emits_two_sided = now_.area_light->two_sided;
+    }
+    const int index = loading_.add_mesh(std::move(*mesh), where);
+    if (object_) object_->push_back(index);
+}
+
+/// The radiance that a light of this area has.
+Rgb PbrtReader::radiance(const AreaLight& light, double area) const {
+    if (!(light.power > 0) || !(area > 0)) return light.radiance;
+    return light.radiance * float(light.power / (area * kPi * (light.two_sided ? 2 : 1)));
+}
+
+void PbrtReader::area_light(const std::string& where) {
+    const std::string type = name_argument();
+    const PbrtParams params = params_of("light");
+    if (type != "diffuse" && type != "area")
+        return loading_.warn(where, "area light '" + type + "' is not modelled; skipped");
+    AreaLight light{color(params, "L", kOne) * color(params, "scale", kOne),
+                    params.boolean("twosided", false)};
+    light.power = params.number("power", 0);
+    if (const PbrtParam* file = params.find("filename")) {
+        light.image =
+            loading_.add_image(path_named(params.string("filename", ""), file->where), file->where, true);
+        if (light.power > 0)
+            loading_.warn(where, "the power of a light with an image is not modelled; its scale is used");
+        light.power = 0;
+    }
+    now_.area_light = light;
+}
+
+void PbrtReader::infinite_light(const PbrtParams& params, const std::string& where) {
+    Environment env;
+    env.scale = color(params, "L", kOne) * color(params, "scale", kOne);
+    const char* const name = params.has("mapname") ? "mapname" : "filename";
+    if (params.has("portal")) loading_.warn(where, "portals are not modelled; the whole sky shines");
+    const double illuminance = params.number("illuminance", 0);
+    if (illuminance > 0) env.scale = env.scale * float(illuminance / kPi);
+    if (is_v4_ && params.has(name))
+        return loading_.warn(where,
+                             "environment maps of pbrt-v4 (equal-area squares) are not modelled; skipped");
+    if (const PbrtParam* map = params.find(name)) {
+        const std::string path = path_named(params.string(name, ""), map->where);
+        env.image = loading_.add_image(path, map->where, true);
+    }
+    // pbrt's map has z up and its column from atan2(y, x). Ours has y up and the column from atan2(x, -z).
+    Affine ours_to_pbrt;
+    ours_to_pbrt.m = {{{0, 0, -1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
+    env.to_world = now_.ctm * ours_to_pbrt;
+    loading_.set_environment(env, where);
+}
+
+void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) {
+    const Vec3 from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
+    const Vec3 axis = normalize(now_.ctm.vector(to - from));
+    const double outer = params.number("coneangle", 30),
+                 inner = std::max(0.0, outer - params.number("conedeltaangle", 5));
+    if (length2(axis) == 0) fail(where, "a spot light needs two different points");
+    if (!(outer > 0 && outer <= 180 && inner <= outer))
+        fail(where, "a spot light needs 0 < coneangle <= 180 and conedeltaangle >= 0");
+    const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis, float(std::cos(inner * kDegree)),
+                        float(std::cos(outer * kDegree))};
+    loading_.scene.point_lights.push_back(
+        {now_.ctm.point(from), color(params, "I", kOne) * color(params, "scale", kOne), cone});
+}
+
+void PbrtReader::light(const std::string& where) {
+    const std::string type = name_argument();
+    const PbrtParams params = params_of("light");
+    if (type == "point") {
+        const Vec3 position = now_.ctm.point(params.point("from", {0, 0, 0}));
+        const double power = params.number("power", 0);
+        loading_.scene.point_lights.push_back(
+            {position, color(params, "I", kOne) * color(params, "scale", kOne) *
+                           float(power > 0 ? power / (4 * kPi) : 1)});
+    } else if (type == "spot") {
+        spot_light(params, where);
+    } else if (type == "distant") {
+        const Vec3 towards = now_.ctm.vector(params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1}));
+        if (length2(towards) == 0) fail(where, "a distant light needs two different points");
+        const double illuminance = params.number("illuminance", 0);
+        loading_.scene.directional_lights.push_back(
+            {normalize(towards), color(params, "L", kOne) * color(params, "scale", kOne) *
+                                     float(illuminance > 0 ? illuminance : 1)});
+    } else if (type == "infinite" || type == "exinfinite") {
+        infinite_light(params, where);
+    } else {
+        loading_.warn(where, "light '" + type + "' is not modelled; skipped");
+    }
+}
+
+}  // namespace viscache::loading

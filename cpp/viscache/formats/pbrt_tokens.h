@@ -1,0 +1,75 @@
+#pragma once
+// pbrt text: tokens with their positions across included files, and parameter lists. Internal to the
+// loader.
+#include <deque>
+#include <memory>
+
+#include "viscache/formats/loading.h"
+
+namespace viscache::loading {
+
+struct PbrtToken {
+    enum Kind { kWord, kString, kOpen, kClose, kEnd };
+    Kind kind = kEnd;
+    std::string_view text;  ///< without quotes; valid as long as the reader lives
+    const std::string* path = nullptr;
+    size_t line = 0;
+
+    std::string where() const { return at_line(*path, line); }
+};
+
+class PbrtTokens {
+public:
+    /// Continues with the file `path`. A file that includes itself throws SceneError at `asked_at`.
+    void push(const std::string& path, const std::string& asked_at);
+    PbrtToken next();
+    const PbrtToken& peek();
+    /// Returns the next token, which must be of this kind.
+    PbrtToken expect(PbrtToken::Kind kind, const char* what);
+    double expect_number();
+
+private:
+    struct File {
+        std::string path, text;
+        size_t at = 0, line = 1;
+    };
+    PbrtToken read();
+    PbrtToken read_string(File& file);
+
+    std::deque<File> files_;    ///< all files read so far: tokens point into them
+    std::vector<size_t> open_;  ///< files being read, innermost last
+    std::optional<PbrtToken> peeked_;
+};
+
+/// One parameter, `"type name" [values]`.
+struct PbrtParam {
+    std::string type, name, where;
+    std::vector<double> numbers;
+    std::vector<std::string> strings;
+};
+
+/// The parameters of a directive. A value of the wrong type or length throws SceneError.
+class PbrtParams {
+public:
+    static PbrtParams read(PbrtTokens& tokens);
+
+    /// Adds parameters that hold where these do not name a value.
+    void append(const PbrtParams& others) {
+        params_.insert(params_.end(), others.params_.begin(), others.params_.end());
+    }
+    const PbrtParam* find(const char* name) const;
+    bool has(const char* name) const { return find(name) != nullptr; }
+    double number(const char* name, double fallback) const;
+    int integer(const char* name, int fallback) const;
+    bool boolean(const char* name, bool fallback) const;
+    std::string string(const char* name, const std::string& fallback) const;
+    Vec3 point(const char* name, Vec3 fallback) const;
+    /// Rows of two or three floats; empty if not given.
+    std::vector<Vec3> vec3s(const char* name) const;
+    std::vector<Vec2> vec2s(const char* name) const;
+
+private:
+    std::vector<PbrtParam> params_;
+};
+
+}  // namespace viscache::loading
