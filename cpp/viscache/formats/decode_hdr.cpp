@@ -9,6 +9,7 @@ namespace viscache::loading {
 
 namespace {
 
+// Header lines have any length and number; without a limit, pixels would be searched for newlines.
 constexpr size_t kMaxHeaderBytes = 1 << 16;
 
 struct Rgbe {
@@ -53,6 +54,7 @@ Layout layout_of(const std::string& line, const std::string& where) {
             broken();
         sizes[i] = *size;
     }
+    // Each axis must occur once.
     const int y = axes[0][1] == 'Y' ? 0 : 1;
     if (axes[y][1] != 'Y' || axes[1 - y][1] != 'X' || !word().empty()) broken();
     return {int(sizes[1 - y]), int(sizes[y]), y == 1, axes[y][0] == '+', axes[1 - y][0] == '-'};
@@ -70,6 +72,7 @@ Layout read_hdr_header(ByteReader& in, const std::string& where) {
         return text;
     };
     line();  // the signature
+    // An empty line ends the variables. EXPOSURE and others are not applied.
     for (std::string text = line(); !text.empty(); text = line())
         if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
             fail(where, "the image has the format '" + text.substr(7, 80) + "'; 32-bit_rle_rgbe is read");
@@ -81,6 +84,7 @@ void read_new_runs(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
     for (int component = 0; component < 4; ++component)
         for (size_t i = 0; i < line.size();) {
             const int code = in.u8();
+            // Codes up to 128: so many literal bytes. Above: a run of code − 128 equal bytes.
             const bool is_run = code > 128;
             const size_t n = size_t(is_run ? code - 128 : code);
             if (n == 0) fail_broken(where, "a run of 0 pixels");
@@ -105,6 +109,7 @@ void read_old_runs(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
             shift = 0;
             continue;
         }
+        // Four counts already exceed any scanline, and a shift by more than the word's bits is not defined.
         const size_t n = shift < 32 ? size_t(v[3]) << shift : 0;
         if (n == 0) fail_broken(where, "a run of 0 pixels");
         if (i == 0 || n > line.size() - i) fail_broken(where, "a run does not fit its scanline");
@@ -115,6 +120,8 @@ void read_old_runs(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
 
 void read_scanline(ByteReader& in, std::vector<Rgbe>& line, const std::string& where) {
     const size_t n = line.size(), start = in.at();
+    // The new form begins with 2, 2 and the length in 15 bits, so it exists for these lengths only. Old files
+    // may begin with any pixel: then the four bytes are read again.
     if (n >= 8 && n < 32768) {
         const uint8_t* mark = in.take(4);
         if (mark[0] == 2 && mark[1] == 2 && mark[2] < 128) {
@@ -132,6 +139,8 @@ void read_scanline(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
 /// Factors of the mantissas, by the exponent's byte.
 std::array<float, 256> scales() {
     std::array<float, 256> table{};
+    // A mantissa of 8 bits stands for m/256, the exponent has a bias of 128: m·2^(e − 136). Exponent 0 is
+    // black.
     for (int e = 1; e < 256; ++e) table[size_t(e)] = std::ldexp(1.f, e - (128 + 8));
     return table;
 }
@@ -153,6 +162,8 @@ Image decode_hdr(std::string_view bytes, const std::string& where) {
     image.pixels.reserve(all);
     const std::array<float, 256> scale_of = scales();
     std::vector<Rgbe> line(size_t(layout.length()));
+    // Pixels of a scanline are a constant number of floats apart, negative if it runs backwards. A line of
+    // one pixel takes no step.
     const auto step = 3 * (ptrdiff_t(layout.index(0, 1)) - ptrdiff_t(layout.index(0, 0)));
     for (int l = 0; l < layout.lines(); ++l) {
         read_scanline(in, line, where);

@@ -24,6 +24,7 @@ ReadFunction reader_for(const std::string& path) {
                             "'; known are .obj .ply .gltf .glb .xml (Mitsuba) .pbrt .serialized");
 }
 
+// Sums of light that contain one infinity or NaN would spread it over whole frames.
 void check_loaded_lights(const SceneDescription& s, const std::string& path) {
     for (const PointLight& l : s.point_lights)
         if (!is_finite(l.position) || !is_finite(l.intensity))
@@ -68,13 +69,16 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
     scene.name = std::filesystem::path(path).stem().string();
     loading::Loading state(scene, options.strict, options.skip_missing);
     state.origin = options.origin;
+    // In force while this object lives: a scene must not read files of the machine that are not part of it.
     const loading::AllowedFiles allowed(path, options.allow_outside);
     try {
         reader_for(path)(path, state);
         set_origin(scene, options.origin);
         check_loaded_lights(scene, path);
         check_cameras(scene, path);
+        // Last of the work: a scene that cannot be used fails before its pictures are read.
         loading::decode_images(state);
+        // Last, since images and warnings are still added above. Python refuses strings that are not UTF-8.
         make_printable(scene);
     } catch (const std::bad_alloc&) {
         loading::fail(path, "not enough memory");
@@ -90,6 +94,7 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
 
 void set_origin(SceneDescription& scene, const Point& origin) {
     const Point by{origin[0] - scene.origin[0], origin[1] - scene.origin[1], origin[2] - scene.origin[2]};
+    // A loader that placed everything relative to the origin itself has nothing left to move.
     if (by == Point{}) return;
     const auto move = [&](Vec3& p) { p = {float(p.x - by[0]), float(p.y - by[1]), float(p.z - by[2])}; };
     for (Instance& instance : scene.instances)

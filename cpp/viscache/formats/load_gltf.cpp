@@ -13,6 +13,7 @@ namespace viscache::loading {
 namespace {
 
 constexpr int kMaxJsonDepth = 256;
+// A glTF camera has an aspect ratio and no number of pixels.
 constexpr float kDefaultHeight = 480;
 
 /// tinygltf recurses into nested values; this refuses files that would exhaust the stack.
@@ -22,6 +23,7 @@ void check_depth(std::string_view json, const std::string& path) {
     for (size_t i = 0; i < json.size(); ++i) {
         const char c = json[i];
         if (in_string) {
+            // Brackets in names do not nest, and an escaped quote does not end a string.
             if (c == '\\') ++i;
             in_string = c != '"';
         } else if (c == '"') {
@@ -101,9 +103,12 @@ std::string first_line(const std::string& text) {
 
 void GltfReader::parse() {
     const std::string bytes = read_file(path_);
+    // tinygltf and the GLB header count bytes with 32 bits.
     if (bytes.size() > 0xffffffffu) fail(path_, "a glTF file larger than 4 GiB");
     const bool binary = bytes.starts_with("glTF");
     uint32_t json_bytes = 0;
+    // GLB: a header of 12 bytes, then chunks. The first is the JSON: its length at byte 12, its text from
+    // byte 20.
     if (binary && bytes.size() >= 20) std::memcpy(&json_bytes, bytes.data() + 12, 4);
     const std::string_view json =
         binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes;
@@ -137,9 +142,12 @@ void GltfReader::check_extensions() {
 Affine GltfReader::local_transform(const tinygltf::Node& node, const std::string& where) {
     Affine t;
     if (node.matrix.size() == 16) {
+        // glTF stores matrices by columns.
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 4; ++j) t.m[i][j] = node.matrix[size_t(j * 4 + i)];
     } else {
+        // Without a matrix: translation · rotation · scale. The rotation is a quaternion (x, y, z, w) = (axis
+        // sin(θ/2), cos(θ/2)).
         const auto& q = node.rotation;
         if (node.translation.size() == 3)
             t = translation(node.translation[0], node.translation[1], node.translation[2]);
@@ -164,16 +172,21 @@ void GltfReader::add_camera(int index, const Affine& t, const std::string& where
     Camera c;
     if (!in.name.empty()) c.name = in.name;
     c.origin = t.point({0, 0, 0});
+    // Cameras of glTF look along −z with y up. A scale in the node's transform must not tilt the frame: up is
+    // made perpendicular again.
     c.forward = normalize(t.vector({0, 0, -1}));
     const Vec3 up = t.vector({0, 1, 0}), right = t.vector({1, 0, 0});
     c.up = normalize(up - c.forward * dot(up, c.forward));
     const Vec3 side = normalize(cross(c.forward, c.up));
+    // A mirroring node mirrors the picture.
     c.right = dot(side, right) < 0 ? -side : side;
     if (length2(c.right) == 0) fail(where, "the camera's transform is singular");
+    // The aspect ratio is optional.
     double aspect = in.perspective.aspectRatio > 0 ? in.perspective.aspectRatio : 16.0 / 9;
     if (parallel) {
         const double x = std::abs(in.orthographic.xmag), y = std::abs(in.orthographic.ymag);
         if (!(x > 0 && y > 0)) fail(where, "xmag and ymag of an orthographic camera must not be 0");
+        // xmag and ymag are half extents.
         c.view_height = float(2 * y);
         aspect = x / y;
     } else {
@@ -197,6 +210,7 @@ void GltfReader::add_light(const tinygltf::Node& node, const Affine& t, const st
     const Rgb color = in.color.size() == 3
                           ? Rgb{float(in.color[0]), float(in.color[1]), float(in.color[2])} * i
                           : Rgb{i, i, i};
+    // KHR_lights_punctual lets a light end at its range, which no physical light does.
     if (in.range > 0)
         loading_.warn(where,
                       "the range of a light is not modelled; its light falls off with the distance alone");
@@ -205,6 +219,7 @@ void GltfReader::add_light(const tinygltf::Node& node, const Affine& t, const st
         loading_.scene.point_lights.push_back({t.point({0, 0, 0}), color});
     } else if (in.type == "spot") {
         const double inner = in.spot.innerConeAngle, outer = in.spot.outerConeAngle;
+        // The cosines order the two angles only in [0, π].
         if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= M_PI))
             fail(where, "a spot light needs 0 <= innerConeAngle <= outerConeAngle");
         const Vec3 axis = normalize(t.vector({0, 0, -1}));
@@ -212,6 +227,7 @@ void GltfReader::add_light(const tinygltf::Node& node, const Affine& t, const st
         const SpotCone cone{Falloff::kQuadratic, axis, float(std::cos(inner)), float(std::cos(outer))};
         loading_.scene.point_lights.push_back({t.point({0, 0, 0}), color, cone});
     } else if (in.type == "directional") {
+        // The light shines along −z; a direction here points to the light.
         loading_.scene.directional_lights.push_back({normalize(t.vector({0, 0, 1})), color});
     } else {
         loading_.warn(where, "light type '" + in.type + "' is not modelled; skipped");
@@ -222,10 +238,14 @@ void GltfReader::visit(int index, const Affine& parent, int depth) {
     const std::string where = path_ + ": node " + std::to_string(index);
     if (index < 0 || size_t(index) >= model_.nodes.size())
         fail(where, "the file has " + std::to_string(model_.nodes.size()) + " nodes");
+    // This function recurses: a deeper chain of nodes would exhaust the stack.
     if (depth > 4096) fail(where, "nodes are nested more than 4096 deep");
+    // glTF demands a tree. A cycle would recurse without end, and shared children could double the placed
+    // nodes at each level.
     if (visited_[size_t(index)]) fail(where, "the node has two parents, or is its own ancestor");
     visited_[size_t(index)] = 1;
     const tinygltf::Node& node = model_.nodes[size_t(index)];
+    // Finite factors may have an infinite product.
     const Affine t = parent * local_transform(node, where);
     if (!is_finite(t)) fail(where, "the node's transform is not finite");
     if (node.mesh >= 0) {
@@ -251,6 +271,7 @@ void GltfReader::bake(std::vector<viscache::Mesh> meshes, const Affine& t, const
 
 void GltfReader::place_all() {
     std::map<int, int> uses;
+    // Only a mesh that is placed more than once saves memory as an instance.
     for (const Placed& p : placed_) ++uses[p.mesh];
     std::map<int, std::vector<int>> groups;
     for (const Placed& p : placed_) {
@@ -258,6 +279,7 @@ void GltfReader::place_all() {
         std::vector<viscache::Mesh> meshes = meshes_of(p.mesh);
         bool emits = false;
         for (const viscache::Mesh& mesh : meshes) emits = emits || max_component(mesh.emission) > 0;
+        // The triangles of lights must stand in the world, and a mirrored placement needs its own winding.
         if (uses[p.mesh] == 1 || emits || p.to_world.determinant() < 0) {
             bake(std::move(meshes), p.to_world, where);
             continue;
@@ -276,6 +298,7 @@ void GltfReader::read_scene() {
     parse();
     check_extensions();
     const Point& origin = loading_.scene.origin = loading_.origin;
+    // The origin moves the roots in double precision, before vertices are rounded to floats.
     const Affine to_scene = translation(-origin[0], -origin[1], -origin[2]);
     visited_.assign(model_.nodes.size(), 0);
     if (model_.scenes.empty()) {
@@ -287,6 +310,7 @@ void GltfReader::read_scene() {
         for (size_t i = 0; i < is_child.size(); ++i)
             if (!is_child[i]) visit(int(i), to_scene, 0);
     } else {
+        // Without a default scene, a viewer may choose: the first.
         const int chosen = std::max(model_.defaultScene, 0);
         if (size_t(chosen) >= model_.scenes.size())
             fail(path_, "scene " + std::to_string(chosen) + ", the file has " +

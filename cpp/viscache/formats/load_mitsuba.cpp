@@ -8,8 +8,10 @@ namespace viscache::loading {
 MitsubaReader::XmlFile& MitsubaReader::open(const std::string& path, const std::string& asked_at) {
     for (const std::string& outer : open_)
         if (outer == path) fail(asked_at, "the include of '" + path + "' is cyclic");
+    // Two includes of the next file in each file make 2^depth files without any cycle, hence both limits.
     if (open_.size() >= size_t(kMaxDepth)) fail(asked_at, "includes are nested too deeply");
     if (files_.size() >= kMaxFiles) fail(asked_at, "the scene includes more than 10,000 files");
+    // Nodes and line indices point into the file's text and document, so a file never moves in memory.
     files_.push_back(std::make_unique<XmlFile>(path, read_file(path, asked_at)));
     XmlFile& file = *files_.back();
     const auto result = file.document.load_buffer(file.text.data(), file.text.size());
@@ -21,6 +23,7 @@ MitsubaReader::XmlFile& MitsubaReader::open(const std::string& path, const std::
 }
 
 const MitsubaReader::XmlFile& MitsubaReader::file_of(Node node) const {
+    // A reference may lead into another file; errors name the file that holds the element.
     for (const auto& file : files_)
         if (node.root() == file->document) return *file;
     return *files_.front();
@@ -71,6 +74,7 @@ void MitsubaReader::register_ids(Node root) {
     Node node = root;
     for (int depth = 0;;) {
         if (node.attribute("id") && std::string_view(node.name()) != "ref")
+            // The first element of an id keeps it.
             ids_.try_emplace(node.attribute("id").value(), node);
         if (node.first_child()) {
             node = node.first_child();
@@ -100,6 +104,8 @@ void MitsubaReader::read_elements(Node scene) {
         if (node.type() != pugi::node_element) continue;
         const std::string_view tag = node.name();
         if (tag == "default") {
+            // A <default> holds only where nothing was set before, so the main file overrides those that it
+            // includes.
             parameters_.try_emplace(node.attribute("name").value(), attribute(node, "value"));
         } else if (tag == "shape") {
             shape(node);
@@ -124,10 +130,13 @@ void MitsubaReader::read_scene(const std::string& path) {
     const XmlFile& file = open(path, "");
     const Node scene = file.document.child("scene");
     if (!scene) fail(path, "the root element must be <scene>");
+    // "3.5.0" begins with a number: major and minor. The dialects differ in defaults and in names, by the
+    // major version alone.
     const auto version = parse_number(std::string_view(scene.attribute("version").value()).substr(0, 3));
     version_major_ = version ? int(*version) : 3;
     register_ids(scene);
     read_elements(scene);
+    // Whether a clip plane cuts anything away is known once all shapes are read.
     check_clip_planes();
 }
 

@@ -48,11 +48,14 @@ public:
 
 protected:
     int_type underflow() override {
+        // One line at a time is the stream's buffer, without a copy: tinyobjloader asks for the next line
+        // when it has parsed this one, so `line_` is its place.
         while (begin_ < text_.size()) {
             const size_t begin = begin_, end = std::min(text_.find('\n', begin), text_.size() - 1) + 1;
             begin_ = end;
             ++line_;
             const std::string_view line(text_.data() + begin, end - begin);
+            // tinyobjloader works with C strings and would stop at a zero.
             if (line.find('\0') != std::string_view::npos) fail(where(), "a zero byte in a text file");
             if (take_(line, *this)) continue;
             setg(text_.data() + begin, text_.data() + begin, text_.data() + end);
@@ -94,6 +97,7 @@ bool check_mtl_line(std::string_view line, const Lines& lines, Loading& loading)
         loading.warn(lines.where(), name + " has no number; it counts as 0");
         return false;
     }
+    // `Kd spectral file.rfl` names a file in place of numbers.
     if (line.find("spectral") != std::string_view::npos) return false;
     const Vec3 v = numbers(line, 1, lines);
     const float least = std::min({v.x, v.y, v.z}), most = max_component(v);
@@ -110,6 +114,8 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
     Material m;
     m.base_color = clamp01(obj_rgb(in.diffuse));
     const Rgb specular = clamp01(obj_rgb(in.specular));
+    // MTL's illumination models: 3, 5 and 8 reflect, 4, 6, 7 and 9 are glass, all others are diffuse with a
+    // highlight.
     if (in.illum == 3 || in.illum == 5 || in.illum == 8) {
         m.kind = MaterialKind::kMirror;
         m.specular = max_component(specular) > 0 ? specular : Rgb{1, 1, 1};
@@ -119,6 +125,7 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
     } else if (max_component(specular) > 0 && in.shininess > 1) {
         m.kind = MaterialKind::kGlossy;
         m.specular = specular;
+        // The roughness whose lobe is as wide as a Phong lobe of this exponent (Walter et al. 2007).
         m.roughness = clamp_roughness(std::sqrt(2.f / (in.shininess + 2.f)));
     }
     const std::string where = mtl + ": material '" + in.name + "'";
@@ -141,6 +148,7 @@ public:
 
     bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
                     std::map<std::string, int>* map, std::string*, std::string*) override {
+        // Meshes that another format names have a material of that format.
         if (!loading_) return false;
         const std::string path = resolve(obj_, name);
         try {
@@ -156,6 +164,7 @@ public:
             loading_->warn(lines_.where(), std::string(error.what()) + "; its materials are left out");
             return false;
         }
+        // The list has grown by the materials of this file. Their images are relative to it.
         files.resize(materials->size(), path);
         return true;
     }
@@ -216,6 +225,7 @@ int32_t absolute(int64_t index, size_t count, const Lines& lines) {
 
 /// v, v/vt, v//vn or v/vt/vn.
 void Collected::take_face(std::string_view rest, const Lines& lines) {
+    // A negative index counts back from the entries read so far, so it is resolved here.
     const size_t counts[3] = {positions.size(), uvs.size(), normals.size()};
     size_t n = 0;
     for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
@@ -297,6 +307,7 @@ struct Part {
         mesh.vertices.push_back(all.positions[size_t(c.v)]);
         mesh.normals.push_back(c.n >= 0 ? all.normals[size_t(c.n)] : Vec3{});
         mesh.uvs.push_back(c.t >= 0 ? all.uvs[size_t(c.t)] : Vec2{});
+        // A mesh has a normal at every vertex or none.
         has_normals = has_normals && c.n >= 0;
         has_uvs = has_uvs && c.t >= 0;
         return found->second;
@@ -310,6 +321,8 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
     std::vector<Vec3u> local;
     const Corner* corner = all.corners.data();
     for (const Face& face : all.faces) {
+        // One mesh per material. The map orders them by index, so the order of meshes does not depend on the
+        // faces.
         Part& part = parts[split ? face.material : -1];
         polygon.clear();
         ids.clear();
@@ -338,6 +351,7 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
     Told told{&all, &lines};
     if (!tinyobj::LoadObjWithCallback(in, callbacks(), &told, &mtl, &warning, &error))
         fail(lines.where(), error);
+    // The text is as large as the meshes that follow; it is not needed any more.
     std::string().swap(text);
     if (all.faces.empty()) fail(path, "the file has no faces");
 

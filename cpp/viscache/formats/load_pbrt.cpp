@@ -17,6 +17,7 @@ std::string PbrtReader::path_named(const std::string& name, const std::string& a
 }
 
 void PbrtReader::save(char kind, const PbrtToken& token) {
+    // Each open block keeps a copy of the state: a short file of Begins must not fill the memory.
     if (saved_.size() > 100000) fail(token.where(), "blocks are nested more than 100,000 deep");
     saved_.push_back({now_, kind, token.where()});
 }
@@ -26,6 +27,7 @@ void PbrtReader::restore(char kind, const PbrtToken& token) {
     const bool is_transform = kind == 't';
     if (saved_.empty() || (saved_.back().kind == 't') != is_transform)
         fail(token.where(), std::string(token.text) + " has no matching begin");
+    // TransformEnd brings the transform back, and AttributeEnd all of the state.
     if (is_transform)
         now_.ctm = saved_.back().graphics.ctm;
     else
@@ -51,6 +53,7 @@ Affine PbrtReader::read_look_at(const PbrtToken& token) {
     float v[9];
     for (float& x : v) x = float(tokens_.expect_number());
     const Vec3 eye{v[0], v[1], v[2]}, target{v[3], v[4], v[5]}, up{v[6], v[7], v[8]};
+    // pbrt's camera space is left-handed: x to the right, y up, z forward.
     const Vec3 forward = normalize(target - eye), right = normalize(cross(normalize(up), forward));
     if (length2(forward) == 0 || length2(right) == 0)
         fail(token.where(), "LookAt needs a target other than the eye, and an up vector across the view");
@@ -58,12 +61,14 @@ Affine PbrtReader::read_look_at(const PbrtToken& token) {
     Affine camera_to_world;
     for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 3; ++i) camera_to_world.m[i][j] = columns[j][i];
+    // Transforms before Camera map the world to the camera.
     const auto t = inverse_of(camera_to_world);
     if (!t) fail(token.where(), "LookAt has no inverse");
     return *t;
 }
 
 void PbrtReader::multiply(const Affine& t, const PbrtToken& token) {
+    // The latest directive is nearest to the point.
     now_.ctm = now_.ctm * t;
     if (!is_finite(now_.ctm)) fail(token.where(), "the transform is not finite");
 }
@@ -116,6 +121,7 @@ void PbrtReader::object_instance(const PbrtToken& token) {
     const std::string name = name_argument();
     const auto found = objects_.find(name);
     if (found == objects_.end()) fail(token.where(), "the object '" + name + "' is not defined");
+    // pbrt has one level of instances.
     if (object_) fail(token.where(), "ObjectInstance must not stand inside ObjectBegin");
     if (!found->second.empty()) loading_.scene.instances.push_back({found->second, now_.ctm});
 }
@@ -126,6 +132,7 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
         if (in_world_) fail(token.where(), "WorldBegin stands twice");
         in_world_ = true;
         now_.ctm = Affine{};
+        // The transform of the camera does not carry over into the world.
         coordinate_systems_["world"] = now_.ctm;
     } else if (name == "WorldEnd") {
         if (!in_world_) fail(token.where(), "WorldEnd without WorldBegin");
@@ -139,6 +146,7 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
         if (object_) fail(token.where(), "ObjectBegin must not stand inside ObjectBegin");
         save('o', token);
         object_ = &objects_[name_argument()];
+        // A second definition of a name replaces the first.
         object_->clear();
     } else if (name == "ObjectEnd") {
         restore('o', token);
@@ -149,6 +157,8 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
         now_.reversed = !now_.reversed;
     } else if (name == "Include") {
         const PbrtToken file = tokens_.expect(PbrtToken::kString, "a file name in quotes");
+        // The state is not saved: an included file may change the transform and the material of the file that
+        // includes it.
         tokens_.push(path_named(std::string(file.text), file.where()), file.where());
     } else {
         return false;
@@ -188,6 +198,7 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
         loading_.warn(where, "media are not modelled; skipped");
     } else if (name == "MediumInterface") {
         name_argument();
+        // The exterior medium may be left out.
         if (tokens_.peek().kind == PbrtToken::kString) name_argument();
         loading_.warn(where, "media are not modelled; skipped");
     } else {

@@ -41,6 +41,7 @@ std::optional<Type> type_named(std::string_view s) {
     return {};
 }
 
+/// Size of a stored value in bytes.
 size_t size_of(Type t) {
     switch (t) {
         case Type::kInt8:
@@ -88,6 +89,7 @@ void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::s
 /// Reads one header line; returns true at end_header.
 bool read_header_line(PlyHeader& h, const std::vector<std::string>& w, bool& has_format,
                       const std::string& where) {
+    // obj_info is an older form of comment.
     if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
     if (w[0] == "format") {
         if (w.size() != 3 || (w[1] != "ascii" && w[1] != "binary_little_endian"))
@@ -115,6 +117,7 @@ PlyHeader read_ply_header(std::string_view text, const std::string& path) {
     for (size_t begin = 0;;) {
         const size_t newline = text.find('\n', begin);
         const std::string where = at_line(path, ++h.lines);
+        // A binary file without end_header would be searched line by line to its end otherwise.
         if (newline == std::string_view::npos || newline - begin > 4096)
             fail(where, "the PLY header does not end (no end_header)");
         const auto words = words_of(text.substr(begin, newline - begin));
@@ -124,6 +127,7 @@ PlyHeader read_ply_header(std::string_view text, const std::string& path) {
                 fail(where, "not a PLY file: it must start with 'ply'");
         } else if (read_header_line(h, words, has_format, where)) {
             if (!has_format) fail(where, "the PLY header has no format line");
+            // The data begin right behind the newline of end_header, in binary files too.
             h.end = begin;
             return h;
         }
@@ -163,6 +167,7 @@ public:
     /// Length of a list. Refused if the rest of the file cannot hold that many entries.
     uint64_t next_count(const Property& p) {
         const double n = next(p.count_type);
+        // A count of 2³² in a short file must not become a loop of 2³² steps or an array of that size.
         const uint64_t room = left() / (ascii_ ? 1 : size_of(p.type)) + 1;
         if (!(n >= 0) || n != std::floor(n) || n > double(room))
             fail(where(), "list '" + p.name + "' has a count that the file cannot hold");
@@ -178,6 +183,7 @@ private:
     }
 
     double next_word() {
+        // strchr also finds the zero that ends its list, so a zero byte in the file is excluded by hand.
         while (at_ < data_.size() && std::strchr(" \t\r\n", data_[at_]) && data_[at_] != '\0')
             line_ += data_[at_++] == '\n';
         size_t end = at_;
@@ -200,6 +206,7 @@ private:
 /// Smallest possible size of a row of the element, in bytes.
 uint64_t least_row_bytes(const Element& e, bool ascii) {
     uint64_t bytes = 0;
+    // A value in text takes a digit and a separator. A list may be empty: its count alone is sure.
     for (const Property& p : e.properties) bytes += ascii ? 2 : size_of(p.is_list ? p.count_type : p.type);
     return bytes;
 }
@@ -207,6 +214,8 @@ uint64_t least_row_bytes(const Element& e, bool ascii) {
 void check_count(const Element& e, const PlyValues& values, bool ascii, const std::string& path) {
     const uint64_t row = least_row_bytes(e, ascii);
     if (e.count == 0) return;
+    // The counts of the header size the arrays, so they are compared with the bytes that are there. The last
+    // value of a text may lack its separator: + 1.
     if (row == 0 || e.count > (values.left() + 1) / row)
         fail(path, "element '" + e.name + "' is said to have " + std::to_string(e.count) +
                        " rows, the file cannot hold them");
@@ -236,6 +245,7 @@ void read_vertices(Mesh& mesh, const Element& e, PlyValues& values) {
         if (slots.back() >= 0) has[slots.back()] = true;
     }
     if (!has[0] || !has[1] || !has[2]) fail(values.where(), "vertices must have x, y and z");
+    // A normal with a missing component is as good as none.
     const bool normals = has[3] && has[4] && has[5], uvs = has[6] && has[7];
     for (uint64_t i = 0; i < e.count; ++i) {
         float row[8] = {};
@@ -260,6 +270,7 @@ void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const 
         if (i >= vertices)
             fail(where, "a face uses vertex index " + std::to_string(i) + ", the file has " +
                             std::to_string(vertices) + " vertices");
+    // Polygons of PLY files are taken as convex: a fan from the first corner.
     for (size_t k = 1; k + 1 < face.size(); ++k) mesh.triangles.push_back({face[0], face[k], face[k + 1]});
 }
 
@@ -277,6 +288,8 @@ void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertic
             for (; n > 0; --n) {
                 const double x = values.next(p.type);
                 if (!corners) continue;
+                // Indices may have a signed or a real type. Only whole numbers that fit 32 bits may be
+                // converted.
                 if (!(x >= 0 && x < 4294967295.0) || x != std::floor(x))
                     fail(values.where(), "a face uses vertex index " + std::to_string(x) + ", the file has " +
                                              std::to_string(vertices) + " vertices");
@@ -302,10 +315,13 @@ Mesh read_ply(const std::string& path, const std::string& asked_at) {
     uint64_t vertices = 0;
     for (const Element& e : header.elements)
         if (e.name == "vertex") vertices = e.count;
+    // Elements are stored in the order of the header, which need not begin with the vertices: their count is
+    // known before.
     for (const Element& e : header.elements) {
         check_count(e, values, header.ascii, path);
         if (e.name == "vertex") {
             if (!mesh.vertices.empty()) fail(path, "the element 'vertex' is given twice");
+            // `check_count` has bounded the count by the size of the file.
             mesh.vertices.reserve(e.count);
             read_vertices(mesh, e, values);
         } else if (e.name == "face") {

@@ -132,6 +132,7 @@ int Loading::add_material(const Material& material) {
 
 bool Loading::has_mesh_file(const std::string& path, const std::string& where) {
     std::error_code error;
+    // First, since even the answer whether a file exists says something about the machine.
     check_allowed(path, where + ": " + path);
     if (std::filesystem::exists(path, error)) return true;
     if (!skip_missing)
@@ -154,6 +155,8 @@ std::optional<Wrap> wrap_named(std::string_view name) {
 }
 
 int Loading::add_image(const std::string& path, const std::string& where, bool srgb, LookUp look_up) {
+    // One file may serve as a colour and as numbers, or be looked up in two ways: each is an image of its
+    // own.
     const auto [found, is_new] = images_.try_emplace({path, srgb, look_up}, int(scene.images.size()));
     if (is_new) {
         Image image;
@@ -184,12 +187,14 @@ int Loading::add_checkerboard(Rgb a, Rgb b, const std::string& where) {
 }
 
 int Loading::add_mesh(Mesh mesh, const std::string& where) {
+    // Every mesh of every format passes here, so the rest of the program indexes without checks.
     check_mesh(mesh, where);
     scene.meshes.push_back(std::move(mesh));
     return int(scene.meshes.size()) - 1;
 }
 
 void Loading::set_environment(const Environment& environment, const std::string& where) {
+    // One sky is sampled by one distribution.
     if (scene.environment) return warn(where, "a second environment light is skipped; the first one is kept");
     scene.environment = environment;
     // Keep the rotation: remove translation and scale.
@@ -209,6 +214,7 @@ std::string text_of(Vec3 p) {
 }
 
 void check_size(size_t have, size_t vertices, const char* what, const std::string& where) {
+    // Normals and texture coordinates are given for all vertices or for none.
     if (have != 0 && have != vertices)
         fail(where, std::to_string(have) + " " + what + " for " + std::to_string(vertices) + " vertices");
 }
@@ -218,6 +224,7 @@ void check_size(size_t have, size_t vertices, const char* what, const std::strin
 void check_mesh(const Mesh& mesh, const std::string& where) {
     if (mesh.triangles.empty()) fail(where, "the mesh has no triangles");
     const size_t n = mesh.vertices.size();
+    // Indices have 32 bits.
     if (n > 0xffffffffull) fail(where, "more than 2^32 - 1 vertices");
     for (size_t i = 0; i < n; ++i) {
         const Vec3 p = mesh.vertices[i];
@@ -244,6 +251,7 @@ void check_mesh(const Mesh& mesh, const std::string& where) {
 
 void transform_mesh(Mesh& mesh, const Affine& t) {
     for (Vec3& p : mesh.vertices) p = t.point(p);
+    // Normals are multiplied by the inverse transpose, which keeps them perpendicular to the surface.
     for (Vec3& n : mesh.normals) n = normalize(t.normal(n));
 }
 
@@ -259,6 +267,7 @@ bool uses_image(const Material& material) {
 }
 
 void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {
+    // Coordinates that differ from triangle to triangle need vertices that no two triangles share.
     if (!mesh.uvs.empty()) return;
     Mesh split;
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -278,6 +287,7 @@ void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {
     mesh.uvs = std::move(split.uvs);
 }
 
+// The winding says which side is the front; normals only shade.
 void flip_winding(Mesh& mesh) {
     for (Vec3u& t : mesh.triangles) std::swap(t.y, t.z);
 }
@@ -291,12 +301,14 @@ void wind_by_normals(Mesh& mesh) {
     if (mesh.normals.size() != mesh.vertices.size()) return;
     for (Vec3u& t : mesh.triangles) {
         const Vec3 a = mesh.vertices[t.x], n = mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z];
+        // Three normals together, since one at a sharp edge may point to the other side.
         if (dot(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a), n) < 0) std::swap(t.y, t.z);
     }
 }
 
 void append_mesh(Mesh& a, const Mesh& b) {
     const auto base = uint32_t(a.vertices.size());
+    // One part without normals leaves the whole without, since they are per vertex.
     if (base && a.normals.empty() != b.normals.empty())
         a.normals.clear();
     else
@@ -318,6 +330,7 @@ bool is_finite(const Affine& t) {
 
 std::optional<Affine> inverse_of(const Affine& t) {
     const double det = t.determinant();
+    // The determinant may underflow or overflow although all entries are finite.
     if (!is_finite(t) || !std::isfinite(det) || det == 0) return {};
     Affine r;
     for (int i = 0; i < 3; ++i)
@@ -350,6 +363,7 @@ Affine scaling(double x, double y, double z) {
 Affine rotation(double degrees, double x, double y, double z, bool unit_axis) {
     const double length = unit_axis ? std::sqrt(x * x + y * y + z * z) : 1;
     Affine t;
+    // An axis of zero names no rotation.
     if (!(length > 0)) return t;
     const double a[3] = {x / length, y / length, z / length};
     const double angle = degrees * kDegree;
@@ -367,6 +381,8 @@ std::optional<double> uniform_scale(const Affine& t) {
         for (int j = 0; j < 3; ++j)
             dots[i][j] = t.m[0][i] * t.m[0][j] + t.m[1][i] * t.m[1][j] + t.m[2][i] * t.m[2][j];
     const double s2 = (dots[0][0] + dots[1][1] + dots[2][2]) / 3;
+    // The columns must be perpendicular and equally long, up to the rounding of what files write: Mᵀ M = s²
+    // I.
     if (!(s2 > 0) || !std::isfinite(s2)) return {};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
@@ -377,9 +393,12 @@ std::optional<double> uniform_scale(const Affine& t) {
 void crop_camera(Camera& c, int left, int top, int width, int height) {
     const double across = double(c.width) / width, upwards = double(c.height) / height;
     const double right = (left + width / 2.0) / c.width - 0.5, below = (top + height / 2.0) / c.height - 0.5;
+    // The plane of the picture stays where it is; the part that is kept lies beside the axis, in sizes of
+    // that part.
     c.shift_x = float((c.shift_x + right) * across);
     c.shift_y = float((c.shift_y - below) * upwards);
     const double kept = c.fov_is_horizontal ? across : upwards;
+    // The tangent of half the angle is proportional to the size of the picture.
     c.fov_y_rad = float(2 * std::atan(std::tan(c.fov_y_rad / 2.0) / kept));
     c.view_height = float(c.view_height / kept);
     c.width = width;
@@ -389,6 +408,7 @@ void crop_camera(Camera& c, int left, int top, int width, int height) {
 void set_metal(Material& m, Rgb eta, Rgb k) {
     constexpr float kLargest = 1e4f;
     const auto channel = [&](float x, float y) {
+        // η = k = 0 names no metal. η = 0 with k = 1 reflects everything.
         return x > 0 || y > 0 ? std::clamp(y, 0.f, kLargest) : 1.f;
     };
     m.metal.eta = max({0, 0, 0}, min(Rgb{1, 1, 1} * kLargest, eta));
@@ -398,8 +418,10 @@ void set_metal(Material& m, Rgb eta, Rgb k) {
     if (perfect && (m.kind == MaterialKind::kMirror || m.specular == Rgb{1, 1, 1})) m.metal = {};
 }
 
+// Fresnel's reflectance at normal incidence.
 float dielectric_f0(float eta) { return (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)); }
 
+// Below 1e-3 the lobe of a microfacet model is too narrow for single precision.
 float clamp_roughness(float alpha) { return std::isfinite(alpha) ? std::clamp(alpha, 1e-3f, 1.f) : 1.f; }
 
 Rgb clamp01(Rgb c) { return max({0, 0, 0}, min({1, 1, 1}, c)); }

@@ -26,6 +26,7 @@ bool MitsubaReader::is_beckmann(Node node) {
 }
 
 float MitsubaReader::roughness(Node node, double fallback) {
+    // The geometric mean keeps the area of the highlight: α_u·α_v is a factor of both distributions.
     if (property(node, "alpha_u") || property(node, "alpha_v")) {
         const double u = number(node, "alpha_u", 0.1), v = number(node, "alpha_v", 0.1);
         if (u != v) warn_at(node, "anisotropic roughness is not modelled; the geometric mean is used");
@@ -37,6 +38,7 @@ float MitsubaReader::roughness(Node node, double fallback) {
 double MitsubaReader::ior(Node owner, const char* name, double fallback) {
     const Node node = property(owner, name);
     if (!node) return fallback;
+    // Media may be named ("bk7", "water") or given as numbers.
     const std::string value = attribute(node, "value");
     if (const auto known = ior_named(lower(value))) return *known;
     if (std::string_view(node.name()) == "string") {
@@ -60,6 +62,7 @@ Material MitsubaReader::plastic(Node node, int /*depth*/) {
     m.two_sided = false;
     set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
     m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
+    // Mitsuba's defaults: polypropylene in air.
     m.eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
     m.beckmann = !rough;  // without the long tails of GGX
     m.roughness = rough ? roughness(node, 0.1) : kMirrorRoughness;
@@ -81,6 +84,7 @@ Material MitsubaReader::conductor(Node node, int /*depth*/) {
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
     if (rough) set_roughness(m, node);
+    // Without any material, Mitsuba 0.x takes copper and later versions a perfect mirror.
     const std::string name =
         string(node, "material", version_major_ >= 2 && !property(node, "eta") ? "none" : "Cu");
     auto ior = conductor_named(name);
@@ -88,6 +92,7 @@ Material MitsubaReader::conductor(Node node, int /*depth*/) {
         warn_at(node, "the conductor '" + name + "' is not known; a perfect mirror is used");
         ior = conductor_named("none");
     }
+    // Explicit indices replace those of a named metal one by one.
     if (property(node, "eta")) ior->eta = color(node, "eta", {0, 0, 0});
     if (property(node, "k")) ior->k = color(node, "k", {1, 1, 1});
     const float outside = float(this->ior(node, "ext_eta", 1.0));
@@ -101,6 +106,7 @@ Material MitsubaReader::dielectric(Node node, int /*depth*/) {
     Material m;
     m.kind = MaterialKind::kDielectric;
     m.thin = type == "thindielectric";
+    // Mitsuba's defaults: BK7 glass in air.
     m.eta = float(ior(node, "int_ior", 1.5046) / ior(node, "ext_ior", 1.000277));
     for (const char* name : {"specular_reflectance", "specular_transmittance"})
         if (const Node given = property(node, name); given && !(color(node, name, {1, 1, 1}) == Rgb{1, 1, 1}))
@@ -114,6 +120,8 @@ Material MitsubaReader::principled(Node node, int /*depth*/) {
     m.kind = MaterialKind::kGlossy;
     const ColorTexture base = color_texture(node, "base_color", kGrey);
     const float metallic = std::clamp(float(number(node, "metallic", 0)), 0.f, 1.f);
+    // Burley's model: `specular` in [0, 1] spans reflectances of 0 to 8 % at normal incidence, and α is the
+    // square of the roughness.
     const float specular = 0.08f * float(number(node, "specular", 0.5)),
                 r = float(number(node, "roughness", 0.5));
     set_base(m, {base.color * (1 - metallic), base.image});
@@ -133,6 +141,7 @@ Material MitsubaReader::nested(Node node, int depth) {
     for (const Node child : node.children()) {
         if (is_bsdf(child)) return bsdf(child, depth + 1);
         if (std::string_view(child.name()) == "ref")
+            // References may be cyclic; `bsdf` stops at its limit of depth.
             if (const Node target = target_of(child); is_bsdf(target)) return bsdf(target, depth + 1);
     }
     fail_at(node, "'" + type_of(node) + "' needs a bsdf inside");
@@ -174,6 +183,7 @@ Material MitsubaReader::phong(Node node, int /*depth*/) {
     set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
     m.specular = clamp01(color(node, "specular_reflectance", {.2f, .2f, .2f}));
     const double exponent = std::max(0.0, number(node, "exponent", 30));
+    // The Beckmann roughness whose lobe has the width of a Phong lobe of this exponent (Walter et al. 2007).
     m.roughness = type_of(node) == "phong" ? clamp_roughness(float(std::sqrt(2 / (exponent + 2))))
                                            : roughness(node, 0.1);
     return m;
@@ -212,12 +222,14 @@ Material MitsubaReader::bsdf(Node node, int depth) {
 }
 
 int MitsubaReader::material(Node node) {
+    // An element that many shapes refer to is converted once, and its warnings appear once.
     const auto [found, is_new] = materials_.try_emplace(node.hash_value(), -1);
     if (is_new && type_of(node) != "null") {
         MaterialUv uv;
         uv_ = &uv;
         found->second = loading_.add_material(bsdf(node, 0));
         uv_ = nullptr;
+        // Images of a material share the transform that is applied to the meshes that use it.
         material_uv_[found->second] = uv.get();
     }
     return found->second;
@@ -231,6 +243,7 @@ int MitsubaReader::material_of(Node shape) {
     }
     // Mitsuba's own default: a one-sided grey material, a black one for lamps.
     const bool emits = max_component(area_emission(shape).color) > 0;
+    // The hash value of an element is its address, so 0 and 1 are free as keys.
     const auto [found, is_new] = materials_.try_emplace(emits ? 1 : 0, -1);
     if (is_new) {
         Material m;

@@ -39,16 +39,19 @@ void MitsubaReader::envmap(Node node) {
     env.to_world = transform(node);
     const float scale = float(number(node, "scale", 1));
     env.scale = {scale, scale, scale};
+    // Pictures of 8 bits are sRGB; those of floats hold radiance whatever this flag says.
     env.image = loading_.add_image(path_of(node), where(node), true);
     loading_.set_environment(env, where(node));
 }
 
 void MitsubaReader::spot(Node node) {
     const Affine t = transform(node);
+    // Mitsuba's defaults. Between the two angles its falloff is linear in the angle.
     const double outer = number(node, "cutoff_angle", 20), inner = number(node, "beam_width", outer * 3 / 4);
     const Vec3 axis = normalize(t.vector({0, 0, 1}));
     if (!(outer > 0 && outer <= 180)) fail_at(node, "the cutoff angle must be in (0, 180] degrees");
     if (!(inner >= 0 && inner <= outer)) fail_at(node, "the beam width must be in [0, cutoff angle]");
+    // normalize gives the zero vector for a zero vector.
     if (length2(axis) == 0) fail_at(node, "the transform of a spot light must not be singular");
     if (property(node, "texture")) warn_at(node, "the texture of a spot light is not modelled; ignored");
     loading_.scene.point_lights.push_back({t.point({0, 0, 0}),
@@ -77,6 +80,7 @@ void MitsubaReader::emitter(Node node) {
         PointLight light;
         light.position = vector(node, "position").value_or(transform(node).point({0, 0, 0}));
         light.intensity = color(node, "intensity", kWhite);
+        // The 0.x dialect may give the power Φ instead: I = Φ / 4π for a light that shines all around.
         if (property(node, "power")) light.intensity = color(node, "power", kWhite) / (4 * kPi);
         loading_.scene.point_lights.push_back(light);
     } else if (type == "spot") {

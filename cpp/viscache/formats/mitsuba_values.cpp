@@ -36,6 +36,7 @@ std::string MitsubaReader::attribute(Node node, const char* name) const {
         size_t end = 1;
         while (end < text.size() && is_name_char(text[end])) ++end;
         const auto found = parameters_.find(std::string(text.substr(1, end - 1)));
+        // Mitsuba sets parameters from its command line. There is none here, so a default must exist.
         if (found == parameters_.end())
             fail_at(node, "the parameter '" + std::string(text.substr(0, end)) + "' has no default");
         out += found->second;
@@ -46,6 +47,7 @@ std::string MitsubaReader::attribute(Node node, const char* name) const {
 
 MitsubaReader::Node MitsubaReader::property(Node owner, const char* name) const {
     for (const Node child : owner.children())
+        // The 0.x dialect writes names in camelCase, later versions in snake_case.
         if (same_name(child.attribute("name").value(), name)) return child;
     return {};
 }
@@ -126,6 +128,7 @@ Affine MitsubaReader::look_at_matrix(Node step) {
         if (x.size() != 3) fail_at(step, std::string("'") + names[i] + "' must be three numbers");
         v[i] = {float(x[0]), float(x[1]), float(x[2])};
     }
+    // The frame needs a direction of view.
     if (v[0] == v[1]) fail_at(step, "lookat needs a target other than its origin");
     // Columns are left, up, forward, origin: the frame of `look_at` with x to the left.
     const Camera camera = look_at(v[0], v[1], v[2], 1.f);
@@ -146,10 +149,12 @@ Affine MitsubaReader::transform_step(Node step) {
         const size_t n = value.size() == 16 ? 4 : 3;
         for (size_t i = 0; i < 3; ++i)
             for (size_t j = 0; j < n; ++j) t.m[i][j] = value[i * n + j];
+        // Projective maps have no place in an affine transform.
         if (n == 4 && (value[12] != 0 || value[13] != 0 || value[14] != 0 || value[15] != 1))
             fail_at(step, "the last row of a matrix must be 0 0 0 1");
         return t;
     }
+    // A component that is not given leaves its axis as it is.
     const double missing = tag == "scale" ? 1 : 0;
     double v[3] = {attribute_number(step, "x", missing), attribute_number(step, "y", missing),
                    attribute_number(step, "z", missing)};
@@ -180,6 +185,7 @@ Affine MitsubaReader::transform(Node owner, const char* name) {
     Affine t;
     if (const Node node = property(owner, name))
         for (const Node step : node.children())
+            // Steps apply in the order of the file: the first is nearest to the point.
             if (step.type() == pugi::node_element) t = transform_step(step) * t;
     if (!is_finite(t)) fail_at(owner, "the transform is not finite");
     return t;
@@ -189,6 +195,7 @@ Rgb MitsubaReader::rgb_value(Node node) const {
     const std::string text = attribute(node, "value");
     const bool encoded = std::string_view(node.name()) == "srgb";
     if (!text.empty() && text[0] == '#') {
+        // Hexadecimal colours are sRGB, as in HTML, while plain numbers are linear.
         if (text.size() != 7 || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
             fail_at(node, "a colour must be #rrggbb, got '" + text.substr(0, 20) + "'");
         const unsigned long hex = std::stoul(text.substr(1), nullptr, 16);
@@ -207,6 +214,7 @@ Rgb MitsubaReader::rgb_value(Node node) const {
 ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (depth > kMaxDepth) fail_at(node, "references to textures are cyclic");
     const std::string_view tag = node.name();
+    // A texture may be any element that has a colour: numbers, spectra, images, or a reference to one.
     if (tag == "ref") return texture(target_of(node), depth + 1);
     if (tag == "rgb" || tag == "srgb" || tag == "float" || tag == "integer" || tag == "color")
         return {rgb_value(node)};
@@ -229,6 +237,7 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
 }
 
 ColorTexture MitsubaReader::bitmap(Node node) {
+    // `raw` in Mitsuba 3 and a gamma of 1 in 0.x both mean linear values.
     const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
     const std::string name = string(node, "wrap_mode", "repeat");
     const auto wrap = wrap_named(name);

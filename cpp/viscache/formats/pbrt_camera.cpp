@@ -8,6 +8,7 @@ void PbrtReader::camera(const std::string& where) {
     const PbrtParams params = PbrtParams::read(tokens_);
     const auto to_world = inverse_of(now_.ctm);
     if (!to_world) fail(where, "the camera's transform has no inverse");
+    // Lights may be placed relative to the camera by this name.
     coordinate_systems_["camera"] = *to_world;
     const bool parallel = type == "orthographic";
     if (type != "perspective" && !parallel)
@@ -30,6 +31,8 @@ void PbrtReader::camera(const std::string& where) {
     c.forward = normalize(to_world->vector({0, 0, 1}));
     // One unit of the screen: of the plane at distance 1, or in the scene
     if (parallel) {
+        // A scale in the transform enlarges what a parallel camera sees, and leaves a perspective one as it
+        // is.
         pending.unit = double(length(to_world->vector({0, 1, 0})));
         c.view_height = 1;
     } else {
@@ -44,6 +47,7 @@ void PbrtReader::camera(const std::string& where) {
 void PbrtReader::film(const std::string& where) {
     const std::string type = name_argument();
     const PbrtParams params = PbrtParams::read(tokens_);
+    // pbrt-v3 knows one film, "image". Files of v4 have no WorldEnd.
     is_v4_ = is_v4_ || type == "rgb" || type == "gbuffer" || type == "spectral";
     if (const std::string sensor = params.string("sensor", "cie1931"); sensor != "cie1931")
         loading_.warn(where, "the sensor '" + sensor + "' is not modelled; colours are those of the scene");
@@ -56,6 +60,7 @@ void PbrtReader::film(const std::string& where) {
         const auto& v = crop->numbers;
         if (v.size() != 4)
             fail(crop->where, "a crop window must be four numbers: x from and to, y from and to");
+        // As pbrt rounds: the pixels whose index is at least the ceiling of the fraction.
         const auto edge = [](double x, int size) { return int(std::ceil(std::clamp(x, 0.0, 1.0) * size)); };
         crop_ = {edge(std::min(v[0], v[1]), film_width_), edge(std::max(v[0], v[1]), film_width_),
                  edge(std::min(v[2], v[3]), film_height_), edge(std::max(v[2], v[3]), film_height_)};
@@ -94,6 +99,7 @@ void PbrtReader::finish_camera() {
         c.origin = c.origin + centre * float(camera_->unit);
     } else {
         c.fov_y_rad = float(2 * std::atan(half));
+        // A window beside the axis, as of a shift lens: in widths and heights of the picture.
         c.shift_x = float((x0 + x1) / 2 / (x1 - x0));
         c.shift_y = float((y0 + y1) / 2 / (y1 - y0));
     }

@@ -6,7 +6,10 @@ void PbrtTokens::push(const std::string& path, const std::string& asked_at) {
     for (size_t i : open_)
         if (files_[i].path == path) fail(asked_at, "the include of '" + path + "' is cyclic");
     if (open_.size() >= size_t(kMaxDepth)) fail(asked_at, "includes are nested too deeply");
+    // Without a cycle, files of two includes each still ask for 2^depth files: the limit of depth does not
+    // bound the work.
     if (files_.size() >= 100000) fail(asked_at, "more than 100,000 files are included");
+    // A deque keeps its elements where they are, so the tokens of outer files stay valid.
     std::string text = read_file(path, asked_at);
     files_.push_back({path, std::move(text)});
     open_.push_back(files_.size() - 1);
@@ -16,6 +19,8 @@ PbrtToken PbrtTokens::read_string(File& file) {
     PbrtToken token{PbrtToken::kString, {}, &file.path, file.line};
     const size_t begin = ++file.at;
     while (file.at < file.text.size() && file.text[file.at] != '"' && file.text[file.at] != '\n') ++file.at;
+    // Strings of pbrt never span lines. A quote that is missing would otherwise swallow the rest of the file,
+    // and the error would name a place far below.
     if (file.at >= file.text.size() || file.text[file.at] == '\n')
         fail(token.where(), "a string does not end on its line");
     token.text = std::string_view(file.text).substr(begin, file.at++ - begin);
@@ -38,6 +43,8 @@ PbrtToken PbrtTokens::read() {
                 break;
             }
         }
+        // An included file ends without a token of its own: reading goes on behind the Include of the outer
+        // file.
         if (file.at >= text.size()) {
             if (open_.size() == 1) return {PbrtToken::kEnd, {}, &file.path, file.line};
             open_.pop_back();
@@ -49,6 +56,7 @@ PbrtToken PbrtTokens::read() {
             return {PbrtToken::kOpen, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
         if (c == ']')
             return {PbrtToken::kClose, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
+        // A word ends at any character that begins another token, so `[1 2]` needs no spaces.
         const size_t end = std::min(text.find_first_of(" \t\r\n\"[]#", file.at), text.size());
         PbrtToken word{PbrtToken::kWord, std::string_view(text).substr(file.at, end - file.at), &file.path,
                        file.line};
@@ -111,12 +119,14 @@ void read_value(PbrtParam& p, const PbrtToken& token) {
 
 }  // namespace
 
+// The list ends at the first token that is no string: the next directive.
 PbrtParams PbrtParams::read(PbrtTokens& tokens) {
     PbrtParams out;
     while (tokens.peek().kind == PbrtToken::kString) {
         const PbrtToken head = tokens.next();
         PbrtParam p;
         p.where = head.where();
+        // "float  radius" and " float radius " are the same to pbrt: any white space separates type and name.
         const size_t begin = head.text.find_first_not_of(" \t");
         const size_t split = begin == std::string_view::npos ? begin : head.text.find_first_of(" \t", begin);
         const size_t name =
@@ -127,11 +137,13 @@ PbrtParams PbrtParams::read(PbrtTokens& tokens) {
         p.type = head.text.substr(begin, split - begin);
         p.name =
             head.text.substr(name, std::min(head.text.find_first_of(" \t", name), head.text.size()) - name);
+        // The brackets may be left out around a single value.
         if (PbrtToken value = tokens.next(); value.kind == PbrtToken::kOpen) {
             while ((value = tokens.next()).kind != PbrtToken::kClose) read_value(p, value);
         } else {
             read_value(p, value);
         }
+        // Each reader below looks at one of the two lists and would not see the other.
         if (!p.strings.empty() && !p.numbers.empty())
             fail(p.where, "numbers and strings are mixed in '" + p.name + "'");
         out.params_.push_back(std::move(p));
@@ -140,6 +152,7 @@ PbrtParams PbrtParams::read(PbrtTokens& tokens) {
 }
 
 const PbrtParam* PbrtParams::find(const char* name) const {
+    // The first of a name counts, so defaults that were appended never replace a value of the directive.
     for (const PbrtParam& p : params_)
         if (p.name == name) return &p;
     return nullptr;
@@ -147,6 +160,7 @@ const PbrtParam* PbrtParams::find(const char* name) const {
 
 double PbrtParams::number(const char* name, double fallback) const {
     const PbrtParam* p = find(name);
+    // A texture varies over the surface and has no single number.
     if (!p || p->type == "texture") return fallback;
     if (p->numbers.size() != 1 || !std::isfinite(p->numbers[0]))
         fail(p->where, std::string("'") + name + "' must be one finite number");
@@ -155,6 +169,7 @@ double PbrtParams::number(const char* name, double fallback) const {
 
 int PbrtParams::integer(const char* name, int fallback) const {
     const double x = number(name, fallback);
+    // 2e9 is below 2³¹, so the conversion is defined.
     if (x != std::floor(x) || std::abs(x) > 2e9)
         fail(find(name)->where, std::string("'") + name + "' must be an integer");
     return int(x);

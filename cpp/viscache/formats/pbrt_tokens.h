@@ -8,6 +8,7 @@
 
 namespace viscache::loading {
 
+/// pbrt has no keywords: what a word or a string means follows from the directive that reads it.
 struct PbrtToken {
     enum Kind { kWord, kString, kOpen, kClose, kEnd };
     Kind kind = kEnd;
@@ -38,6 +39,7 @@ private:
 
     std::deque<File> files_;    ///< all files read so far: tokens point into them
     std::vector<size_t> open_;  ///< files being read, innermost last
+    // Must be empty when a file is pushed: it was read from the file that includes.
     std::optional<PbrtToken> peeked_;
 };
 

@@ -28,6 +28,8 @@ std::string text(Vec3 p) {
     return s.str();
 }
 
+// The loaders check what they read; descriptions also come from Python and from bytes, and the scene trusts
+// them all alike.
 void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
     const std::string name = "mesh " + std::to_string(index) + (m.name.empty() ? "" : " '" + m.name + "'");
     if (m.vertices.size() >= (size_t{1} << 32))
@@ -64,6 +66,7 @@ void check_metal(const Material& m, const std::string& name) {
         !(std::min({sum.x, sum.y, sum.z}) > 0))
         refuse(name, ": metal_eta and metal_k must be in [0, 10000] and not both 0, got ", text(eta), " and ",
                text(k));
+    // Fresnel's formulas of metals hold for a surface without a base, a coat or a mixture.
     const bool bare = m.kind == MaterialKind::kGlossy && m.coat == CoatKind::kNone && m.metallic == 0 &&
                       m.metallic_roughness_texture < 0 && !(max_component(m.base_color) > 0);
     if (!bare && m.kind != MaterialKind::kMirror)
@@ -78,6 +81,7 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (!(m.roughness >= 1e-3f && m.roughness <= 1))
         refuse(name, ": roughness must be in [0.001, 1], got ", m.roughness);
     if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
+    // The rest are combinations that no part of the shading is written for.
     if (m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
         refuse(name, ": only a glossy material has a coat");
     if (m.nonlinear && m.coat == CoatKind::kNone) refuse(name, ": nonlinear needs a coat");
@@ -99,9 +103,11 @@ void check_material(const Material& m, size_t index, size_t images) {
 
 void check_cone(const SpotCone& c, size_t light) {
     if (c.falloff == Falloff::kNone) return;
+    // Written so that NaN fails, too.
     if (!(std::fabs(length(c.axis) - 1) < 1e-3f))
         refuse("point light ", light, ": the axis of its cone must not be zero or non-finite, got ",
                text(c.axis));
+    // cos_outer = 1 would be a cone without any directions.
     if (!(c.cos_outer >= -1 && c.cos_outer < 1 && c.cos_inner >= c.cos_outer && c.cos_inner <= 1))
         refuse("point light ", light,
                ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,", " got ", c.cos_outer,
@@ -142,6 +148,7 @@ void check_description(const SceneDescription& d) {
         const Image& image = d.images[i];
         if (image.width <= 0)
             refuse("image ", i, " '", image.path, "' (", image.where, ") has not been decoded");
+        // Look-ups index the array by width, height and channels without a check of their own.
         const uint64_t values = uint64_t(image.width) * uint64_t(std::max(image.height, 0)) *
                                 uint64_t(std::max(image.channels, 0));
         if (values == 0 || image.channels > 4 || image.size() != values ||
@@ -162,6 +169,7 @@ void check_description(const SceneDescription& d) {
         for (const auto& row : d.instances[i].to_world.m)
             for (double v : row)
                 if (!(std::fabs(v) < kMaxPlace)) refuse("instance ", i, ": to_world must be finite, got ", v);
+        // Rays are traced in the space of the instance, so its transform is inverted.
         const double least = d.instances[i].to_world.least_stretch(),
                      ratio = d.instances[i].to_world.most_stretch() / least;
         if (least == 0) refuse("instance ", i, ": to_world must be invertible");
@@ -193,6 +201,7 @@ void check_camera(const Camera& c) {
         if (!(std::fabs(shift) <= kMaxShift))
             refuse("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ",
                    shift);
+    // A camera whose origin and target are equal, or not finite, has axes of zero or NaN.
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
             refuse("camera '", c.name, "': origin and target must be finite and differ");

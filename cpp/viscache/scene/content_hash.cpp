@@ -9,6 +9,8 @@ namespace {
 /// Two 64-bit multiply-xorshift chains over a stream of words.
 class Hasher {
 public:
+    /// Two chains that differ in their first operation and constants. Equal results by chance need 128 equal
+    /// bits; they are not meant to resist an attacker.
     void word(uint64_t w) {
         a_ = (a_ ^ w) * 0x9E3779B97F4A7C15ull;
         a_ ^= a_ >> 29;
@@ -28,6 +30,7 @@ public:
     }
     template <class T>
     void array(const std::vector<T>& v) {
+        // The length stands before the content: otherwise two arrays could trade elements without a change.
         word(v.size());
         bytes(v.data(), v.size() * sizeof(T));
     }
