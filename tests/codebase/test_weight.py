@@ -6,10 +6,10 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_000,
+    "library, lines": 79_050,
     "python, lines": 32_600,
     "lab, lines": 20_450,
-    "tests, lines": 60_000,
+    "tests, lines": 59_550,
     "rooms": 19,
     "imports between rooms": 90,
     "imports that run back up": 5,
@@ -19,7 +19,7 @@ LIMITS = {
     "settings fields": 135,
     "virtuals of VisibilityOracle": 6,
     "overrides of them": 48,
-    "long functions": 2,
+    "long functions": 0,
     "README, words": 920,
     "performance, words": 38_100,
     "reference, words": 19_100,
