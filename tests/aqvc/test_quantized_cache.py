@@ -136,6 +136,19 @@ def test_huge_clusters_are_one_cell_per_normal_bin_and_slab(form, c_e):
 
 
 @pytest.mark.extreme
+@pytest.mark.parametrize("form", FORMS[:2], ids=str)
+def test_densities_of_far_ends_out_of_range_are_counted(form):
+    eyes = tiles.eye_points()
+    far = tiles.lights("area", 12)
+    wanted = tiles.facing(eyes, far)
+    counts = []
+    for density in (far["density"], np.full(12, np.nan, np.float32)):
+        run = tiles.tile_run(eyes, c_e=8, **form)
+        counts.append(run.block({**far, "density": density}, wanted)[1]["clamped_nan"])
+    assert counts[0] == 0 < counts[1]
+
+
+@pytest.mark.extreme
 @pytest.mark.parametrize("form", FORMS, ids=str)
 @pytest.mark.parametrize("density", [0.0, np.nan, np.inf, -1.0, 1e30, 1e-30])
 def test_densities_out_of_range_are_answered_and_counted(form, density):

@@ -6,7 +6,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_050,
+    "library, lines": 79_100,
     "python, lines": 32_600,
     "lab, lines": 20_450,
     "tests, lines": 59_550,
@@ -25,7 +25,7 @@ LIMITS = {
     "reference, words": 19_100,
     "user pages, words": 31_500,
 }
-LEAST = {"C++ comments, lines per 1000": 79}
+LEAST = {"C++ comments, lines per 1000": 107}
 
 
 def test_nothing_grows() -> None:

@@ -101,8 +101,9 @@ void KeptRows::roll_back() {
         numbers_ = {};
         rows_ = {};
     }
-    // Rows of finished frames get their contents back; all others vanish by truncation.
-    for (size_t i = 0; i < changed_.size(); ++i)
+    // Rows of finished frames get their contents back, the first of several changes last; all others vanish by
+    // truncation.
+    for (size_t i = changed_.size(); i-- > 0;)
         std::memcpy(row(changed_[i]), before_.data() + i * 2 * row_words_, 2 * row_words_ * sizeof(Word));
     numbers_.truncate(committed_);
     rows_.resize(2 * row_words_ * committed_);

@@ -183,7 +183,7 @@ const BitMatrix* QuantizedCache::block_by_waves(const BlockAsk& ask, BitMatrix& 
         contribution_levels_.begin(by_contribution ? ask.contributions : nullptr, columns_, levels,
                                    parameters_.group_c_e(lights.group), parameters_.level_step);
         const TileCells& cells = cells_of(levels);
-        clamps = cells.clamps;
+        add_clamps(cells.clamps, counters);
         KeptRows* kept = rows_ ? &rows_->rows(ask.eyes.tile, lights.group) : nullptr;
         if (kept) kept->begin(columns_, levels);
         rays += waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, kept, *answer, counters,

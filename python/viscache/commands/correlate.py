@@ -12,6 +12,7 @@ from viscache.commands.shared import (
     add_scene,
     add_workers,
     at_least_one,
+    chosen_camera,
     chosen_executor,
     chosen_scene,
     print_json,
@@ -94,9 +95,6 @@ def run(arguments: argparse.Namespace) -> int:
     if not folder.is_dir() or target.is_dir() or not os.access(folder, os.W_OK):
         raise ValueError(f"output must lie in a folder that can be written, got {target}")
     scene = chosen_scene(arguments)
-    wish: str | None = arguments.camera
-    known = [camera.name for camera in scene.cameras]
-    index = wish is not None and wish not in known and wish.isdecimal()
     with chosen_executor(arguments) as executor:
         threads = arguments.threads or threads_of_a_worker(arguments)
         dataset = measure(
@@ -105,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
             map_size=arguments.map_size,
             pairs=arguments.pairs,
             points=arguments.on,
-            camera=int(wish) if wish and index else wish,
+            camera=chosen_camera(arguments, scene),
             seed=arguments.seed,
             d_edges=arguments.d_bins,
             theta_edges_deg=arguments.theta_bins,

@@ -13,12 +13,14 @@ import viscache as vc
 from viscache.base.progress import progress_bar
 from viscache.commands.shared import (
     add_scene,
+    add_shot,
     at_least_one,
+    chosen_camera,
     chosen_scene,
     chosen_settings,
+    chosen_shot,
     print_json,
     print_table,
-    size,
 )
 from viscache.frame.audit_result import audit_rows
 from viscache.frame.frame import checked_suffix
@@ -54,18 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="exact",
         choices=[*by_name.NAMES["visibility"], *by_name.RAYS_AS_VISIBILITY],
     )
-    parser.add_argument(
-        "--use", choices=["replace", "correct"], help="how an approximation is used"
-    )
-    parser.add_argument(
-        "--set",
-        metavar="NAME=VALUE",
-        action="append",
-        default=[],
-        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256",
-    )
-    parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
-    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
+    add_shot(parser)
     parser.add_argument(
         "--passes",
         type=at_least_one,
@@ -83,10 +74,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_audit,
         help="estimate the error of a cache: exact rays answer some pixels or queries as well",
     )
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--threads", type=at_least_one)
-    parser.add_argument("--env", metavar="FILE", help="environment light; a number: constant")
-    parser.add_argument("--camera", metavar="NAME", help="name or index")
     parser.add_argument("--json", action="store_true", help="counters, timings, parameters, sha256")
 
 
@@ -105,9 +92,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(f"output must be a file that can be written, got {arguments.output}")
     chosen = chosen_settings(arguments)
     scene = chosen_scene(arguments)
-    known = [camera.name for camera in scene.cameras]
-    wish: str | None = arguments.camera
-    index = wish is not None and wish not in known and wish.isdecimal()
     require(
         arguments.passes is not None or arguments.state is None,
         "--state must come with --passes",
@@ -116,13 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
     options: dict[str, Any] = {
         "rays": chosen["rays"],
         "visibility": chosen["visibility"],
-        "camera": int(wish) if wish and index else wish,
-        "env": _environment(arguments.env),
-        "use": arguments.use,
-        "size": arguments.size,
-        "spp": arguments.spp,
-        "seed": arguments.seed,
-        "threads": arguments.threads,
+        "camera": chosen_camera(arguments, scene),
+        **chosen_shot(arguments),
     }
     require(
         arguments.passes is None or arguments.audit is None,
@@ -200,13 +179,3 @@ def _audit(text: str) -> vc.AuditPixels | vc.AuditQueries:
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"{error} in {text!r}") from error
     raise argparse.ArgumentTypeError(f"must be pixels[:N] or queries[:SHARE], got {text!r}")
-
-
-def _environment(text: str | None) -> str | float | None:
-    """A file, or constant radiance."""
-    if text is None or Path(text).exists():
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        return text

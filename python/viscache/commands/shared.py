@@ -7,6 +7,7 @@ import json
 import sys
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any
 
 from viscache.base import workers
@@ -95,6 +96,51 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
         allow_outside=arguments.allow_outside,
         progress=sys.stderr.isatty(),
     )
+
+
+def add_shot(parser: argparse._ActionsContainer) -> None:
+    """What calls have in common beside the scene and the settings' names; see `viscache.Shot`."""
+    parser.add_argument(
+        "--use", choices=["replace", "correct"], help="how an approximation is used"
+    )
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256",
+    )
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
+    parser.add_argument("--spp", type=at_least_one, help="samples per pixel (1)")
+    parser.add_argument("--seed", type=int, help="of the samples (0)")
+    parser.add_argument("--threads", type=at_least_one)
+    parser.add_argument("--camera", metavar="NAME", help="name or index")
+    parser.add_argument(
+        "--env", type=_environment, metavar="FILE", help="environment light; a number: constant"
+    )
+
+
+def chosen_shot(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Those of the options of `add_shot` that were given, but `--set`; by the calls' names."""
+    names = ("use", "size", "spp", "seed", "threads", "env")
+    given = {name: getattr(arguments, name) for name in names}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def chosen_camera(arguments: argparse.Namespace, scene: Scene) -> str | int | None:
+    """Name or index of the camera; a number is a name first."""
+    wish: str | None = arguments.camera
+    if wish is None or wish in [camera.name for camera in scene.cameras]:
+        return wish
+    return int(wish) if wish.isdecimal() else wish
+
+
+def _environment(text: str) -> str | float:
+    """A file, or constant radiance."""
+    try:
+        return text if Path(text).exists() else float(text)
+    except ValueError:
+        return text
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:

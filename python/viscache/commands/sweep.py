@@ -10,11 +10,12 @@ from typing import Any
 
 from viscache.commands.shared import (
     add_loading,
+    add_shot,
     add_workers,
     at_least_one,
     chosen_executor,
+    chosen_shot,
     print_json,
-    size,
     threads_of_a_worker,
 )
 from viscache.settings import by_name
@@ -39,20 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     scene.add_argument("--integrator", help="(whitted)")
     scene.add_argument("--visibility", help="the cache (aqvc)")
     scene.add_argument("--rays", help="(embree)")
-    scene.add_argument("--use", choices=["replace", "correct"], help="how the cache is used")
-    scene.add_argument(
-        "--set",
-        metavar="NAME=VALUE",
-        action="append",
-        default=[],
-        help="a parameter that stays: c_n=8, integrator.n_vpls=256",
-    )
-    scene.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
-    scene.add_argument("--spp", type=at_least_one, help="samples per pixel (1)")
+    add_shot(scene)
     scene.add_argument("--repeats", type=at_least_one, help="of other seeds (1)")
-    scene.add_argument("--seed", type=int, help="of the first repeat (0)")
-    scene.add_argument("--camera", metavar="NAME")
-    scene.add_argument("--env", metavar="FILE", help="environment light")
     parser.add_argument(
         "--apart",
         action=argparse.BooleanOptionalAction,
@@ -69,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 #: Options that a sweep file has as keys.
 OF_A_SCENE = (
     *("over", "integrator", "visibility", "rays", "use", "set", "size", "spp", "repeats"),
-    *("seed", "camera", "env"),
+    *("seed", "threads", "camera", "env"),
 )
 
 
@@ -115,7 +104,8 @@ def _of_scene(arguments: argparse.Namespace) -> SweepFile:
             " (sweep files end in .toml)"
         )
     given: dict[str, Any] = {"scene": arguments.what, "over": _grid(arguments.over)}
-    for name in ("use", "size", "spp", "repeats", "seed", "camera", "env"):
+    given |= chosen_shot(arguments)
+    for name in ("repeats", "camera"):
         if getattr(arguments, name) is not None:
             given[name] = getattr(arguments, name)
     chosen: dict[by_name.Role, Any] = {

@@ -9,11 +9,12 @@ from typing import Any
 
 from viscache.commands.shared import (
     add_scene,
-    at_least_one,
+    add_shot,
+    chosen_camera,
     chosen_scene,
+    chosen_shot,
     print_json,
     print_table,
-    size,
 )
 from viscache.settings import by_name
 from viscache.sweeps.samples import METRICS
@@ -63,21 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="choose passes instead of one frame: exact, corrected or of picks (render --passes)",
     )
-    parser.add_argument("--use", choices=["replace", "correct"], help="how the cache is used")
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
-    parser.add_argument(
-        "--set",
-        metavar="NAME=VALUE",
-        action="append",
-        default=[],
-        help="a parameter by its symbol: c_n=8, integrator.n_vpls=256",
-    )
-    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
-    parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--threads", type=at_least_one)
-    parser.add_argument("--camera", metavar="NAME")
-    parser.add_argument("--env", metavar="FILE", help="environment light")
+    add_shot(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -107,20 +95,16 @@ def run(arguments: argparse.Namespace) -> int:
         if parameter is None:
             raise ValueError("--between must come with --parameter NAME")
         parameter = {parameter: tuple(arguments.between)}
+    scene = chosen_scene(arguments)
     found = tune(
-        chosen_scene(arguments),
+        scene,
         made["integrator"],
         **{wanted[0]: wanted[1]},
         visibility=made["visibility"],
         parameter=parameter,
         passes=arguments.passes,
-        use=arguments.use,
-        size=arguments.size,
-        spp=arguments.spp,
-        seed=arguments.seed,
-        threads=arguments.threads,
-        camera=arguments.camera,
-        env=arguments.env,
+        camera=chosen_camera(arguments, scene),
+        **chosen_shot(arguments),
         progress=sys.stderr.isatty(),
     )
     if arguments.json:

@@ -196,7 +196,7 @@ class SweepFile:
     title: str = ""
     use: str | None = None
     camera: str | None = None
-    env: str | None = None
+    env: str | float | None = None
     size: Sequence[int] | None = None
     spp: int = 1
     repeats: int = 1
@@ -261,7 +261,7 @@ class SweepFile:
         if self.preset is not None:
             table = {"name": visibility} if isinstance(visibility, str) else dict(visibility)
             visibility = {"preset": self.preset, **table}
-        env = None if self.env is None else sources.absolute(self.env, self.folder)
+        env = sources.absolute(self.env, self.folder) if isinstance(self.env, str) else self.env
         same = [name for name in inspect.signature(sweep).parameters if hasattr(self, name)]
         given = {name: getattr(self, name) for name in same}
         given |= {"scene": self._scene(), "visibility": visibility, "env": env}
@@ -293,7 +293,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "title": (str,),
     "use": (str,),
     "camera": (str,),
-    "env": (str,),
+    "env": (str, int, float),
     "size": (list,),
     "spp": (int,),
     "repeats": (int,),
@@ -312,6 +312,7 @@ def _check_types(table: Mapping[str, Any]) -> None:
         Mapping: "a table",
         list: "a list",
         int: "an integer",
+        float: "a number",
         bool: "true or false",
     }
     for name, value in table.items():
