@@ -115,13 +115,13 @@ STRUCTURES: dict[str, Callable[[], object]] = {
 def growth(structure: str, cycles: int, most: int) -> int:
     """Bytes by which the process grew over the cycles.
 
-    Where it grew by `most` or more, the same cycles once more decide: a pool of a thread comes
-    once, a leak comes again.
+    Where it grew by `most` or more, the same cycles decide again, up to twice: a pool of a thread
+    comes once for each thread, a leak comes again.
     """
     once = STRUCTURES[structure]
     for _ in range(WARM_UP):
         once()
-    for _ in range(2):
+    for _ in range(3):
         before = resident()
         for _ in range(cycles):
             once()
