@@ -101,8 +101,8 @@ void KeptRows::roll_back() {
         numbers_ = {};
         rows_ = {};
     }
-    // Rows of finished frames get their contents back, the first of several changes last; all others vanish by
-    // truncation.
+    // Rows of finished frames get their contents back, the first of several changes last; all others vanish
+    // by truncation.
     for (size_t i = changed_.size(); i-- > 0;)
         std::memcpy(row(changed_[i]), before_.data() + i * 2 * row_words_, 2 * row_words_ * sizeof(Word));
     numbers_.truncate(committed_);
