@@ -8,7 +8,7 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 LIMITS = {
     "library, lines": 79_100,
     "python, lines": 32_600,
-    "lab, lines": 20_450,
+    "lab, lines": 20_250,
     "tests, lines": 59_550,
     "rooms": 19,
     "imports between rooms": 90,

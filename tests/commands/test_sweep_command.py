@@ -11,7 +11,7 @@ from viscache import cli
 
 SCENE = "cube_on_plane"
 SHORT = ["--size", "12x8", "--integrator", "whitted", "--set", "n_vpls=4", "--set", "c_z=2.5"]
-SHORT += ["--env", "0.5", "--threads", "1"]
+SHORT += ["--env", "0.5", "--threads", "1", "--camera", "0"]
 
 
 def test_a_scene_is_swept_as_a_file_would_be(
@@ -22,7 +22,7 @@ def test_a_scene_is_swept_as_a_file_would_be(
     assert cli.main(["sweep", SCENE, *over, *SHORT, "-o", str(at)]) == 0
     file = tmp_path / "sweep.toml"
     file.write_text(
-        f'scene = "{SCENE}"\nsize = [12, 8]\nrepeats = 2\nenv = 0.5\nthreads = 1\n'
+        f'scene = "{SCENE}"\nsize = [12, 8]\nrepeats = 2\nenv = 0.5\nthreads = 1\ncamera = "0"\n'
         'integrator = {name = "whitted", n_vpls = 4}\nvisibility = {name = "aqvc", c_z = 2.5}\n'
         "[over]\nc_e = [4, 8]\nc_n = [2, 4]\n"
     )

@@ -15,7 +15,6 @@ from viscache.commands.shared import (
     add_scene,
     add_shot,
     at_least_one,
-    chosen_camera,
     chosen_scene,
     chosen_settings,
     chosen_shot,
@@ -100,7 +99,6 @@ def run(arguments: argparse.Namespace) -> int:
     options: dict[str, Any] = {
         "rays": chosen["rays"],
         "visibility": chosen["visibility"],
-        "camera": chosen_camera(arguments, scene),
         **chosen_shot(arguments),
     }
     require(

@@ -122,17 +122,9 @@ def add_shot(parser: argparse._ActionsContainer) -> None:
 
 def chosen_shot(arguments: argparse.Namespace) -> dict[str, Any]:
     """Those of the options of `add_shot` that were given, but `--set`; by the calls' names."""
-    names = ("use", "size", "spp", "seed", "threads", "env")
+    names = ("use", "size", "spp", "seed", "threads", "camera", "env")
     given = {name: getattr(arguments, name) for name in names}
     return {name: value for name, value in given.items() if value is not None}
-
-
-def chosen_camera(arguments: argparse.Namespace, scene: Scene) -> str | int | None:
-    """Name or index of the camera; a number is a name first."""
-    wish: str | None = arguments.camera
-    if wish is None or wish in [camera.name for camera in scene.cameras]:
-        return wish
-    return int(wish) if wish.isdecimal() else wish
 
 
 def _environment(text: str) -> str | float:

@@ -105,9 +105,8 @@ def _of_scene(arguments: argparse.Namespace) -> SweepFile:
         )
     given: dict[str, Any] = {"scene": arguments.what, "over": _grid(arguments.over)}
     given |= chosen_shot(arguments)
-    for name in ("repeats", "camera"):
-        if getattr(arguments, name) is not None:
-            given[name] = getattr(arguments, name)
+    if arguments.repeats is not None:
+        given["repeats"] = arguments.repeats
     chosen: dict[by_name.Role, Any] = {
         "integrator": by_name.make("integrator", arguments.integrator or "whitted"),
         "visibility": by_name.make("visibility", arguments.visibility or "aqvc"),

@@ -10,7 +10,6 @@ from typing import Any
 from viscache.commands.shared import (
     add_scene,
     add_shot,
-    chosen_camera,
     chosen_scene,
     chosen_shot,
     print_json,
@@ -95,15 +94,13 @@ def run(arguments: argparse.Namespace) -> int:
         if parameter is None:
             raise ValueError("--between must come with --parameter NAME")
         parameter = {parameter: tuple(arguments.between)}
-    scene = chosen_scene(arguments)
     found = tune(
-        scene,
+        chosen_scene(arguments),
         made["integrator"],
         **{wanted[0]: wanted[1]},
         visibility=made["visibility"],
         parameter=parameter,
         passes=arguments.passes,
-        camera=chosen_camera(arguments, scene),
         **chosen_shot(arguments),
         progress=sys.stderr.isatty(),
     )

@@ -95,10 +95,13 @@ def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> Camera:
     cameras = scene.cameras
     if wish is None:
         return cameras[0] if cameras else scene.overview_camera()
+    names = [c.name for c in cameras]
+    # An index on a command line or in a sweep's file is text; a name comes first
+    if isinstance(wish, str) and wish.isdecimal() and wish not in names:
+        wish = int(wish)
     if isinstance(wish, int):
         require(0 <= wish < len(cameras), f"camera must be in [0, {len(cameras)})", wish)
         return cameras[wish]
-    names = [c.name for c in cameras]
     require(wish in names, f"camera must be one of {names}", wish)
     return cameras[names.index(wish)]
 

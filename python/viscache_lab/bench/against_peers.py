@@ -23,8 +23,6 @@ from viscache_lab.bench.rays import EDGE_TOLERANCE
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
-__all__ = ["against_peers", "compare_pictures", "compare_rays"]
-
 Array = npt.NDArray[Any]
 Render = Callable[[int, int], vc.Frame]
 

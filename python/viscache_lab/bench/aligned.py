@@ -15,8 +15,6 @@ from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import turns
 from viscache_lab.experiment.trial import opened
 
-__all__ = ["FITTED", "HELD_OUT", "Case", "aligned", "eye_points", "opened", "rays_of"]
-
 #: Scenes whose measurements set the prices of `vlf/engine_choice.cpp`: built-in specs, or files
 #: in the folder of scenes by others.
 FITTED = (

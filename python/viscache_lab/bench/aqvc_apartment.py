@@ -13,8 +13,6 @@ from viscache_lab.bench.aqvc_frame import without_build
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
-__all__ = ["aqvc_apartment"]
-
 GOAL = 6.0
 REL_L1_GOAL = 0.015
 #: A frame with a larger error than this is wrong, however fast it is.

@@ -13,8 +13,6 @@ from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
 
-__all__ = ["aqvc_frame"]
-
 ROOM = "room?triangles=200000"
 SMALL = "room?triangles=20000"
 #: A frame with a larger error than this is wrong, however fast it is.

@@ -16,8 +16,6 @@ from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, figure, turns
 
-__all__ = ["aqvc_lookup"]
-
 
 @BENCHES.add(
     "aqvc-lookup", "nanoseconds per query of each form of the quantized cache, beside one ray"

@@ -30,8 +30,6 @@ from viscache.correlation.pairs import (
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, interleave
 
-__all__ = ["correlation"]
-
 Words: TypeAlias = npt.NDArray[np.uint64]
 MAP_SIZE = 96
 D_EDGES = np.append(np.linspace(0, 12, 128), np.inf)

@@ -16,19 +16,6 @@ import viscache as vc
 from viscache.metrics import confidence_interval
 from viscache_lab.experiment.amounts import figure, student_t
 
-__all__ = [
-    "Errors",
-    "Run",
-    "differences",
-    "energy_z",
-    "gain",
-    "gain_figure",
-    "log_interval",
-    "persistent_z",
-    "seed_by_seed",
-    "take_turns",
-]
-
 Array = npt.NDArray[Any]
 
 #: Floor of the relative error, as a share of the picture's mean.

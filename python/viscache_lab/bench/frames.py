@@ -13,8 +13,6 @@ from viscache_lab.bench.ray_sets import make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, interleave
 
-__all__ = ["frames"]
-
 
 @BENCHES.add("frames", "exact frames: ambient occlusion and 500 point lights against Mitsuba")
 def frames(trial: Trial) -> None:

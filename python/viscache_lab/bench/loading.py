@@ -22,8 +22,6 @@ from viscache_lab.experiment.amounts import Sample
 from viscache_lab.parity import renderers
 from viscache_lab.parity.shared import shared_scenes
 
-__all__ = ["loading"]
-
 #: Ours takes at most this many times Mitsuba's seconds and bytes.
 LIMIT = 1.2
 #: Below these, a figure says more about the process than about the scene.

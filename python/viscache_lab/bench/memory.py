@@ -10,8 +10,6 @@ from pathlib import Path
 from viscache.scenes.sources import scene_file
 from viscache_lab.experiment import BENCHES, Trial
 
-__all__ = ["memory"]
-
 LIMIT_GIB = 4.0
 PROGRAM = """
 import json, resource, sys

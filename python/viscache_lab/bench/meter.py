@@ -19,8 +19,6 @@ from viscache.shot.audited import draw_audit_pixels, pixel_estimates
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.trial import opened
 
-__all__ = ["meter"]
-
 Array = npt.NDArray[np.float64]
 
 #: The coverage of a 95 % interval that holds.

@@ -10,8 +10,6 @@ import viscache as vc
 from viscache_lab.bench.errors import Run, take_turns
 from viscache_lab.experiment import Trial
 
-__all__ = ["CASES", "QUICK", "Case", "never_slower"]
-
 #: Exact CPU seconds over ours must be at least this: 3 % more.
 GOAL = 1 / 1.03
 #: Pictures of each way, one after the other: a ratio is that of a pair whose passes took turns.

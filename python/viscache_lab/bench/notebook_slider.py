@@ -15,8 +15,6 @@ from viscache.base import tonemap
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, timed
 
-__all__ = ["notebook_slider"]
-
 SCENE = "room?triangles=200000&lights=64"
 QUICK_SCENE = "room?triangles=3000&lights=64"
 MILLISECONDS_AT_MOST = 300.0

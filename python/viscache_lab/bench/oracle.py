@@ -12,8 +12,6 @@ import viscache as vc
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene, turns
 
-__all__ = ["oracle"]
-
 #: Arrays may cost 10 % more than a frame's own queries; a Python oracle, 10 % of a frame.
 GOAL = 0.9
 

@@ -12,8 +12,6 @@ from viscache_lab.parity import renderers
 from viscache_lab.parity.judge import VERDICTS, Judged, Verdict
 from viscache_lab.parity.suite import Suite, run_suite
 
-__all__ = ["parity"]
-
 
 @BENCHES.add("parity", "pictures of a zoo of scene files and of shared scenes against Mitsuba 3")
 def parity(trial: Trial) -> None:

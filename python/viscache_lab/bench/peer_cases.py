@@ -13,8 +13,6 @@ import viscache as vc
 from viscache.shot.render import render
 from viscache_lab.experiment.amounts import build_scene
 
-__all__ = ["ALBEDO", "PictureCase", "Way", "picture_cases"]
-
 Array = npt.NDArray[Any]
 
 #: Of every surface, in all pictures.

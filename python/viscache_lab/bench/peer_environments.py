@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-__all__ = ["PACKAGES", "default_folder", "interpreter", "make_environments"]
-
 #: A peer's module, also the name of its environment, and what pip installs there.
 PACKAGES: dict[str, tuple[str, ...]] = {
     "mitsuba": ("numpy", "mitsuba"),

@@ -15,8 +15,6 @@ import numpy as np
 
 from viscache_lab.bench.peer_protocol import serve
 
-__all__ = ["LuxCorePicture"]
-
 
 def main() -> None:
     """Answer with frames; `luxcore-cache` as the peer's name turns its visibility caches on."""

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["MitsubaKernels"]
-
 #: Samples of one launch, so that memory stays small.
 LAUNCH = 1 << 22
 

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MitsubaPicture"]
-
 
 class MitsubaPicture:
     """The scene of a folder, its environment of the given arrays; built at the first frame."""

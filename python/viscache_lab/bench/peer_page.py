@@ -10,8 +10,6 @@ from typing import Any
 
 from viscache.base.files import write_whole
 
-__all__ = ["page", "write_pages"]
-
 _STYLE = (
     ":root{color-scheme:light dark}body{font:1rem/1.5 system-ui,sans-serif;max-width:70rem;"
     "margin:auto;padding:1rem}.wide{overflow-x:auto}table{border-collapse:collapse}"

@@ -17,8 +17,6 @@ import numpy as np
 import viscache as vc
 from viscache_lab.experiment.amounts import Sample
 
-__all__ = ["PEERS", "Peer", "PeerError", "missing", "missing_scene"]
-
 #: Name of a peer: (the package it needs, the module that runs it).
 PEERS = {
     "mitsuba": ("mitsuba", "viscache_lab.bench.peer_mitsuba"),

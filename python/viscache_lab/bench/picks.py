@@ -20,8 +20,6 @@ import viscache as vc
 from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
 from viscache_lab.experiment import BENCHES, Trial
 
-__all__ = ["picks"]
-
 Array = npt.NDArray[Any]
 
 #: The largest |z| of the energy of picks against exact frames of the same seeds.

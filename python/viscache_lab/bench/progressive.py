@@ -16,8 +16,6 @@ from viscache_lab.bench.never_slower import never_slower
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import student_t
 
-__all__ = ["progressive"]
-
 #: The cache of plain passes, for all scenes, and of corrected ones: the default.
 PLAIN, CORRECTED = vc.Aqvc(c_e=10), vc.Aqvc()
 #: Picks of each eye point, of the rival without a cache.

@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 import viscache as vc
 
-__all__ = ["SETS", "RaySet", "make_ray_set", "surface_points"]
-
 Array: TypeAlias = npt.NDArray[np.float32]
 
 #: camera: an image's rays, row by row. hemi: one cosine-distributed direction from each of N points

@@ -15,8 +15,6 @@ from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene, fastest, turns
 
-__all__ = ["EDGE_TOLERANCE", "rays"]
-
 SCENES = (
     "room?triangles=200000",
     "hairball?triangles=1000000",

@@ -12,8 +12,6 @@ from viscache.shot.shot import BareShot
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, turns
 
-__all__ = ["shafts"]
-
 Engine = Literal["packets", "shafts", "auto"]
 ENGINES: tuple[Engine, ...] = ("packets", "shafts", "auto")
 #: Embree's coherent traversal changes one answer in 10⁹ by rounding; shafts have those of the

@@ -16,8 +16,6 @@ from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import turns
 from viscache_lab.experiment.trial import opened
 
-__all__ = ["shafts_elsewhere"]
-
 Engine = Literal["packets", "shafts", "auto"]
 ENGINES: tuple[Engine, ...] = ("packets", "shafts", "auto")
 Places = Literal["seen", "space", "surface"]

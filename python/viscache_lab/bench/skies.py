@@ -20,8 +20,6 @@ from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_see
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.trial import opened
 
-__all__ = ["skies"]
-
 Array = npt.NDArray[Any]
 
 #: The largest |z| of the energy of sets against own samples of the same seeds.

@@ -23,8 +23,6 @@ from viscache.sweeps.store import Store
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, interleave
 
-__all__ = ["sweep"]
-
 SCENE = "room?triangles=200000"
 QUICK_SCENE = "room?triangles=3000"
 #: Share of the wall time outside frames and metrics.

@@ -19,8 +19,6 @@ from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
 
-__all__ = ["threads"]
-
 #: Least speed-up with two threads.
 GOAL_OF_TWO = 1.9
 REPEATS, QUICK_REPEATS = 3, 1

@@ -12,8 +12,6 @@ import viscache as vc
 from viscache.metrics import compare
 from viscache_lab.experiment import BENCHES, Trial
 
-__all__ = ["tune_scenes"]
-
 #: The error may exceed the target, and lie below it, by this factor.
 WITHIN = 1.3
 #: The error may differ so much from that of the pixels that checked it.

@@ -17,8 +17,6 @@ from viscache_lab.cases.map_renders import Picture, images, paper_maps, samples_
 from viscache_lab.experiment import Trial
 from viscache_lab.experiment.amounts import build_scene
 
-__all__ = ["equal_time"]
-
 SAMPLES = 30
 GUIDED = vc.VisMaps(sampling="guided")
 #: The rival without maps: shared directions in sets, as in `viscache bench peers`.

@@ -22,8 +22,6 @@ from viscache_lab.bench.vismap_time import equal_time
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene
 
-__all__ = ["vismap_variance"]
-
 ETA = 0.25
 #: Passes of a pixel in the steady state: the first five give α for the last.
 STEADY = 6

@@ -19,8 +19,6 @@ from viscache_lab.bench.frames import g_buffer
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene, fastest, frame_clock, turns
 
-__all__ = ["CASES", "Case", "vlf_ao"]
-
 #: Axis by axis with packets of neighbouring points, or point by point with packets of axes.
 PLANS = tuple((by_axis, w, c) for by_axis in (True, False) for w in (8, 16) for c in (False, True))
 #: Rays that pass an edge within rounding may be answered differently.

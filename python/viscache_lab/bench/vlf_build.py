@@ -15,8 +15,6 @@ from viscache_lab.bench.vlf_update import compare_updates
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene, timed, turns
 
-__all__ = ["vlf_build"]
-
 SCENES = (
     "random_triangles?triangles=10000&edge_factor=1",
     "bumpy_spheres?triangles=15000",

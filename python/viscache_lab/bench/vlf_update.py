@@ -15,8 +15,6 @@ from viscache_lab.cases.moving_object import STOPS, ball, with_object
 from viscache_lab.experiment import Trial
 from viscache_lab.experiment.amounts import build_scene, turns
 
-__all__ = ["compare_updates"]
-
 SCENE, QUICK_SCENE = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
 FIELD = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
 QUICK_FIELD = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)

@@ -11,8 +11,6 @@ from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene, turns
 
-__all__ = ["watertight"]
-
 SCENES = (
     "room?triangles=200000",
     "hairball?triangles=300000",

@@ -14,8 +14,6 @@ from viscache_lab.bench.progressive import FIRST_OF_REFERENCES
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import figure, student_t
 
-__all__ = ["which_cache"]
-
 Array = npt.NDArray[np.float64]
 
 #: Limit of |t| of the energy against exact passes; it has 7 degrees of freedom.

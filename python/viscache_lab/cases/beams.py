@@ -12,8 +12,6 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.scene.about import sphere
 
-__all__ = ["Beams", "chords"]
-
 Floats: TypeAlias = npt.NDArray[np.float32]
 Job: TypeAlias = Literal["any", "nearest"]
 

@@ -11,8 +11,6 @@ import numpy.typing as npt
 
 import viscache as vc
 
-__all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]
-
 #: The time of product sampling is measured at these numbers of samples.
 CALIBRATED = (20, 80)
 Images = list[npt.NDArray[np.floating[Any]]]

@@ -9,8 +9,6 @@ import numpy.typing as npt
 
 import viscache as vc
 
-__all__ = ["STOPS", "ball", "with_object"]
-
 Mesh: TypeAlias = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
 
 RADIUS = 0.12

@@ -19,23 +19,6 @@ import viscache as vc
 from viscache.base.provenance import embree_version, isa
 from viscache.scenes import build
 
-__all__ = [
-    "Clock",
-    "Sample",
-    "Turns",
-    "at_most_figure",
-    "build_scene",
-    "fastest",
-    "figure",
-    "frame_clock",
-    "interleave",
-    "machine",
-    "ratio_figure",
-    "student_t",
-    "timed",
-    "turns",
-]
-
 Key = TypeVar("Key")
 Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["RULES", "Claim", "interval"]
-
 #: Rule to what it says. `Claim` has a method for each, which makes the interval.
 RULES = {
     "at_least": "A printed advantage: the printed value or more.",

@@ -8,8 +8,6 @@ from itertools import groupby
 from viscache_lab.experiment.claim_rules import RULES, interval
 from viscache_lab.experiment.full_run import RUNS, FullRun, Judged
 
-__all__ = ["PAGES", "filled"]
-
 Runs = Mapping[str, FullRun]
 #: Rows of a claim that are named one by one; more are counted.
 NAMED = 2

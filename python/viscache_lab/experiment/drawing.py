@@ -14,8 +14,6 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache.plots.drawing import new_figure
 
-__all__ = ["Panel", "Series", "draw", "draw_image", "draw_records", "images", "lines", "project"]
-
 Floats = npt.NDArray[np.floating[Any]]
 
 

@@ -13,8 +13,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-__all__ = ["CLAIMING", "FILE", "RUNS", "Failing", "FullRun", "Judged", "kept", "read", "written"]
-
 FILE = Path(__file__).with_name("full_run.json")
 
 

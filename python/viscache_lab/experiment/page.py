@@ -15,8 +15,6 @@ from viscache_lab.experiment.claim_rules import interval
 from viscache_lab.experiment.registry import FIGURES
 from viscache_lab.experiment.verdict import claim_of, sentence
 
-__all__ = ["html"]
-
 #: Above this many bytes, a picture is reduced to this many pixels in width.
 LARGE_BYTES, WIDTH_PX = 400_000, 1600
 

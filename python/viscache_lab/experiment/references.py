@@ -9,8 +9,6 @@ from pathlib import Path
 
 from viscache.sweeps.exact_frames import ExactFrames
 
-__all__ = ["exact_frames", "kept_in"]
-
 _FRAMES: ContextVar[ExactFrames] = ContextVar("references")
 
 

@@ -13,8 +13,6 @@ from viscache.commands.shared import print_json
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
 
-__all__ = ["BENCHES", "FAMILIES", "FIGURES", "Experiment", "Registry", "print_list"]
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from viscache_lab.experiment.claim_rules import Claim
 
-__all__ = ["Band", "Row", "text"]
-
 
 @dataclass(frozen=True, slots=True)
 class Band:

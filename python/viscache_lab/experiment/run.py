@@ -21,8 +21,6 @@ from viscache_lab.experiment.rows import text
 from viscache_lab.experiment.trial import Trial
 from viscache_lab.experiment.verdict import claim_of, claims_not_found, sentence, verdicts
 
-__all__ = ["code_hash", "failing", "finished", "reproduce", "reproduce_all", "run_bench"]
-
 Result = dict[str, Any]
 #: Errors of disks that are full or may not be written to.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)

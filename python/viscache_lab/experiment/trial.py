@@ -14,8 +14,6 @@ from viscache_lab.experiment import amounts, drawing
 from viscache_lab.experiment.amounts import Sample
 from viscache_lab.experiment.rows import Band, Row
 
-__all__ = ["Trial", "opened"]
-
 
 class InScene(Protocol):
     """A case of an experiment: a scene is a spec, or a folder of $VISCACHE_SCENES and a file."""

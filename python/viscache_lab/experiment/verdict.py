@@ -7,8 +7,6 @@ from typing import Any, TypeAlias
 
 from viscache_lab.experiment.full_run import CLAIMING
 
-__all__ = ["claim_of", "claims_not_found", "sentence", "verdicts"]
-
 Result: TypeAlias = Mapping[str, Any]
 #: Words for none, all, and some or none of the rows. Some claims are judged at full size only.
 CLAIM = ("not stated", "found", "not found")

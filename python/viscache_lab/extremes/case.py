@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-__all__ = ["Case", "Check", "Limit", "checked", "holds"]
-
 #: The most that a value may be, or the interval that it must lie in.
 Limit: TypeAlias = float | tuple[float, float]
 

@@ -13,8 +13,6 @@ from viscache_lab.extremes.families.offsets import shift
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, SHARED, Method, picture, rel_l1
 
-__all__ = ["AXES", "GROWTH", "holding", "measure"]
-
 #: What is varied, in words, and the values of a quick and of a full run.
 AXES: dict[str, tuple[str, list[float], list[float]]] = {
     "scale": (

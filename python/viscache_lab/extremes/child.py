@@ -18,8 +18,6 @@ from viscache_lab.experiment import FAMILIES
 from viscache_lab.extremes import families  # registers them
 from viscache_lab.extremes.case import checked
 
-__all__ = ["main"]
-
 
 def main(name: str, descriptor: int, skip: int, full: bool) -> None:
     """Measure the cases of a family from number `skip` on."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["Difference", "differences"]
-
 #: Values that differ by more than this factor are told.
 FACTOR = 2.0
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from viscache.base import provenance
 
-__all__ = ["instruction_sets"]
-
 #: All of them, from the plainest.
 ISAS = ("portable", "avx2", "avx512")
 

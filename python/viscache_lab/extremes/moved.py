@@ -11,8 +11,6 @@ import viscache as vc
 
 Array = npt.NDArray[np.float64]
 
-__all__ = ["description_of", "moved"]
-
 
 def description_of(
     made: vc.Scene,

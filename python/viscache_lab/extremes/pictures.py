@@ -11,8 +11,6 @@ import numpy as np
 import viscache as vc
 from viscache_lab.extremes import scenes
 
-__all__ = ["METHODS", "SIZE", "Method", "differing", "error_of", "picture", "rel_l1"]
-
 SIZE = (48, 32)
 C_E = 6.0
 

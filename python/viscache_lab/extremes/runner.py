@@ -24,8 +24,6 @@ from viscache_lab.extremes import families  # registers them
 from viscache_lab.extremes.case import Check
 from viscache_lab.extremes.isas import instruction_sets
 
-__all__ = ["run"]
-
 #: Seconds that a case may take. In the default run none takes 10 s on one loaded core.
 LIMIT_S, FULL_LIMIT_S = 120.0, 900.0
 #: Seconds for a process to start: the imports, on a crowded machine.

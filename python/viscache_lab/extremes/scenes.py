@@ -10,8 +10,6 @@ import numpy.typing as npt
 import viscache as vc
 from viscache_lab.extremes.moved import description_of
 
-__all__ = ["Arrays", "closed_box", "cube", "described", "floor", "lit_box", "sky", "sphere"]
-
 #: Vertices (V, 3) and triangles (T, 3).
 Arrays = tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]
 _QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)

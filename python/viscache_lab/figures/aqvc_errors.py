@@ -9,8 +9,6 @@ import numpy as np
 
 import viscache as vc
 
-__all__ = ["Interval", "bias", "mean_interval", "stray_light"]
-
 
 @dataclass(frozen=True, slots=True)
 class Interval:

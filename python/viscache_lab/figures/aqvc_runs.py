@@ -15,8 +15,6 @@ from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import Row
 
-__all__ = ["AMPLIFIED", "TURNS", "Shot", "Trade", "difference", "group_rows", "presets"]
-
 Key = TypeVar("Key", bound=Hashable)
 
 #: Amplification of the luminance error in Figure 5.

@@ -11,8 +11,6 @@ import viscache as vc
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot
 
-__all__ = ["CLOSE_UP", "PRESETS", "QUICK_SIZE", "SETUPS", "SIZE", "Preset", "Setup", "delta"]
-
 Preset: TypeAlias = Literal["default", "fast", "paper"]
 #: Presets whose pictures are compared with exact ones.
 PRESETS: tuple[Preset, ...] = ("default", "fast", "paper")

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["equal_cells", "per_cell_angle", "per_cell_mean", "rank_correlation", "records_per_cell"]
-
 Floats = npt.NDArray[np.floating[Any]]
 Cells = npt.NDArray[np.int64]
 

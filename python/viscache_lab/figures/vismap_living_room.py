@@ -10,8 +10,6 @@ from viscache.scenes.sources import SCENES_VARIABLE, made_by_others
 from viscache_lab.cases.map_renders import Picture, paper_maps
 from viscache_lab.experiment import Row, Trial
 
-__all__ = ["SKIES", "living_rooms", "variance_rows"]
-
 SCENE = "living-room/scene.xml"
 #: Measured outdoor skies, in the folder of scenes.
 SKIES = {"noon": "hdr/kloppenheim_05_1k.hdr", "sunset": "hdr/venice_sunset_1k.hdr"}

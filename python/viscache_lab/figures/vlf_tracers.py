@@ -17,18 +17,6 @@ from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.figures import vlf_printed as printed
 
-__all__ = [
-    "FAST_EMBREE",
-    "Tuned",
-    "best_bsp",
-    "best_field",
-    "camera_rays",
-    "cpu_seconds",
-    "embree",
-    "first_hits",
-    "in_turns",
-]
-
 Floats: TypeAlias = npt.NDArray[np.float32]
 
 #: The searched grids: depth and leaf size of the BSP, depth of the field's tiles.

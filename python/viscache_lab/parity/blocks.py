@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BLIND", "SHARE", "SIGMAS", "TOLERANCE", "Comparison", "block_means", "compare"]
-
 Array = npt.NDArray[np.float64]
 
 #: A block agrees within this many standard deviations plus this share of the reference.

@@ -13,8 +13,6 @@ import numpy.typing as npt
 from viscache_lab.parity.blocks import Comparison, block_means, compare
 from viscache_lab.parity.renderers import Loaded, load_mitsuba, load_viscache
 
-__all__ = ["FULL", "QUICK", "VERDICTS", "Effort", "Judged", "Verdict", "judge"]
-
 FloatImage = npt.NDArray[np.floating[Any]]
 Verdict: TypeAlias = Literal["differs", "not loaded", "not comparable", "warned", "agrees"]
 #: All verdicts, the worst first.

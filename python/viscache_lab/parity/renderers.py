@@ -16,8 +16,6 @@ import numpy.typing as npt
 
 import viscache as vc
 
-__all__ = ["Loaded", "load_mitsuba", "load_viscache", "missing", "mitsuba"]
-
 FloatImage = npt.NDArray[np.float32]
 
 #: Samples of lights per eye point. More samples per pixel serve edges as well as lights.

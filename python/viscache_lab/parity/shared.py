@@ -18,8 +18,6 @@ from xml.etree import ElementTree
 from viscache.scenes.sources import SCENES_VARIABLE
 from viscache_lab.parity.zoo.case import DAYLIGHT, property_tags, shape, view
 
-__all__ = ["Shared", "shared_scenes"]
-
 #: Width of the pictures.
 WIDTH_PX = 160
 #: Plugins that Mitsuba 3 has no more, and the nearest that it has.

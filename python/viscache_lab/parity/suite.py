@@ -18,8 +18,6 @@ from viscache_lab.parity.page import write_page
 from viscache_lab.parity.renderers import mitsuba
 from viscache_lab.parity.shared import Shared, shared_scenes
 
-__all__ = ["Suite", "run_suite"]
-
 
 @dataclass(kw_only=True, slots=True)
 class Suite:

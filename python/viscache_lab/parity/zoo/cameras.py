@@ -9,8 +9,6 @@ from viscache_lab.parity.zoo.case import SKY, Case, property_tags, shape, view
 from viscache_lab.parity.zoo.files import PICTURES
 from viscache_lab.parity.zoo.textures import textured
 
-__all__ = ["camera_cases"]
-
 LOOK = '<lookat origin="1,2.5,5" target="0,0.6,0" up="0,1,0"/>'
 MIRROR = '<scale x="-1" y="1" z="1"/>'
 WIDE, HIGH = (64, 40), (40, 64)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["BLACK", "DAYLIGHT", "FLOOR", "LAMP", "SKY", "VIEW", "Case", "area", "shape", "view"]
-
 #: Pixels of a zoo picture, both ways.
 SIDE_PX = 64
 

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BARE", "PEBBLE", "PICTURES", "SKY_MAP", "WEDGE", "write_files"]
-
 Array = npt.NDArray[Any]
 
 WEDGE = "wedge"

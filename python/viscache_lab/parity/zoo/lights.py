@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from viscache_lab.parity.zoo.case import DAYLIGHT, FLOOR, Case, area, property_tags, shape
 from viscache_lab.parity.zoo.files import PICTURES, SKY_MAP
 
-__all__ = ["light_cases"]
-
 STAGE = (
     FLOOR
     + shape("cube", '<scale value="0.6"/><rotate y="1" angle="30"/><translate y="0.6"/>')

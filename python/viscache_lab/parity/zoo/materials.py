@@ -8,8 +8,6 @@ from itertools import product
 from viscache_lab.parity.zoo.case import BLACK, SKY, Case, area, property_tags, shape
 from viscache_lab.parity.zoo.files import GREY, PICTURES, SKY_MAP
 
-__all__ = ["material_cases"]
-
 BASE = (0.6, 0.35, 0.15)
 METALS = ("Cu", "Au", "Ag", "Al", "Cr", "none")
 #: A lamp behind, which looks to the camera and shows in the floor's highlight.

@@ -8,9 +8,6 @@ from itertools import product
 from viscache_lab.parity.zoo.case import SKY, Case, area, shape
 from viscache_lab.parity.zoo.files import PEBBLE, WEDGE
 
-__all__ = ["SHAPES", "TRANSFORMS", "shape_cases"]
-
-
 #: Mitsuba 3 computes smooth normals for files without; the scenes `normals/…-computed` show them.
 FLAT = '<boolean name="face_normals" value="true"/>'
 

@@ -9,8 +9,6 @@ from viscache_lab.parity.zoo.case import SKY, Case, property_tags, shape, view
 from viscache_lab.parity.zoo.files import ALPHA, BARE, DEEP, GREY, PALETTE, PICTURES, WEDGE
 from viscache_lab.parity.zoo.shapes import LIFT, SHAPES
 
-__all__ = ["texture_cases"]
-
 #: Close above the floor: texels are several pixels wide.
 ABOVE = view('<lookat origin="0.3,5,0.5" target="0,0,0" up="0,0,-1"/>')
 TO_UV = {
