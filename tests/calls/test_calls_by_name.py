@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import warnings
 from pathlib import Path
@@ -139,14 +138,12 @@ SIZED = (
     "viscache.Relighting",
     "viscache.VisibilityMapCache.update",
     "viscache.shot.tiles.render",
-    "viscache.vismap.simulation.simulate",
 )
 
 
 @pytest.mark.parametrize("name", SIZED)
 def test_the_size_is_the_cameras_own_everywhere(name: str) -> None:
     value: Any = vc
-    importlib.import_module("viscache.vismap.simulation")
     for part in name.split(".")[1:]:
         value = getattr(value, part)
     assert inspect.signature(value).parameters["size"].default is None

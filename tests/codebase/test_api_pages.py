@@ -34,7 +34,6 @@ MODULES = (
     "viscache.shot.tiles",
     "viscache.metrics.variance",
     "viscache.vismap",
-    "viscache.vismap.simulation",
     "viscache.vlf",
     "viscache.base.workers",
 )

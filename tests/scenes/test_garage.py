@@ -21,8 +21,8 @@ from viscache.scenes.garage import (
     WINDOW_Y,
     WINDOWS,
 )
-from viscache.scenes.light_product import blocked_share
 from viscache.scenes.sky import sky_with
+from viscache_lab.cases.light_product import blocked_share
 
 
 @cache

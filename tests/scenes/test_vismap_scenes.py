@@ -15,7 +15,6 @@ from scipy.sparse.csgraph import connected_components
 import viscache as vc
 from correlation.scenes import unpacked
 from viscache import _core, scenes
-from viscache.scenes.builder import Builder
 from viscache.scenes.dynamics import EDGE, cubes
 from viscache.scenes.garden import PETAL, height
 from viscache.scenes.sky import sky
@@ -25,24 +24,20 @@ SIZES = {"garden": 100_000, "mushrooms": 60_000}
 
 
 @cache
-def built(name: str) -> Builder:
-    make = scenes.SCENES[name].builder
-    return make(triangles=SIZES[name]) if name in SIZES else make()
-
-
-@cache
 def scene(name: str) -> vc.Scene:
-    return vc.Scene.from_description(built(name).description)
+    make = scenes.SCENES[name].function
+    made: vc.Scene = make(triangles=SIZES[name]) if name in SIZES else make()
+    return made
 
 
 def boxes(name: str, *meshes: str) -> tuple[Array, Array]:
     """Lowest and highest corners (K, 3) of the connected parts of meshes."""
     low, high = [], []
-    for m in (m for m in built(name).meshes if m.name in meshes):
-        a, b = m.triangles.ravel(), np.roll(m.triangles, 1, axis=1).ravel()
-        graph = coo_matrix((np.ones(len(a), bool), (a, b)), shape=(len(m.vertices),) * 2)
+    for m in (m for m in scene(name).meshes() if m["name"] in meshes):
+        a, b = m["triangles"].ravel(), np.roll(m["triangles"], 1, axis=1).ravel()
+        graph = coo_matrix((np.ones(len(a), bool), (a, b)), shape=(len(m["vertices"]),) * 2)
         _, part = connected_components(graph, directed=False)
-        vertices = m.vertices[np.argsort(part, kind="stable")]
+        vertices = m["vertices"][np.argsort(part, kind="stable")]
         first = np.flatnonzero(np.diff(np.sort(part), prepend=-1))
         low.append(np.minimum.reduceat(vertices, first))
         high.append(np.maximum.reduceat(vertices, first))
@@ -82,9 +77,9 @@ def test_mushrooms_are_1_3_units_high_and_wide() -> None:
 
 def test_cubes_have_edges_of_5_units_and_are_all_coplanar() -> None:
     """Flat faces are what the scene is for: the limit on coplanar triangles is not for it."""
-    meshes = {m.name: m for m in built("dynamics").meshes}
+    meshes = {m["name"]: m for m in scene("dynamics").meshes()}
     corners = np.concatenate(
-        [m.vertices.reshape(-1, 8, 3) for name, m in meshes.items() if "cubes" in name]
+        [m["vertices"].reshape(-1, 8, 3) for name, m in meshes.items() if "cubes" in name]
     ).astype(float)
     assert len(corners) == len(cubes()) == 9
     for c in corners:
@@ -115,7 +110,7 @@ CAMERAS = {"garden": ["garden1", "garden2"], "mushrooms": ["camera"], "dynamics"
 def test_cameras_see_much_of_the_scene(name: str, cameras: list[str]) -> None:
     opened = scene(name)
     assert [c.name for c in opened.cameras] == cameras
-    ends = np.cumsum([len(m.triangles) for m in built(name).meshes])
+    ends = np.cumsum([len(m["triangles"]) for m in opened.meshes()])
     for view in opened.cameras:
         found = vc.correlation.surface_points(opened, 2000, camera=view)
         assert found.n_misses < 0.5 * found.width * found.height, "half the picture shows surfaces"

@@ -55,7 +55,7 @@ BAD = [
     (vc.ShadowMap, {"vpls": 1}, "vpls must be true or false"),
     (vc.NeePlusPlus, {"symmetric": 1}, "symmetric must be true or false"),
     (vc.VisMaps, {"alpha": "two"}, "alpha must be one of"),
-    (vc.VisMaps, {"alpha": "oracle"}, "viscache.vismap.simulation alone has"),
+    (vc.VisMaps, {"alpha": "oracle"}, "viscache_lab.cases.simulation alone has"),
     (vc.VisMaps, {"alpha": True}, "alpha must be"),
     (vc.VisMaps, {"first_alpha": "zero"}, 'first_alpha must be "pilot" or "one"'),
     (vc.VisMaps, {"sampling": "other"}, "sampling must be"),

@@ -11,17 +11,17 @@ import viscache as vc
 from viscache import scenes
 from viscache._core import AlphaMode, PointSet
 from viscache.metrics.variance import variance_ratio
-from viscache.scenes.light_product import LUMINANCE
 from viscache.vismap import MapSettings, VisibilityMapCache
-from viscache.vismap.simulated_pixels import Pixels, pooled_alphas
-from viscache.vismap.simulation import (
+from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
+from viscache_lab.cases.light_product import LUMINANCE
+from viscache_lab.cases.simulated_pixels import Pixels, pooled_alphas
+from viscache_lab.cases.simulation import (
     PILOT_SEED,
     PixelEstimates,
     Way,
     one_shot_passes,
     simulate,
 )
-from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
 from viscache_lab.experiment import Trial
 
 ONE, STEADY = Way(alpha=1.0), Way(alpha="previous_pass", passes=4)

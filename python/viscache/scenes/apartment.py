@@ -15,13 +15,13 @@ import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     bumpy_sphere,
     curtain,
     cylinder,
+    knots,
     place,
     quad,
     revolve,
@@ -70,11 +70,11 @@ def apartment(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 750_000)
 
 def _shell(b: Builder) -> None:
     w, e, n, s, h = WEST, EAST, NORTH, SOUTH, HEIGHT
-    b.add(quad([w, 0, s], [0.5, 0, s], [0.5, 0, n], [w, 0, n]), paint(b, "floor_oak"))
-    b.add(quad([0.5, 0, s], [e, 0, s], [e, 0, n], [0.5, 0, n]), paint(b, "beech"))
+    b.add(quad([w, 0, s], [0.5, 0, s], [0.5, 0, n], [w, 0, n]), "floor_oak")
+    b.add(quad([0.5, 0, s], [e, 0, s], [e, 0, n], [0.5, 0, n]), "beech")
     tiles = quad([-3, 0.004, s], [0, 0.004, s], [0, 0.004, HALL_SOUTH], [-3, 0.004, HALL_SOUTH])
-    b.add(tiles, paint(b, "floor_tile"))
-    b.add(quad([w, h, n], [e, h, n], [e, h, s], [w, h, s]), paint(b, "ceiling"))
+    b.add(tiles, "floor_tile")
+    b.add(quad([w, h, n], [e, h, n], [e, h, s], [w, h, s]), "ceiling")
     window = (0.9, 2.25)
     # Outer walls; distances run along each wall.
     views = [(1.2, 3.2), (4.4, 6.4), (8.6, 10.2), (11.9, 13.3)]
@@ -127,10 +127,10 @@ def _drapes(b: Builder, at: Array, width: float, color: str) -> None:
     """A pair of curtains on a rail; `at` is the window's middle on the floor, facing +z."""
     for side in (-1, 1):
         cloth = curtain(0.42, 2.38, 5, 0.045)
-        b.add(cloth, paint(b, color), at @ place([side * (width / 2 + 0.18), 0.05, 0.2]))
+        b.add(cloth, color, at @ place([side * (width / 2 + 0.18), 0.05, 0.2]))
     x = width / 2 + 0.5
     rail = tube([[-x, 2.45, 0.2], [0, 2.455, 0.2], [x, 2.45, 0.2]], 0.013, 8, 12)
-    b.add(rail, paint(b, "brass"), at)
+    b.add(rail, "brass", at)
 
 
 def _living(b: Builder, rng: np.random.Generator) -> None:
@@ -189,7 +189,7 @@ def _living(b: Builder, rng: np.random.Generator) -> None:
 
 
 def _kitchen(b: Builder, rng: np.random.Generator) -> None:
-    top, stone = 0.9, paint(b, "stone")
+    top, stone = 0.9, b.paint("stone")
     south = place([-4.95, 0, SOUTH - 0.09], yaw=180)
     furniture.cabinet(b, south, (3.6, 0.86, 0.58), "white_paint", doors=6)
     b.add(
@@ -199,16 +199,10 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
     )
     sink = [[0.2, 0.004], [0.22, 0.012], [0.19, 0.006], [0.17, -0.1], [0.04, -0.14]]
     b.add(
-        revolve(sink, 28, 16, caps=(False, True)),
-        paint(b, "steel"),
-        south @ place([0.3, top + 0.004, 0.3]),
+        revolve(sink, 28, 16, caps=(False, True)), "steel", south @ place([0.3, top + 0.004, 0.3])
     )
     tap = [[0.0, 0, 0], [0, 0.24, 0], [0, 0.31, 0.07], [0, 0.27, 0.16], [0, 0.24, 0.165]]
-    b.add(
-        tube(tap, [0.018, 0.012, 0.012, 0.011], 10, 26),
-        paint(b, "steel"),
-        south @ place([0.3, top, 0.06]),
-    )
+    b.add(tube(tap, [0.018, 0.012, 0.012, 0.011], 10, 26), "steel", south @ place([0.3, top, 0.06]))
     for k in range(4):  # pots on the hob
         spot = south @ place([-0.9 + 0.27 * (k % 2), top, 0.2 + 0.25 * (k // 2)])
         pot = [
@@ -219,9 +213,9 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
             [0.11, 0.11 + 0.03 * k],
             [0.1, 0.02],
         ]
-        b.add(revolve(pot, 24, 18, caps=(True, True)), paint(b, "steel"), spot)
+        b.add(revolve(pot, 24, 18, caps=(True, True)), "steel", spot)
         grip = tube([[0, 0.1, 0.11], [0, 0.12, 0.2], [0, 0.125, 0.3]], [0.008, 0.011, 0.009], 7, 8)
-        b.add(grip, paint(b, "black_metal"), spot @ place(yaw=150 + 40 * k))
+        b.add(grip, "black_metal", spot @ place(yaw=150 + 40 * k))
     for k in range(7):
         decor.bottle(
             b,
@@ -245,7 +239,7 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
         )
     for y in (1.45, 1.8):  # open shelves with crockery
         board = soft_box((2.0, 0.03, 0.26), (8, 2, 3), power=26, bulge=0.03)
-        b.add(board, paint(b, "oak"), west @ place([0, y, 0.14]))
+        b.add(board, "oak", west @ place([0, y, 0.14]))
         for k in range(11):
             spot = west @ place([-0.9 + 0.18 * k, y + 0.015, 0.13], yaw=33 * k)
             decor.cup(b, spot, ("porcelain", "sky", "mustard", "brick_red")[(k * 3) % 4])
@@ -263,7 +257,7 @@ def _island(b: Builder, rng: np.random.Generator) -> None:
     furniture.cabinet(b, island @ place([0, 0, -0.35]), (1.7, 0.86, 0.7), "petrol", doors=3)
     b.add(
         soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02),
-        paint(b, "oak"),
+        "oak",
         island @ place([0, 0.885, 0]),
     )
     decor.bowl(b, island @ place([-0.5, 0.905, 0.1]), 0.2, "porcelain", fruit=True)
@@ -272,52 +266,28 @@ def _island(b: Builder, rng: np.random.Generator) -> None:
     for k in range(3):
         stool = island @ place([-0.6 + 0.6 * k, 0, -0.72])
         seat = [[0.02, 0.66], [0.17, 0.665], [0.18, 0.69], [0.16, 0.705], [0.03, 0.695]]
-        b.add(revolve(seat, 26, 12, caps=(True, True), dome=0.05), paint(b, "oak"), stool)
+        b.add(revolve(seat, 26, 12, caps=(True, True), dome=0.05), "oak", stool)
         for turn in (45, 135, 225, 315):
             leg = tube([[0, 0, 0.2], [0, 0.35, 0.15], [0, 0.67, 0.1]], [0.013, 0.017, 0.015], 8, 8)
-            b.add(leg, paint(b, "black_metal"), stool @ place(yaw=turn))
+            b.add(leg, "black_metal", stool @ place(yaw=turn))
 
 
 def _bath(b: Builder) -> None:
-    white = paint(b, "porcelain")
-    rim = [
-        [0.02, 0.13],
-        [0.5, 0.14],
-        [0.72, 0.3],
-        [0.8, 0.55],
-        [0.86, 0.57],
-        [0.87, 0.52],
-        [0.8, 0.3],
-        [0.6, 0.02],
-        [0.1, 0.0],
-    ]
+    white = b.paint("porcelain")
+    rim = knots(
+        "0.02 0.13, 0.5 0.14, 0.72 0.3, 0.8 0.55, 0.86 0.57, 0.87 0.52, 0.8 0.3, 0.6 0.02, 0.1 0.0"
+    )
     tub = revolve(rim, 56, 34, caps=(True, True))
     b.add(tub, white, place([-1.15, 0.02, 4.02], scale=[1.0, 1.0, 0.42]))
-    basin = [
-        [0.1, 0],
-        [0.09, 0.3],
-        [0.1, 0.62],
-        [0.26, 0.78],
-        [0.29, 0.82],
-        [0.25, 0.82],
-        [0.05, 0.7],
-    ]
+    basin = knots("0.1 0, 0.09 0.3, 0.1 0.62, 0.26 0.78, 0.29 0.82, 0.25 0.82, 0.05 0.7")
     b.add(
         revolve(basin, 34, 26, caps=(True, True)),
         white,
         place([-2.65, 0, 3.1], scale=[1.0, 1.0, 1.15]),
     )
     tap = tube([[0.0, 0, 0], [0, 0.14, 0], [0.08, 0.18, 0], [0.14, 0.13, 0]], 0.011, 8, 18)
-    b.add(tap, paint(b, "steel"), place([-2.86, 0.8, 3.1]))
-    bowl = [
-        [0.11, 0],
-        [0.13, 0.2],
-        [0.2, 0.36],
-        [0.22, 0.4],
-        [0.17, 0.41],
-        [0.1, 0.25],
-        [0.03, 0.2],
-    ]
+    b.add(tap, "steel", place([-2.86, 0.8, 3.1]))
+    bowl = knots("0.11 0, 0.13 0.2, 0.2 0.36, 0.22 0.4, 0.17 0.41, 0.1 0.25, 0.03 0.2")
     b.add(
         revolve(bowl, 30, 22, caps=(True, True)), white, place([-0.45, 0, 2.9], scale=[1.25, 1, 1])
     )
@@ -327,20 +297,16 @@ def _bath(b: Builder) -> None:
         cloth = curtain(0.4, 0.6, 4, 0.02)
         b.add(
             cloth,
-            paint(b, color),
+            color,
             place([-2.85, 0.85, 3.75 + 0.0 * k], yaw=90) @ place([-0.15 * k, 0.05 * k, 0.02 * k]),
         )
-    b.add(
-        tube([[-2.86, 1.5, 3.5], [-2.855, 1.5, 3.9], [-2.86, 1.5, 4.3]], 0.01, 8, 8),
-        paint(b, "steel"),
-    )
+    b.add(tube([[-2.86, 1.5, 3.5], [-2.855, 1.5, 3.9], [-2.86, 1.5, 4.3]], 0.01, 8, 8), "steel")
     furniture.rug(b, place([-1.4, 0.004, 3.1]), (1.0, 0.6), "sky")
     decor.basket(b, place([-2.6, 0, 2.45]), 0.2, "rug_beige")
     drape = curtain(1.0, 1.75, 8, 0.04)
-    b.add(drape, paint(b, "linen"), place([-0.62, 0.6, 3.58]))
+    b.add(drape, "linen", place([-0.62, 0.6, 3.58]))
     b.add(
-        tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10),
-        paint(b, "steel"),
+        tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10), "steel"
     )
     _pendant(b, -1.9, 2.9, 0.45, "steel")
     _pendant(b, -1.0, 3.2, 0.45, "steel")
@@ -362,13 +328,13 @@ def _hall(b: Builder, rng: np.random.Generator) -> None:
         [[0.2, 0], [0.2, 0.03], [0.03, 0.06], [0.025, 1.0], [0.03, 1.8], [0.01, 1.85]], 18, 40
     )
     spot = place([6.6, 0, 1.15])
-    b.add(stand, paint(b, "walnut"), spot)
+    b.add(stand, "walnut", spot)
     for turn in range(0, 360, 60):
         hook = tube([[0, 1.7, 0.02], [0, 1.66, 0.1], [0, 1.75, 0.16]], 0.01, 7, 9)
-        b.add(hook, paint(b, "walnut"), spot @ place(yaw=turn))
+        b.add(hook, "walnut", spot @ place(yaw=turn))
     for yaw, color in ((10.0, "navy"), (125.0, "mustard"), (250.0, "grey_cloth")):
         coat = curtain(0.34, 1.05, 4, 0.06)
-        b.add(coat, paint(b, color), spot @ place(yaw=yaw) @ place([0, 0.62, 0.17]))
+        b.add(coat, color, spot @ place(yaw=yaw) @ place([0, 0.62, 0.17]))
     decor.plant(b, place([-2.6, 0, 1.75]), rng, height=1.3, leaves=110, pot="terracotta")
     for x in (-1.2, 4.8):
         _pendant(b, x, 1.45, 0.4)
@@ -440,15 +406,11 @@ def _child(b: Builder, rng: np.random.Generator) -> None:
         color = ("brick_red", "lemon", "sky", "leaf_light", "orange")[k % 5]
         if k % 2:
             r = 0.05 + 0.012 * (k % 4)
-            b.add(
-                bumpy_sphere(r, 8, float(k), 0.05),
-                paint(b, color),
-                place(p) @ place([0, r + 0.014, 0]),
-            )
+            b.add(bumpy_sphere(r, 8, float(k), 0.05), color, place(p) @ place([0, r + 0.014, 0]))
         else:
             block = soft_box((0.08, 0.08, 0.08), (5, 5, 5), power=9, bulge=0.05)
-            b.add(block, paint(b, color), place(p) @ place([0, 0.054, 0], yaw=31 * k))
+            b.add(block, color, place(p) @ place([0, 0.054, 0], yaw=31 * k))
     decor.basket(b, place([4.0, 0, 4.1]), 0.24, "rug_beige")
-    b.add(cylinder(0.19, 0.4, 24), paint(b, "sky"), place([5.6, 0, 4.05]))
+    b.add(cylinder(0.19, 0.4, 24), "sky", place([5.6, 0, 4.05]))
     _pendant(b, 4.9, 3.2, 0.5, "brick_red")
     _table_lamp(b, shelf @ place([0.25, 1.25, 0.15]), "lemon")

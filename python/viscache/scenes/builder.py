@@ -9,45 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.scenes.palette import COLORS, Rgb
 from viscache.scenes.shapes import Array, Indices, Shape
-
-Rgb = tuple[float, float, float]
 
 MOST_DETAIL = 64.0
 LEAST_DETAIL = 0.02
 ROUGH_DETAIL = 0.4  # below this detail, clutter is left out before shapes get coarser
 BARE_DETAIL = 0.1  # below this detail, furniture is left out
 GOLDEN = 0.6180339887498949
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MeshRecord:
-    """One mesh, as written to the description."""
-
-    name: str
-    vertices: npt.NDArray[np.float32]
-    triangles: Indices
-    material: int
-    emission: Rgb = (0.0, 0.0, 0.0)
-    in_world: bool = True
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class InstanceRecord:
-    """One more placement of meshes."""
-
-    meshes: tuple[int, ...]
-    to_world: Array
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class CameraRecord:
-    """A camera, as requested."""
-
-    origin: Rgb
-    target: Rgb
-    fov_deg: float
-    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,15 +46,13 @@ class Builder:
     """Materials, placed shapes, lights and cameras of one scene.
 
     Shapes are tessellated by `fit`, which finds the detail that meets a triangle budget.
-    Everything written is also kept as plain records (`meshes`, `instances`, ...).
+    `sizes` has the triangles of each mesh, `placed` those of all in the world and of instances.
     """
 
     name: str
     description: _core.SceneDescription = field(default_factory=_core.SceneDescription)
-    meshes: list[MeshRecord] = field(default_factory=list)
-    instances: list[InstanceRecord] = field(default_factory=list)
-    cameras: list[CameraRecord] = field(default_factory=list)
-    point_lights: list[tuple[Rgb, Rgb]] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+    placed: int = 0
     detail: float = 1.0
     _materials: dict[str, int] = field(default_factory=dict)
     _placements: list[_Placement] = field(default_factory=list)
@@ -98,6 +65,10 @@ class Builder:
     def diffuse(self, name: str, color: Rgb) -> int:
         """Two-sided Lambertian material, one per name."""
         return self._material(name, _core.MaterialKind.DIFFUSE, base_color=color)
+
+    def paint(self, name: str) -> int:
+        """The diffuse material of a color of the palette."""
+        return self.diffuse(name, COLORS[name])
 
     def glossy(self, name: str, color: Rgb, specular: float, roughness: float) -> int:
         """Lambertian base with a GGX lobe."""
@@ -129,17 +100,12 @@ class Builder:
             )
         return self._materials[name]
 
-    @property
-    def material_names(self) -> list[str]:
-        """Names in the order of their indices."""
-        return list(self._materials)
-
     # ------------------------------------------------------------ shapes
 
     def add(
         self,
         shape: Shape,
-        material: int,
+        material: int | str,
         to_world: Array | None = None,
         *,
         optional: bool = False,
@@ -147,8 +113,11 @@ class Builder:
     ) -> None:
         """Place `shape` by one (4, 4) or many (..., 4, 4) transforms.
 
+        A material with a name is a color of the palette.
         `optional` parts are clutter: if the budget is too small, scattered ones are left out.
         """
+        if isinstance(material, str):
+            material = self.paint(material)
         transforms = np.eye(4)[None] if to_world is None else to_world.reshape(-1, 4, 4)
         groups = min(5, len(transforms)) if len(transforms) >= 8 or optional else 1
         for part in np.array_split(transforms, groups):
@@ -197,7 +166,7 @@ class Builder:
         groups: dict[tuple[int, Rgb], list[tuple[Array, Indices]]] = {}
         for p in self._placements:
             groups.setdefault((p.material, p.emission), []).append(p.mesh(detail))
-        names = self.material_names
+        names = list(self._materials)
         for (material, emission), parts in groups.items():
             vertices, triangles = join(parts)
             self.add_mesh(vertices, triangles, material, name=names[material], emission=emission)
@@ -235,29 +204,20 @@ class Builder:
         """Write a mesh unchanged; returns its index."""
         points = np.ascontiguousarray(vertices, np.float32)
         faces = np.ascontiguousarray(triangles, np.uint32)
-        self.meshes.append(
-            MeshRecord(
-                name=name,
-                vertices=points,
-                triangles=faces,
-                material=material,
-                emission=emission,
-                in_world=in_world,
-            )
-        )
+        self.sizes.append(len(faces))
+        self.placed += len(faces) * in_world
         return self.description.add_mesh(
             points, faces, material=material, emission=emission, in_world=in_world, name=name
         )
 
     def add_instance(self, meshes: Sequence[int], to_world: Array) -> None:
         """Add a placement of meshes written with in_world=False."""
-        self.instances.append(InstanceRecord(meshes=tuple(meshes), to_world=to_world))
+        self.placed += sum(self.sizes[k] for k in meshes)
         self.description.add_instance(list(meshes), to_world)
 
     def point_light(self, position: npt.ArrayLike, intensity: npt.ArrayLike) -> None:
         """Point light; intensity in W/sr, one number or RGB."""
         p, c = _three(position), _three(np.broadcast_to(np.asarray(intensity, float), (3,)))
-        self.point_lights.append((p, c))
         self.description.add_point_light(p, c)
 
     def camera(
@@ -272,7 +232,6 @@ class Builder:
         horizontal: bool = False,
     ) -> None:
         """Pinhole camera; `fov_deg` is vertical unless `horizontal`."""
-        self.cameras.append(CameraRecord(origin=origin, target=target, fov_deg=fov_deg, name=name))
         self.description.add_camera(
             origin,
             target,
@@ -283,14 +242,6 @@ class Builder:
             horizontal=horizontal,
             name=name,
         )
-
-    # ------------------------------------------------------------ what was written
-
-    def n_triangles(self) -> int:
-        """Placed triangles: those in the world plus those seen through instances."""
-        world = sum(len(m.triangles) for m in self.meshes if m.in_world)
-        placed = sum(len(self.meshes[k].triangles) for i in self.instances for k in i.meshes)
-        return world + placed
 
 
 def join(parts: Sequence[tuple[Array, Indices]]) -> tuple[Array, Indices]:

@@ -7,7 +7,6 @@ from typing import Annotated
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import place, quad, revolve, soft_box, surface, tube
 
@@ -27,9 +26,9 @@ def church(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 16_000) -> 
     """
     b = Builder("church")
     length = BAYS * BAY / 2
-    stone = paint(b, "limestone")
+    stone = b.paint("limestone")
     floor = quad([-WALL, 0, length], [WALL, 0, length], [WALL, 0, -length], [-WALL, 0, -length])
-    b.add(floor, paint(b, "cream"))
+    b.add(floor, "cream")
     _columns(b, stone, length)
     _vaults(b, stone, length)
     _walls(b, stone, length)
@@ -88,11 +87,11 @@ def _walls(b: Builder, stone: int, length: float) -> None:
             frame = [[0, 1.4, z - 0.6], [0, 3.2, z - 0.6], [0, 4.0, z], [0, 3.2, z + 0.6]]
             path = np.array([*frame, [0, 1.4, z + 0.6]])
             path[:, 0] = side * (WALL - 0.03)
-            b.add(tube(path, 0.07, 6, 18), paint(b, "oak"), optional=True)
+            b.add(tube(path, 0.07, 6, 18), "oak", optional=True)
     far = soft_box((2 * WALL, CROWN, 0.3), (6, 5, 1), power=12, bulge=0.08)
     b.add(far, stone, place([0, CROWN / 2, -length - 0.15]))
     altar = soft_box((2.0, 1.0, 0.9), (6, 4, 4), power=12, bulge=0.03)
-    b.add(altar, paint(b, "porcelain"), place([0, 0.5, -length + 1.6]))
+    b.add(altar, "porcelain", place([0, 0.5, -length + 1.6]))
 
 
 def _pews(b: Builder, length: float) -> None:
@@ -101,8 +100,8 @@ def _pews(b: Builder, length: float) -> None:
         spots = place(np.stack([0 * z + x, 0 * z, z], axis=1))
         seat = soft_box((1.7, 0.06, 0.42), (4, 1, 2), power=6, bulge=0.2)
         back = soft_box((1.7, 0.5, 0.05), (4, 3, 1), power=6, bulge=0.2)
-        b.add(seat, paint(b, "walnut"), spots @ place([0, 0.45, 0]))
-        b.add(back, paint(b, "walnut"), spots @ place([0, 0.72, 0.22], pitch=8))
+        b.add(seat, "walnut", spots @ place([0, 0.45, 0]))
+        b.add(back, "walnut", spots @ place([0, 0.72, 0.22], pitch=8))
         for end in (-0.82, 0.82):
             leg = soft_box((0.05, 0.95, 0.45), (1, 3, 1), power=4, bulge=0.3)
-            b.add(leg, paint(b, "walnut"), spots @ place([end, 0.475, 0.05]))
+            b.add(leg, "walnut", spots @ place([end, 0.475, 0.05]))

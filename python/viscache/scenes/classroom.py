@@ -9,7 +9,6 @@ import numpy as np
 from viscache import _core
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import Array, box, cylinder, place, quad, smooth_path, tube
 from viscache.settings.checks import is_whole, require
@@ -43,9 +42,9 @@ def classroom_like(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 51_
     _walls(b, rng)
     for x in (-2.3, 2.3):
         for z in (-2.2, 2.2):
-            b.add(cylinder(0.2, 0.08, 20), paint(b, "porcelain"), place([x, HEIGHT - 0.13, z]))
+            b.add(cylinder(0.2, 0.08, 20), "porcelain", place([x, HEIGHT - 0.13, z]))
             rod = [[x, HEIGHT - 0.06, z], [x, HEIGHT, z]]
-            b.add(tube(rod, 0.01, 6, 3), paint(b, "black_metal"), optional=True)
+            b.add(tube(rod, 0.01, 6, 3), "black_metal", optional=True)
             b.point_light((x, HEIGHT - 0.32, z), 11.0 * np.array([1.0, 0.95, 0.86]))
     _scraps(b, rng, b.fit_below(triangles))
     b.camera(PATH[0], TARGETS[0], 60.0, name="door", size=(256, 256))
@@ -76,12 +75,12 @@ def classroom_camera(frame: int, frames: int = FRAMES) -> _core.Camera:
 
 def _shell(b: Builder) -> None:
     x, y, z = WIDTH, HEIGHT, LENGTH
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), paint(b, "floor_oak"))
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), paint(b, "ceiling"))
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), paint(b, "cream"))
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), paint(b, "plaster"))
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), paint(b, "sage"))
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), paint(b, "plaster"))
+    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "floor_oak")
+    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
+    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "cream")
+    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
+    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "sage")
+    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
 
 
 def _pupils(b: Builder, rng: np.random.Generator) -> None:
@@ -102,7 +101,7 @@ def _front(b: Builder, rng: np.random.Generator) -> None:
     board = box([-2.0, 0.9, -LENGTH + 0.01], [2.0, 2.2, -LENGTH + 0.04])
     b.add(board, b.glossy("board", (0.02, 0.06, 0.04), 0.06, 0.2))
     ledge = [[-2.0, 0.88, -LENGTH + 0.08], [0, 0.88, -LENGTH + 0.085], [2.0, 0.88, -LENGTH + 0.08]]
-    b.add(tube(ledge, 0.02, 8, 16), paint(b, "oak"))
+    b.add(tube(ledge, 0.02, 8, 16), "oak")
     desk = place([2.9, 0, -3.7], yaw=180)
     furniture.table(b, desk, (1.5, 0.7), "walnut", 0.75)
     furniture.desk_chair(b, place([2.9, 0, -4.3]), "petrol")

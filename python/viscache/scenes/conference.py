@@ -8,7 +8,6 @@ import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
@@ -50,12 +49,12 @@ def conference(triangles: Annotated[int, Range(200, MOST_TRIANGLES)] = 280_000) 
 
 def _shell(b: Builder) -> None:
     x, y, z = 6.5, HEIGHT, 4.5
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), paint(b, "grey_cloth"))
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), paint(b, "ceiling"))
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), paint(b, "plaster"))
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), paint(b, "plaster"))
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), paint(b, "blue_wall"))
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), paint(b, "plaster"))
+    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "grey_cloth")
+    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
+    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "plaster")
+    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
+    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "blue_wall")
+    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
     ring = [[-x, 0.05, -z], [x, 0.05, -z], [x, 0.05, z], [-x, 0.05, z], [-x, 0.05, -z]]
     fixtures.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
 
@@ -63,9 +62,9 @@ def _shell(b: Builder) -> None:
 def _meeting_table(b: Builder, rng: np.random.Generator, x: float, z: float, k: int) -> None:
     center = place([x, 0, z])
     top = soft_box((3.7, 0.04, 1.5), (26, 2, 12), power=5, bulge=0.02)
-    b.add(top, paint(b, "walnut"), center @ place([0, 0.72, 0]))
+    b.add(top, "walnut", center @ place([0, 0.72, 0]))
     column = [[0.3, 0], [0.3, 0.02], [0.12, 0.06], [0.09, 0.35], [0.13, 0.66], [0.24, 0.70]]
-    b.add(revolve(column, 30, 20), paint(b, "steel"), center @ place([[-1.1, 0, 0], [1.1, 0, 0]]))
+    b.add(revolve(column, 30, 20), "steel", center @ place([[-1.1, 0, 0], [1.1, 0, 0]]))
     board = center @ place([0, 0.742, 0])
     seats = [(sx, side) for side in (-1, 1) for sx in (-1.25, -0.42, 0.42, 1.25)]
     for n, (sx, side) in enumerate(seats):
@@ -102,17 +101,17 @@ def _papers(b: Builder, rng: np.random.Generator, n: int, at: Array) -> None:
             [rng.uniform(-0.08, 0.08), 0.001 * k, rng.uniform(-0.04, 0.04)],
             yaw=rng.uniform(-25, 25),
         )
-        b.add(surface(sheet, 6, 8), paint(b, "paper"), at @ spot, optional=k > 0)
+        b.add(surface(sheet, 6, 8), "paper", at @ spot, optional=k > 0)
     pen = tube(
         [[0, 0.012, -0.07], [0, 0.0125, 0], [0, 0.012, 0.07]], [0.002, 0.005, 0.005, 0.004], 6, 6
     )
-    b.add(pen, paint(b, "navy"), at @ place([0.05, 0.008, 0.02], yaw=35), optional=True)
+    b.add(pen, "navy", at @ place([0.05, 0.008, 0.02], yaw=35), optional=True)
 
 
 def _walls(b: Builder, rng: np.random.Generator) -> None:
     # Screen wall (x = 6.5) with a lectern, window wall (z = -4.5) with blinds and curtains.
     screen = soft_box((2.6, 1.5, 0.06), (12, 8, 2), power=30, bulge=0.1)
-    b.add(screen, paint(b, "screen"), place([6.44, 1.75, 0], yaw=-90))
+    b.add(screen, "screen", place([6.44, 1.75, 0], yaw=-90))
     board = place([6.47, 0, 2.9], yaw=-90)
     furniture.cabinet(b, board, (1.7, 0.78, 0.45), "oak", doors=3)
     fixtures.screen(b, board @ place([0.3, 0.78, 0.2], yaw=15))
@@ -122,15 +121,12 @@ def _walls(b: Builder, rng: np.random.Generator) -> None:
         furniture_frame = ((0, 0.97, 1.9, 0.05), (0, 2.78, 1.9, 0.05))
         for dx, y, wide, high in furniture_frame:
             bar = soft_box((wide, high, 0.08), (7, 2, 2), power=10, bulge=0.1)
-            b.add(bar, paint(b, "white_paint"), place([x + dx, y, -4.46]))
+            b.add(bar, "white_paint", place([x + dx, y, -4.46]))
         fixtures.radiator(b, place([x, 0.02, -4.48]), 1.4, 0.6)
         for side in (-1, 1):
             spot = place([x + side * 1.18, 0.04, -4.3])
-            b.add(curtain(0.46, 2.9, 5, 0.05), paint(b, "linen"), spot)
-    b.add(
-        tube([[-6.3, 2.98, -4.3], [0, 2.985, -4.3], [6.3, 2.98, -4.3]], 0.014, 8, 24),
-        paint(b, "steel"),
-    )
+            b.add(curtain(0.46, 2.9, 5, 0.05), "linen", spot)
+    b.add(tube([[-6.3, 2.98, -4.3], [0, 2.985, -4.3], [6.3, 2.98, -4.3]], 0.014, 8, 24), "steel")
     # Back wall (x = -6.5): shelves; long wall (z = 4.5): pictures, sideboard, coat stand.
     for k in range(3):
         unit = place([-6.47, 0, -2.9 + 1.0 * k], yaw=90)
@@ -173,22 +169,19 @@ def _ceiling(b: Builder) -> None:
             b.add(quad(*corner), panel, place([x, HEIGHT - 0.03, z]), emission=(9.0, 9.0, 8.7))
             for dz in (-0.33, 0.33):
                 bar = soft_box((1.32, 0.05, 0.05), (6, 2, 2), power=9, bulge=0.1)
-                b.add(bar, paint(b, "steel"), place([x, HEIGHT - 0.03, z + dz]))
+                b.add(bar, "steel", place([x, HEIGHT - 0.03, z + dz]))
             for dx in (-0.63, 0.63):
                 bar = soft_box((0.05, 0.05, 0.6), (2, 2, 4), power=9, bulge=0.1)
-                b.add(bar, paint(b, "steel"), place([x + dx, HEIGHT - 0.03, z]))
+                b.add(bar, "steel", place([x + dx, HEIGHT - 0.03, z]))
     # Acoustic baffles hang between the panels.
     for z in (0.0, -3.4, 3.4):
         fixtures.slats(b, place([0, HEIGHT - 0.28, z]), 30, 0.4, (0.05, 0.22, 1.3), "beech", 0.004)
         for dz in (-0.5, 0.5):
             b.add(
                 rod([-6.3, HEIGHT - 0.14, z + dz], [6.3, HEIGHT - 0.14, z + dz], 0.012, 8),
-                paint(b, "black_metal"),
+                "black_metal",
             )
     # Projector.
-    b.add(
-        rod([0.9, HEIGHT - 0.02, 0.75], [0.9, HEIGHT - 0.35, 0.75], 0.02, 10),
-        paint(b, "black_metal"),
-    )
+    b.add(rod([0.9, HEIGHT - 0.02, 0.75], [0.9, HEIGHT - 0.35, 0.75], 0.02, 10), "black_metal")
     body = soft_box((0.36, 0.13, 0.3), (7, 4, 7), power=7, bulge=0.1)
-    b.add(body, paint(b, "white_paint"), place([0.9, HEIGHT - 0.41, 0.75]))
+    b.add(body, "white_paint", place([0.9, HEIGHT - 0.41, 0.75]))

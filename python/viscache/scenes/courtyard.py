@@ -8,13 +8,13 @@ import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder, join
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
     Indices,
     Shape,
     box,
+    knots,
     leaf,
     place,
     quad,
@@ -57,22 +57,12 @@ def courtyard(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = FULL) ->
 
 
 def _arcades(b: Builder) -> None:
-    stone, wall, w = paint(b, "limestone"), paint(b, "plaster"), INNER
+    stone, wall, w = b.paint("limestone"), b.paint("plaster"), INNER
     out = w + 3.0
-    b.add(quad([-out, 0, out], [out, 0, out], [out, 0, -out], [-out, 0, -out]), paint(b, "stone"))
-    shaft = np.array(
-        [
-            [0.26, 0.0],
-            [0.27, 0.06],
-            [0.21, 0.1],
-            [0.24, 0.16],
-            [0.18, 0.22],
-            [0.185, 1.0],
-            [0.165, 2.2],
-        ]
-    )
-    shaft = np.concatenate(
-        [shaft, [[0.2, 2.26], [0.17, 2.3], [0.25, 2.46], [0.3, 2.5], [0.3, 2.58]]]
+    b.add(quad([-out, 0, out], [out, 0, out], [out, 0, -out], [-out, 0, -out]), "stone")
+    shaft = knots(
+        "0.26 0.0, 0.27 0.06, 0.21 0.1, 0.24 0.16, 0.18 0.22, 0.185 1.0, 0.165 2.2, "
+        "0.2 2.26, 0.17 2.3, 0.25 2.46, 0.3 2.5, 0.3 2.58"
     )
     column = revolve(shaft, 40, 46, flutes=(14, 0.025), caps=(False, True))
     arch = surface(_arch, 30, 10, closed=False, least=(5, 3))
@@ -86,7 +76,7 @@ def _arcades(b: Builder) -> None:
             np.linspace([-w - 0.2, 4.12, -w + 0.22], [w + 0.2, 4.12, -w + 0.22], 5), 0.07, 9, 30
         )
         b.add(cornice, stone, frame)
-        b.add(box([-out, 0, -out - 0.2], [out, 6.6, -out]), paint(b, "rose_wall"), frame)
+        b.add(box([-out, 0, -out - 0.2], [out, 6.6, -out]), "rose_wall", frame)
         b.add(box([-out, 4.1, -out], [w, 4.2, -w - 0.2]), wall, frame)
         _roof(b, frame, out)
         # Windows of the upper floor: reveals with shutters.
@@ -117,36 +107,20 @@ def _roof(b: Builder, frame: Array, out: float) -> None:
         return np.stack([r * np.cos(angle), y, 1.1 * v - 0.65 + 0 * angle], axis=-1)
 
     row = surface(tile, 6, 8, least=(3, 1))
-    b.add(row, paint(b, "terracotta"), frame @ place(np.stack([x, 0 * x + 6.55, 0 * x - INNER], 1)))
+    b.add(row, "terracotta", frame @ place(np.stack([x, 0 * x + 6.55, 0 * x - INNER], 1)))
 
 
 def _fountain(b: Builder) -> None:
-    stone, water = paint(b, "limestone"), paint(b, "water")
-    rim = [
-        [1.75, 0],
-        [1.8, 0.1],
-        [1.68, 0.16],
-        [1.68, 0.42],
-        [1.82, 0.5],
-        [1.8, 0.58],
-        [1.6, 0.58],
-        [1.55, 0.45],
-        [1.5, 0.1],
-    ]
+    stone, water = b.paint("limestone"), b.paint("water")
+    rim = knots(
+        "1.75 0, 1.8 0.1, 1.68 0.16, 1.68 0.42, 1.82 0.5, 1.8 0.58, 1.6 0.58, 1.55 0.45, 1.5 0.1"
+    )
     b.add(revolve(rim, 96, 40, flutes=(8, 0.03), caps=(False, False)), stone)
     post = [[0.45, 0.0], [0.4, 0.2], [0.22, 0.35], [0.3, 0.7], [0.16, 0.95], [0.2, 1.15]]
     bowl = [[0.2, 1.15], [0.75, 1.3], [0.82, 1.38], [0.78, 1.4], [0.7, 1.34], [0.12, 1.3]]
     b.add(revolve(post, 48, 30, flutes=(12, 0.04)), stone)
     b.add(revolve(bowl, 64, 30, flutes=(16, 0.03), caps=(False, False)), stone)
-    top = [
-        [0.12, 1.3],
-        [0.1, 1.6],
-        [0.14, 1.8],
-        [0.4, 1.92],
-        [0.43, 1.97],
-        [0.38, 1.96],
-        [0.05, 1.9],
-    ]
+    top = knots("0.12 1.3, 0.1 1.6, 0.14 1.8, 0.4 1.92, 0.43 1.97, 0.38 1.96, 0.05 1.9")
     b.add(revolve(top, 48, 30, flutes=(10, 0.03), caps=(False, True)), stone)
     for radius, y, rings in ((1.56, 0.46, 30.0), (0.74, 1.365, 18.0)):
 
@@ -190,7 +164,7 @@ def _furnish(b: Builder, rng: np.random.Generator) -> None:
 
 def _trunks(b: Builder, rng: np.random.Generator) -> Array:
     """Trunks with branches; returns the points (K, 3) around which leaves grow."""
-    bark, tips = paint(b, "bark"), []
+    bark, tips = b.paint("bark"), []
     for x, z in TREES:
         height = rng.uniform(2.3, 2.8)
         lean = rng.uniform(-0.25, 0.25, 2)
@@ -198,7 +172,7 @@ def _trunks(b: Builder, rng: np.random.Generator) -> Array:
         trunk = np.array([[x, -0.1, z], [x + 0.3 * lean[0], height * 0.5, z + 0.7 * lean[1]], fork])
         b.add(tube(trunk, [0.24, 0.16, 0.14, 0.13], 14, 30), bark)
         ring = soft_box((1.5, 0.16, 1.5), (14, 2, 14), power=4, bulge=0.3)
-        b.add(ring, paint(b, "soil"), place([x, 0.02, z]))
+        b.add(ring, "soil", place([x, 0.02, z]))
         for n in range(7):
             turn = 2 * np.pi * (n * 0.618 + x)
             reach, rise = rng.uniform(0.9, 1.9), rng.uniform(0.7, 2.2)
@@ -235,7 +209,7 @@ def _paving(b: Builder, rng: np.random.Generator, triangles: int) -> None:
             )
         )
     vertices, faces = join(stones)
-    patch = b.add_mesh(vertices, faces, paint(b, "stone"), name="cobbles", in_world=False)
+    patch = b.add_mesh(vertices, faces, b.paint("stone"), name="cobbles", in_world=False)
     for i in np.arange(-8, 9, 2.0):
         for j in np.arange(-8, 9, 2.0):
             if np.hypot(i, j) > 2.3:
@@ -246,8 +220,8 @@ def _foliage(b: Builder, rng: np.random.Generator, tips: Array, triangles: int) 
     """Instanced leaf clusters: in the crowns, and as ivy on the arcades."""
     leaves = int(np.clip(110 * triangles / FULL, 6, 110))
     clusters = [_cluster(b, rng, leaves, k) for k in range(4)]
-    each = len(b.meshes[clusters[0]].triangles)
-    n = -(-(triangles - b.n_triangles()) // each)
+    each = b.sizes[clusters[0]]
+    n = -(-(triangles - b.placed) // each)
     for k in range(n):
         if k % 5 < 4:
             p = tips[(k * 37 + k // len(tips)) % len(tips)] + rng.normal(0, 0.2, 3) * [1, 0.8, 1]
@@ -282,7 +256,7 @@ def _cluster(b: Builder, rng: np.random.Generator, n: int, k: int) -> int:
         )
         parts.append(_moved(blade, 1.0, at))
     vertices, faces = join(parts)
-    color = paint(b, ("leaf", "leaf_light", "leaf", "leaf_light")[k])
+    color = b.paint(("leaf", "leaf_light", "leaf", "leaf_light")[k])
     return b.add_mesh(vertices, faces, color, name=f"leaves {k}", in_world=False)
 
 

@@ -10,10 +10,11 @@ from collections.abc import Callable
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import BOOK_COLORS, paint
+from viscache.scenes.palette import BOOK_COLORS
 from viscache.scenes.shapes import (
     Array,
     bumpy_sphere,
+    knots,
     leaf,
     place,
     revolve,
@@ -26,31 +27,23 @@ from viscache.scenes.shapes import (
 
 _Border = Callable[[Array, int], Array]
 
-VASES: tuple[list[list[float]], ...] = (
-    [
-        [0.05, 0],
-        [0.09, 0.05],
-        [0.11, 0.14],
-        [0.07, 0.24],
-        [0.035, 0.3],
-        [0.045, 0.34],
-        [0.05, 0.345],
-    ],
-    [[0.06, 0], [0.065, 0.08], [0.075, 0.2], [0.05, 0.3], [0.055, 0.4], [0.07, 0.42]],
-    [[0.07, 0], [0.13, 0.06], [0.14, 0.12], [0.1, 0.19], [0.055, 0.21], [0.06, 0.235]],
-    [[0.04, 0], [0.045, 0.02], [0.025, 0.05], [0.06, 0.16], [0.085, 0.28], [0.08, 0.3]],
+VASES = (
+    knots("0.05 0, 0.09 0.05, 0.11 0.14, 0.07 0.24, 0.035 0.3, 0.045 0.34, 0.05 0.345"),
+    knots("0.06 0, 0.065 0.08, 0.075 0.2, 0.05 0.3, 0.055 0.4, 0.07 0.42"),
+    knots("0.07 0, 0.13 0.06, 0.14 0.12, 0.1 0.19, 0.055 0.21, 0.06 0.235"),
+    knots("0.04 0, 0.045 0.02, 0.025 0.05, 0.06 0.16, 0.085 0.28, 0.08 0.3"),
 )
 
 
 def vase(b: Builder, at: Array, kind: int, color: str, *, flutes: int = 0) -> None:
     """One of four turned vases, 0.23 to 0.42 m high, open and hollow at the top."""
-    outer = np.array(VASES[kind % len(VASES)])
+    outer = VASES[kind % len(VASES)]
     inner = np.array(
         [[outer[-1, 0] - 0.012, outer[-1, 1]], [outer[-2, 0] * 0.8, outer[-1, 1] * 0.8]]
     )
     depth = 0.05 if flutes else 0.0
     shape = revolve(np.concatenate([outer, inner]), 26, 26, flutes=(flutes, depth))
-    b.add(shape, paint(b, color), at)
+    b.add(shape, color, at)
 
 
 def bouquet(b: Builder, at: Array, rng: np.random.Generator, color: str, n: int = 14) -> None:
@@ -60,16 +53,13 @@ def bouquet(b: Builder, at: Array, rng: np.random.Generator, color: str, n: int 
         h = rng.uniform(0.2, 0.4)
         stem = tube([[0, -0.15, 0], [0, 0.06, 0.01], [0, h, reach[k]]], 0.0025, 4, 6)
         here = at @ place(yaw=angle[k])
-        b.add(stem, paint(b, "leaf"), here, optional=k > 3)
+        b.add(stem, "leaf", here, optional=k > 3)
         b.add(
-            sphere(0.02, 3, _petals),
-            paint(b, color),
-            here @ place([0, h + 0.012, reach[k]]),
-            optional=k > 3,
+            sphere(0.02, 3, _petals), color, here @ place([0, h + 0.012, reach[k]]), optional=k > 3
         )
         b.add(
             leaf(0.09, 0.03),
-            paint(b, "leaf_light"),
+            "leaf_light",
             here @ place([0, h * 0.5, reach[k] * 0.4], yaw=40),
             optional=True,
         )
@@ -92,7 +82,7 @@ def bowl(b: Builder, at: Array, radius: float, color: str, *, fruit: bool = Fals
         [0.98 * r, 0.57 * r],
     ]
     profile += [[0.93 * r, 0.54 * r], [0.7 * r, 0.3 * r], [0.3 * r, 0.12 * r], [0.03 * r, 0.1 * r]]
-    b.add(revolve(profile, 28, 22, caps=(True, True), dome=0.05), paint(b, color), at)
+    b.add(revolve(profile, 28, 22, caps=(True, True), dome=0.05), color, at)
     if fruit:
         kinds = ("orange", "apple", "lemon", "apple", "orange", "leaf_light", "lemon")
         for k, name in enumerate(kinds):
@@ -105,23 +95,13 @@ def bowl(b: Builder, at: Array, radius: float, color: str, *, fruit: bool = Fals
                 ]
             )
             size = 0.23 * r * (1 + 0.1 * np.sin(5.0 * k))
-            b.add(bumpy_sphere(size, 6, float(k), 0.03), paint(b, name), at @ spot)
+            b.add(bumpy_sphere(size, 6, float(k), 0.03), name, at @ spot)
 
 
 def crockery(b: Builder, at: Array, color: str = "porcelain") -> None:
     """A place setting: plate, smaller plate, cup with handle, fork and knife."""
-    m = paint(b, color)
-    rim = np.array(
-        [
-            [0.06, 0],
-            [0.08, 0.004],
-            [0.125, 0.018],
-            [0.132, 0.02],
-            [0.124, 0.022],
-            [0.08, 0.009],
-            [0.01, 0.008],
-        ]
-    )
+    m = b.paint(color)
+    rim = knots("0.06 0, 0.08 0.004, 0.125 0.018, 0.132 0.02, 0.124 0.022, 0.08 0.009, 0.01 0.008")
     b.add(revolve(rim, 26, 12, caps=(True, True), dome=0.02), m, at)
     b.add(
         revolve(rim * [0.72, 1], 22, 10, caps=(True, True), dome=0.02),
@@ -132,7 +112,7 @@ def crockery(b: Builder, at: Array, color: str = "porcelain") -> None:
     cup(b, at @ place([0.17, 0, -0.14], yaw=35), color)
     for x, w in ((-0.165, 0.022), (0.165, 0.016)):
         bar = soft_box((w, 0.004, 0.2), (2, 1, 7), power=4, bulge=0.1, warp=_cutlery)
-        b.add(bar, paint(b, "steel"), at @ place([x, 0.006, 0]), optional=True)
+        b.add(bar, "steel", at @ place([x, 0.006, 0]), optional=True)
 
 
 def _cutlery(p: Array) -> Array:
@@ -144,16 +124,10 @@ def _cutlery(p: Array) -> Array:
 
 def cup(b: Builder, at: Array, color: str) -> None:
     """Cup with a handle, 0.08 m high."""
-    m = paint(b, color)
-    profile = [
-        [0.025, 0],
-        [0.028, 0.005],
-        [0.04, 0.04],
-        [0.042, 0.08],
-        [0.039, 0.081],
-        [0.036, 0.04],
-        [0.006, 0.012],
-    ]
+    m = b.paint(color)
+    profile = knots(
+        "0.025 0, 0.028 0.005, 0.04 0.04, 0.042 0.08, 0.039 0.081, 0.036 0.04, 0.006 0.012"
+    )
     b.add(revolve(profile, 18, 16, caps=(True, True), dome=0.05), m, at)
     handle = [[0.038, 0.066, 0], [0.062, 0.062, 0], [0.064, 0.035, 0], [0.036, 0.022, 0]]
     b.add(tube(handle, 0.0045, 6, 10), m, at, optional=True)
@@ -161,16 +135,10 @@ def cup(b: Builder, at: Array, color: str) -> None:
 
 def bottle(b: Builder, at: Array, color: str) -> None:
     """Bottle, 0.3 m high."""
-    profile = [
-        [0.033, 0],
-        [0.037, 0.01],
-        [0.037, 0.17],
-        [0.03, 0.205],
-        [0.014, 0.235],
-        [0.013, 0.285],
-        [0.015, 0.3],
-    ]
-    b.add(revolve(profile, 18, 18, caps=(True, True)), paint(b, color), at)
+    profile = knots(
+        "0.033 0, 0.037 0.01, 0.037 0.17, 0.03 0.205, 0.014 0.235, 0.013 0.285, 0.015 0.3"
+    )
+    b.add(revolve(profile, 18, 18, caps=(True, True)), color, at)
 
 
 def book_pile(b: Builder, at: Array, rng: np.random.Generator, n: int = 5) -> None:
@@ -183,40 +151,31 @@ def book_pile(b: Builder, at: Array, rng: np.random.Generator, n: int = 5) -> No
             yaw=rng.uniform(-25, 25),
         )
         shape = soft_box((x, thick, z), (4, 3, 4), power=22, bulge=0.04)
-        b.add(shape, paint(b, str(rng.choice(BOOK_COLORS))), at @ spot, optional=True)
+        b.add(shape, str(rng.choice(BOOK_COLORS)), at @ spot, optional=True)
         y += thick * 0.985
 
 
 def candlestick(b: Builder, at: Array, height: float = 0.3) -> None:
     """Turned brass stick with a candle."""
     h = height * 0.6
-    profile = np.array(
-        [
-            [0.05, 0],
-            [0.05, 0.03],
-            [0.02, 0.08],
-            [0.012, 0.3],
-            [0.025, 0.4],
-            [0.012, 0.5],
-            [0.014, 0.9],
-            [0.03, 1.0],
-        ]
+    profile = knots(
+        "0.05 0, 0.05 0.03, 0.02 0.08, 0.012 0.3, 0.025 0.4, 0.012 0.5, 0.014 0.9, 0.03 1.0"
     )
-    b.add(revolve(profile * [1, h], 16, 22, caps=(True, True)), paint(b, "brass"), at)
+    b.add(revolve(profile * [1, h], 16, 22, caps=(True, True)), "brass", at)
     b.add(
         revolve([[0.011, h], [0.0105, height * 0.97], [0.004, height]], 10, 6, caps=(True, True)),
-        paint(b, "cream"),
+        "cream",
         at,
     )
 
 
 def ornament(b: Builder, at: Array, radius: float, color: str, phase: float) -> None:
     """Bumpy ceramic ball on a small ring."""
-    b.add(bumpy_sphere(radius, 14, phase, 0.07), paint(b, color), at @ place([0, radius * 1.03, 0]))
+    b.add(bumpy_sphere(radius, 14, phase, 0.07), color, at @ place([0, radius * 1.03, 0]))
     ring = revolve(
         [[0.5 * radius, 0], [0.55 * radius, 0.1 * radius], [0.42 * radius, 0.2 * radius]], 18, 5
     )
-    b.add(ring, paint(b, "walnut"), at)
+    b.add(ring, "walnut", at)
 
 
 def plant(
@@ -233,7 +192,7 @@ def plant(
     profile = np.array(
         [[0.62, 0], [0.7, 0.05], [0.92, 0.9], [1.04, 0.93], [1.04, 1.12], [0.9, 1.12], [0.86, 1.0]]
     ) * [r, 1.25 * r]
-    b.add(revolve(profile, 26, 18), paint(b, pot), at)
+    b.add(revolve(profile, 26, 18), pot, at)
     earth = revolve(
         [[0.88 * r, 1.26 * r], [0.5 * r, 1.29 * r], [0.1 * r, 1.31 * r]],
         16,
@@ -241,7 +200,7 @@ def plant(
         caps=(False, True),
         flutes=(5, 0.03),
     )
-    b.add(earth, paint(b, "soil"), at)
+    b.add(earth, "soil", at)
     n = max(3, leaves // 14)
     foot = 1.25 * r
     spots: list[Array] = []
@@ -252,7 +211,7 @@ def plant(
             [[0, foot, 0.03], [0, foot + 0.55 * (top - foot), 0.3 * reach], [0, top, reach]]
         )
         here = place(yaw=turn)
-        b.add(tube(path, [0.009, 0.006, 0.003], 5, 9), paint(b, "leaf"), at @ here, optional=k > 5)
+        b.add(tube(path, [0.009, 0.006, 0.003], 5, 9), "leaf", at @ here, optional=k > 5)
         for j in range(leaves // n):
             t = 0.35 + 0.65 * (j + rng.uniform(0, 1)) / (leaves // n)
             y = foot + (top - foot) * (0.25 + 0.75 * t) if t > 0.3 else foot
@@ -268,8 +227,8 @@ def plant(
             )
     blade = leaf(0.12 + 0.07 * height, 0.045 + 0.03 * height, 0.4, 4, 6)
     half = len(spots) // 3
-    b.add(blade, paint(b, "leaf_light"), at @ np.stack(spots[:half]), optional=True)
-    b.add(blade, paint(b, "leaf"), at @ np.stack(spots[half:]), optional=True)
+    b.add(blade, "leaf_light", at @ np.stack(spots[:half]), optional=True)
+    b.add(blade, "leaf", at @ np.stack(spots[half:]), optional=True)
 
 
 def pleated_shade(
@@ -283,7 +242,7 @@ def pleated_shade(
         caps=(False, False),
         flutes=(24, 0.02),
     )
-    b.add(shape, paint(b, color), at)
+    b.add(shape, color, at)
 
 
 def floor_lamp(b: Builder, at: Array, height: float = 1.65, metal: str = "black_metal") -> None:
@@ -298,12 +257,12 @@ def floor_lamp(b: Builder, at: Array, height: float = 1.65, metal: str = "black_
         [0.012, height * 0.54],
         [0.01, height - 0.22],
     ]
-    b.add(revolve(stand, 18, 40, caps=(True, True)), paint(b, metal), at)
+    b.add(revolve(stand, 18, 40, caps=(True, True)), metal, at)
     pleated_shade(b, at @ place([0, height - 0.27, 0]), 0.24, 0.17, 0.3)
     for turn in (0, 120, 240):
         b.add(
             rod([0, height - 0.225, 0.005], [0, height - 0.235, 0.232], 0.003, 4),
-            paint(b, metal),
+            metal,
             at @ place(yaw=turn),
             optional=True,
         )
@@ -311,21 +270,13 @@ def floor_lamp(b: Builder, at: Array, height: float = 1.65, metal: str = "black_
 
 def table_lamp(b: Builder, at: Array, color: str) -> None:
     """Ceramic table lamp, 0.52 m high; the bulb's place is at 0.42."""
-    foot = [
-        [0.06, 0],
-        [0.075, 0.01],
-        [0.1, 0.08],
-        [0.08, 0.17],
-        [0.03, 0.22],
-        [0.02, 0.25],
-        [0.01, 0.29],
-    ]
-    b.add(revolve(foot, 22, 20, caps=(True, True), flutes=(9, 0.03)), paint(b, color), at)
+    foot = knots("0.06 0, 0.075 0.01, 0.1 0.08, 0.08 0.17, 0.03 0.22, 0.02 0.25, 0.01 0.29")
+    b.add(revolve(foot, 22, 20, caps=(True, True), flutes=(9, 0.03)), color, at)
     pleated_shade(b, at @ place([0, 0.29, 0]), 0.17, 0.11, 0.23)
     for turn in (0, 120, 240):
         b.add(
             rod([0, 0.288, 0], [0, 0.3, 0.165], 0.003, 4),
-            paint(b, "brass"),
+            "brass",
             at @ place(yaw=turn),
             optional=True,
         )
@@ -337,19 +288,17 @@ def pendant(b: Builder, at: Array, drop: float, color: str = "black_metal") -> N
     The bulb's place is 0.08 m above the rim, in the open shade (0.2 m radius).
     """
     b.add(
-        revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False)),
-        paint(b, color),
-        at,
+        revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False)), color, at
     )
-    b.add(rod([0, -drop + 0.2, 0], [0, -0.02, 0], 0.004, 5), paint(b, color), at)
+    b.add(rod([0, -drop + 0.2, 0], [0, -0.02, 0], 0.004, 5), color, at)
     shade = [[0.2, 0], [0.19, 0.05], [0.12, 0.14], [0.05, 0.19], [0.03, 0.24], [0.012, 0.25]]
-    b.add(revolve(shade, 30, 16, caps=(False, True)), paint(b, color), at @ place([0, -drop, 0]))
+    b.add(revolve(shade, 30, 16, caps=(False, True)), color, at @ place([0, -drop, 0]))
 
 
 def picture(b: Builder, at: Array, size: tuple[float, float], colors: str, phase: float) -> None:
     """Framed relief of hills, its back at z = 0, centred; `colors` from the bottom upwards."""
     x, y = size
-    wood = paint(b, "walnut")
+    wood = b.paint("walnut")
     for side in (-1, 1):
         flat = soft_box((x + 0.06, 0.045, 0.03), (6, 2, 2), power=8, bulge=0.1)
         b.add(flat, wood, at @ place([0, side * (y / 2), 0.016]))
@@ -370,13 +319,13 @@ def picture(b: Builder, at: Array, size: tuple[float, float], colors: str, phase
             )
             return np.stack([(u - 0.5) * x, (w - 0.5) * y, z], axis=-1)
 
-        b.add(surface(relief, 16, 16 / len(names)), paint(b, name), at)
+        b.add(surface(relief, 16, 16 / len(names)), name, at)
 
 
 def basket(b: Builder, at: Array, radius: float, color: str) -> None:
     """Wicker basket of woven canes."""
     profile = [[0.8 * radius, 0.0], [0.95 * radius, 0.6 * radius], [radius, 1.1 * radius]]
-    b.add(revolve(profile, 30, 10, flutes=(15, 0.02)), paint(b, color), at)
+    b.add(revolve(profile, 30, 10, flutes=(15, 0.02)), color, at)
     angle = np.linspace(0, 2 * np.pi, 25)
     for k in range(9):
         r = radius * (0.82 + 0.2 * k / 8) * (1 + 0.02 * (-1) ** k * np.cos(12 * angle))
@@ -384,8 +333,5 @@ def basket(b: Builder, at: Array, radius: float, color: str) -> None:
             [r * np.sin(angle), 0 * r + radius * (0.06 + 1.05 * k / 8), r * np.cos(angle)], 1
         )
         b.add(
-            tube(hoop, 0.035 * radius, 5, 44, caps=(False, False)),
-            paint(b, color),
-            at,
-            optional=k % 2 == 1,
+            tube(hoop, 0.035 * radius, 5, 44, caps=(False, False)), color, at, optional=k % 2 == 1
         )

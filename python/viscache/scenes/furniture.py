@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import BOOK_COLORS, paint
+from viscache.scenes.palette import BOOK_COLORS
 from viscache.scenes.shapes import (
     Array,
     Warp,
@@ -50,7 +50,7 @@ def corners(x: float, z: float, y: float = 0.0) -> Array:
 
 def chair(b: Builder, at: Array, wood: str = "oak", *, cushion: str | None = None) -> None:
     """Spindle-back chair, 0.46 m seat."""
-    m = paint(b, wood)
+    m = b.paint(wood)
     at = at.reshape(-1, 4, 4)
 
     def saddle(p: Array) -> Array:
@@ -76,14 +76,14 @@ def chair(b: Builder, at: Array, wood: str = "oak", *, cushion: str | None = Non
     b.add(tube(rail, [0.02, 0.028, 0.02], 8, 10), m, at)
     if cushion is not None:
         pad = soft_box((0.4, 0.05, 0.38), (6, 3, 6), power=4, bulge=0.1, warp=wrinkles(0.02, 40))
-        b.add(pad, paint(b, cushion), at @ place([0, 0.487, 0]))
+        b.add(pad, cushion, at @ place([0, 0.487, 0]))
 
 
 def table(
     b: Builder, at: Array, size: tuple[float, float], wood: str, height: float = 0.75
 ) -> None:
     """Table with turned legs and an apron; the top is at `height`."""
-    m, (x, z) = paint(b, wood), size
+    m, (x, z) = b.paint(wood), size
     top = soft_box((x, 0.035, z), (10, 2, 8), power=24, bulge=0.004)
     b.add(top, m, at @ place([0, height - 0.0175, 0]))
     legs = at.reshape(-1, 1, 4, 4) @ corners(x / 2 - 0.09, z / 2 - 0.09)
@@ -101,7 +101,7 @@ def table(
 
 def round_table(b: Builder, at: Array, radius: float, height: float, wood: str) -> None:
     """Pedestal table with a moulded edge."""
-    m = paint(b, wood)
+    m = b.paint(wood)
     edge = [[radius * 0.2, -0.02], [radius * 0.9, -0.018], [radius, -0.008]]
     edge += [[radius, 0.002], [radius * 0.97, 0.012], [radius * 0.5, 0.013], [radius * 0.06, 0.014]]
     b.add(
@@ -120,7 +120,7 @@ def sofa(
     b: Builder, at: Array, cloth_name: str, *, width: float = 2.2, seats: int = 3, pillows: str = ""
 ) -> None:
     """Upholstered sofa, 0.9 m deep; `seats` = 1 is an armchair."""
-    m, wood = paint(b, cloth_name), paint(b, "walnut")
+    m, wood = b.paint(cloth_name), b.paint("walnut")
     frame = soft_box((width, 0.2, 0.86), (14, 4, 8), power=9, bulge=0.02)
     b.add(frame, m, at @ place([0, 0.21, 0]))
     legs = at.reshape(-1, 1, 4, 4) @ corners(width / 2 - 0.08, 0.36)
@@ -158,11 +158,7 @@ def throw_pillow(b: Builder, at: Array, color: str, size: float = 0.42) -> None:
         pinched: Array = p * np.stack([corner, corner, crease * thin], axis=1)
         return pinched
 
-    b.add(
-        soft_box((size, size, 0.2), (14, 14, 3), power=5, bulge=0.25, warp=pinch),
-        paint(b, color),
-        at,
-    )
+    b.add(soft_box((size, size, 0.2), (14, 14, 3), power=5, bulge=0.25, warp=pinch), color, at)
 
 
 def throw_blanket(b: Builder, at: Array, color: str, width: float = 0.55) -> None:
@@ -177,7 +173,7 @@ def throw_blanket(b: Builder, at: Array, color: str, width: float = 0.55) -> Non
         y = 0.02 * (1 - (over / 0.115) ** 2) - 0.82 * fall + 0.004 * np.sin(23 * u)
         return np.stack([x, y, (u - 0.5) * width * (1 + 0.05 * np.sin(7 * s))], axis=-1)
 
-    b.add(surface(position, 22, 40), paint(b, color), at)
+    b.add(surface(position, 22, 40), color, at)
 
 
 def bookshelf(
@@ -193,7 +189,7 @@ def bookshelf(
     fill: float = 0.9,
 ) -> None:
     """Shelf unit with its back at z = 0, filled with books; one place per unit stays free."""
-    m = paint(b, wood)
+    m = b.paint(wood)
     side = soft_box((0.025, height, depth), (2, 8, 3), power=30, bulge=0.02)
     for x in (-width / 2, width / 2):
         b.add(side, m, at @ place([x, height / 2, depth / 2]))
@@ -235,14 +231,14 @@ def bookshelf(
             books.setdefault(str(rng.choice(BOOK_COLORS)), []).append(lean)
     for color, transforms in books.items():
         shape = soft_box((1, 1, 1), (2.6, 3, 2.6), power=22, bulge=0.05)
-        b.add(shape, paint(b, color), at @ np.stack(transforms), optional=True)
+        b.add(shape, color, at @ np.stack(transforms), optional=True)
 
 
 def bed(
     b: Builder, at: Array, *, width: float = 1.6, cover: str = "sky", wood: str = "oak"
 ) -> None:
     """Bed 2.05 m long, head at -z, with mattress, duvet and pillows."""
-    m = paint(b, wood)
+    m = b.paint(wood)
     b.add(soft_box((width + 0.08, 0.16, 2.08), (6, 3, 8), power=20), m, at @ place([0, 0.24, 0]))
     head = soft_box((width + 0.1, 0.75, 0.06), (10, 8, 2), power=9, bulge=0.08)
     b.add(head, m, at @ place([0, 0.58, -1.05]))
@@ -251,7 +247,7 @@ def bed(
     mattress = soft_box(
         (width, 0.2, 2.0), (14, 4, 16), power=9, bulge=0.03, warp=wrinkles(0.003, 14)
     )
-    b.add(mattress, paint(b, "porcelain"), at @ place([0, 0.41, 0]))
+    b.add(mattress, "porcelain", at @ place([0, 0.41, 0]))
 
     def duvet(u: Array, v: Array) -> Array:
         x, z = (u - 0.5) * (width + 0.5), v * 1.5
@@ -265,19 +261,17 @@ def bed(
         )
         return np.stack([bent, y, z - 0.46], axis=-1)
 
-    b.add(surface(duvet, 40, 36), paint(b, cover), at)
+    b.add(surface(duvet, 40, 36), cover, at)
     pillow = soft_box((0.66, 0.17, 0.42), (14, 5, 10), power=4, bulge=0.22, warp=wrinkles(0.02, 16))
     for x in (-width / 4, width / 4) if width > 1.2 else (0.0,):
-        b.add(
-            pillow, paint(b, "linen"), at @ place([x, 0.585, -0.74], pitch=-9, yaw=6 * np.sign(x))
-        )
+        b.add(pillow, "linen", at @ place([x, 0.585, -0.74], pitch=-9, yaw=6 * np.sign(x)))
 
 
 def cabinet(
     b: Builder, at: Array, size: tuple[float, float, float], wood: str, *, doors: int = 2
 ) -> None:
     """Cupboard with `doors` bulged fronts and turned knobs; its back at z = 0."""
-    (x, y, z), m = size, paint(b, wood)
+    (x, y, z), m = size, b.paint(wood)
     body = soft_box((x, y - 0.08, z), (5, 5, 3), power=30, bulge=0.005)
     b.add(body, m, at @ place([0, (y + 0.08) / 2, z / 2]))
     b.add(
@@ -296,12 +290,12 @@ def cabinet(
         b.add(front, m, at @ place([cx, (y + 0.08) / 2, z + 0.008]))
         b.add(panel, m, at @ place([cx, (y + 0.08) / 2, z + 0.018]))
         offset = (step / 2 - 0.05) * (1 if k % 2 == 0 else -1)
-        b.add(knob, paint(b, "brass"), at @ place([cx + offset, y * 0.55, z + 0.017], pitch=90))
+        b.add(knob, "brass", at @ place([cx + offset, y * 0.55, z + 0.017], pitch=90))
 
 
 def desk_chair(b: Builder, at: Array, color: str = "grey_cloth") -> None:
     """Swivel chair on a five-star base."""
-    metal, seat_cloth = paint(b, "black_metal"), paint(b, color)
+    metal, seat_cloth = b.paint("black_metal"), b.paint(color)
     seat = soft_box((0.5, 0.09, 0.48), (9, 4, 9), power=5, bulge=0.1, warp=wrinkles(0.01, 25))
     b.add(seat, seat_cloth, at @ place([0, 0.47, 0]))
 
@@ -333,7 +327,7 @@ def desk_chair(b: Builder, at: Array, color: str = "grey_cloth") -> None:
 
 def rug(b: Builder, at: Array, size: tuple[float, float], color: str) -> None:
     """Piled rug with fringes along both ends of z."""
-    b.add(cloth(size), paint(b, color), at)
+    b.add(cloth(size), color, at)
     n = int(size[0] * 40)
     x = np.linspace(-size[0] / 2 + 0.01, size[0] / 2 - 0.01, n)
     wobble = 0.012 * np.sin(np.arange(n) * 2.4)
@@ -343,4 +337,4 @@ def rug(b: Builder, at: Array, size: tuple[float, float], color: str) -> None:
             [[0, 0.008, 0], [0.004, 0.006, 0.03], [0, 0.004, 0.075]], [0.003, 0.004, 0.002], 4, 4
         )
         turns = place(np.stack([x, 0 * x, 0 * x + z], 1), yaw=90 - 90 * end + 900 * wobble)
-        b.add(fringe, paint(b, "cream"), at @ turns, optional=True)
+        b.add(fringe, "cream", at @ turns, optional=True)

@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from viscache.scenes import furniture, workshop
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import box, cylinder, place, quad, soft_box, tube
 from viscache.scenes.sky import Disc, sky_with
@@ -71,8 +70,7 @@ def _shell(b: Builder) -> None:
     concrete = b.glossy("concrete", (0.42, 0.41, 0.38), 0.04, 0.3)
     b.add(quad([0, 0, z], [x, 0, z], [x, 0, 0], [0, 0, 0]), concrete)
     b.add(
-        quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]),
-        paint(b, "stone"),
+        quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]), "stone"
     )
     _roof(b)
     wall(b, (0, 0), (x, 0), y, "plaster")
@@ -83,7 +81,7 @@ def _shell(b: Builder) -> None:
 
 def _roof(b: Builder) -> None:
     """A slab with the openings of the roof lights, with a bar across each."""
-    white, edge, start = paint(b, "ceiling"), 0.08, -0.08
+    white, edge, start = b.paint("ceiling"), 0.08, -0.08
     near, far = ROOF_LIGHT_Z
     for left, right in (*ROOF_LIGHTS, (LENGTH + edge, LENGTH + edge)):
         b.add(box([start, HEIGHT, -edge], [left, HEIGHT + 0.2, DEPTH + edge]), white)
@@ -92,7 +90,7 @@ def _roof(b: Builder) -> None:
             b.add(box([left, HEIGHT, far], [right, HEIGHT + 0.2, DEPTH + edge]), white)
             for z in (near, (near + far) / 2, far):
                 bar = soft_box((right - left, 0.08, 0.06), (6, 3, 3), power=9, bulge=0.1)
-                b.add(bar, paint(b, "steel"), place([(left + right) / 2, HEIGHT + 0.1, z]))
+                b.add(bar, "steel", place([(left + right) / 2, HEIGHT + 0.1, z]))
         start = right
 
 
@@ -100,17 +98,17 @@ def _structure(b: Builder) -> None:
     """Columns on plinths with guards, and the joists of the ceiling."""
     column = soft_box((0.36, HEIGHT, 0.36), (7, 24, 7), power=9, bulge=0.02)
     plinth = soft_box((0.5, 0.3, 0.5), (8, 4, 8), power=7, bulge=0.05)
-    b.add(column, paint(b, "limestone"), place([[x, HEIGHT / 2, z] for x, z in COLUMNS]))
-    b.add(plinth, paint(b, "mustard"), place([[x, 0.12, z] for x, z in COLUMNS]))
+    b.add(column, "limestone", place([[x, HEIGHT / 2, z] for x, z in COLUMNS]))
+    b.add(plinth, "mustard", place([[x, 0.12, z] for x, z in COLUMNS]))
     joist = soft_box((0.12, 0.24, DEPTH - 0.1), (4, 5, 40), power=14, bulge=0.03)
     x = np.arange(0.6, LENGTH, 1.2)
-    b.add(joist, paint(b, "beech"), place(np.stack([x, 0 * x + 2.885, 0 * x + DEPTH / 2], -1)))
+    b.add(joist, "beech", place(np.stack([x, 0 * x + 2.885, 0 * x + DEPTH / 2], -1)))
 
 
 def _gate(b: Builder) -> None:
     """The sectional door, pushed up under the ceiling, with rails and rollers."""
     middle, width = (GATE[0] + GATE[1]) / 2, GATE[1] - GATE[0]
-    white, steel = paint(b, "white_paint"), paint(b, "steel")
+    white, steel = b.paint("white_paint"), b.paint("steel")
     for k in range(4):
         section = soft_box((0.58, 0.05, width - 0.1), (8, 3, 40), power=16, bulge=0.25)
         b.add(section, white, place([11.3 - 0.62 * k, 2.6, middle], roll=-1.5))
@@ -149,4 +147,4 @@ def _corners(b: Builder, rng: np.random.Generator) -> None:
     workshop.barrel(b, place([3.7, 0, 4.6]), "navy")
     workshop.hose(b, place([3.55, 0, 2.7]))
     workshop.rack(b, place([2.0, 0, 0.38]), rng, phase=2)
-    b.add(cylinder(0.08, 0.5, 18, 6), paint(b, "brick_red"), place([4.2, 0.9, 5.47]))
+    b.add(cylinder(0.08, 0.5, 18, 6), "brick_red", place([4.2, 0.9, 5.47]))

@@ -117,7 +117,7 @@ PETAL = surface(_petal, 5, 7, least=(2, 3))
 def _grass(b: Builder, rng: np.random.Generator, triangles: int) -> None:
     segments = int(np.clip(round(SEGMENTS * (triangles / FULL) ** 0.25), 3, SEGMENTS))
     each = 4 * segments - 2
-    n = -(-(triangles - b.n_triangles()) // each)
+    n = -(-(triangles - b.placed) // each)
     full = (1 - SHARE) * FULL / (4 * SEGMENTS - 2)
     # Fewer blades are wider, so that the grass stays about as dense
     width = BLADE_WIDTH * min(6.0, max(1.0, (full / n) ** 0.7))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from viscache.scenes.builder import Builder, Rgb
+Rgb = tuple[float, float, float]
 
 COLORS: dict[str, Rgb] = {
     "plaster": (0.78, 0.76, 0.71),
@@ -49,8 +49,3 @@ COLORS: dict[str, Rgb] = {
 }
 
 BOOK_COLORS = ("brick_red", "navy", "forest", "cream", "mustard", "plum", "petrol", "paper")
-
-
-def paint(b: Builder, name: str) -> int:
-    """Index of the two-sided diffuse material called `name`."""
-    return b.diffuse(name, COLORS[name])

@@ -8,7 +8,6 @@ import numpy as np
 
 from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
     Array,
@@ -94,12 +93,12 @@ def light_spots(n: int) -> Array:
 
 def _shell(b: Builder) -> None:
     x, y, z = 5.0, 4.0, 5.0
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), paint(b, "floor_oak"))
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), paint(b, "ceiling"))
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), paint(b, "sage"))
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), paint(b, "plaster"))
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), paint(b, "plaster"))
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), paint(b, "plaster"))
+    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "floor_oak")
+    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
+    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "sage")
+    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
+    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "plaster")
+    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
     ring = [[-x, 0.05, -z], [x, 0.05, -z], [x, 0.05, z], [-x, 0.05, z], [-x, 0.05, -z]]
     fixtures.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
     cornice = np.add(ring, [0, y - 0.1, 0])
@@ -174,9 +173,9 @@ def _shelves(b: Builder, rng: np.random.Generator) -> None:
     scenery = "forest leaf_light mustard sky"
     for x, y, w, h in ((2.0, 2.0, 0.8, 1.0), (2.95, 2.05, 0.6, 0.75)):
         decor.picture(b, place([x, y, -4.997]), (w, h), scenery, x)
-    b.add(curtain(1.1, 3.3, 8, 0.05), paint(b, "terracotta"), place([4.25, 0.03, -4.82]))
+    b.add(curtain(1.1, 3.3, 8, 0.05), "terracotta", place([4.25, 0.03, -4.82]))
     rail = tube([[3.6, 3.36, -4.82], [4.2, 3.365, -4.82], [4.9, 3.36, -4.82]], 0.015, 8, 10)
-    b.add(rail, paint(b, "brass"))
+    b.add(rail, "brass")
 
 
 def _corners(b: Builder, rng: np.random.Generator) -> None:
@@ -205,10 +204,10 @@ def _corners(b: Builder, rng: np.random.Generator) -> None:
     )
     decor.ornament(b, place([4.8, 1.53, 3.4]), 0.13, "sage", 8.0)
     # Large bumpy balls: a sculpture on a pillar and two on the floor.
-    b.add(cylinder(0.2, 0.9, 24), paint(b, "limestone"), place([3.1, 0, 1.9]))
-    b.add(bumpy_sphere(0.3, 22, 0.7), paint(b, "limestone"), place([3.1, 1.18, 1.9]))
-    b.add(bumpy_sphere(0.24, 20, 3.0), paint(b, "mustard"), place([0.3, 0.235, 0.3]))
-    b.add(bumpy_sphere(0.17, 16, 4.0), paint(b, "rose_wall"), place([0.75, 0.165, 0.05]))
+    b.add(cylinder(0.2, 0.9, 24), "limestone", place([3.1, 0, 1.9]))
+    b.add(bumpy_sphere(0.3, 22, 0.7), "limestone", place([3.1, 1.18, 1.9]))
+    b.add(bumpy_sphere(0.24, 20, 3.0), "mustard", place([0.3, 0.235, 0.3]))
+    b.add(bumpy_sphere(0.17, 16, 4.0), "rose_wall", place([0.75, 0.165, 0.05]))
 
 
 def _tea(b: Builder, rng: np.random.Generator) -> None:
@@ -229,7 +228,7 @@ def _tea(b: Builder, rng: np.random.Generator) -> None:
     decor.basket(b, basket, 0.27, "rug_beige")
     for k, color in enumerate(("sky", "brick_red", "lemon", "forest")):
         spot = basket @ place([0.1 * np.sin(1.6 * k), 0.27 + 0.03 * (k % 2), 0.1 * np.cos(1.6 * k)])
-        b.add(bumpy_sphere(0.085, 8, 1.3 * k), paint(b, color), spot)
+        b.add(bumpy_sphere(0.085, 8, 1.3 * k), color, spot)
     decor.book_pile(b, place([2.05, 0, 2.5], yaw=30), rng, 7)
 
 
@@ -241,9 +240,9 @@ def _overhead(b: Builder) -> None:
     fixtures.slats(b, place([0, 2.8, -0.7]), 22, 0.2, (0.06, 0.09, 4.6), "beech", 0.012)
     for z in (-2.6, 1.2):
         bearer = rod([-3.9, 2.855, z], [3.9, 2.855, z], 0.02, 8)
-        b.add(bearer, paint(b, "black_metal"))
+        b.add(bearer, "black_metal")
     for x, z in CABLES:
-        b.add(rod([x, 2.85, z], [x, 4.0, z], 0.004, 4), paint(b, "black_metal"))
+        b.add(rod([x, 2.85, z], [x, 4.0, z], 0.004, 4), "black_metal")
     for x, z in PENDANTS:
         decor.pendant(b, place([x, 4.0, z]), 2.1 if x < 2 else 2.0, "brass")
 

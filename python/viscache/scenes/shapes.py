@@ -60,6 +60,11 @@ def _rotation(axis: int, angle: Array) -> Array:
     return out
 
 
+def knots(text: str) -> Array:
+    """Points (K, D) of a text such as "0.02 0.13, 0.5 0.14"."""
+    return np.array([[float(x) for x in point.split()] for point in text.split(",")])
+
+
 def smooth_path(points: npt.ArrayLike, samples: int = 33) -> Array:
     """Catmull-Rom curve through `points` (K, D), resampled at `samples` equal arc lengths."""
     p = np.asarray(points, float)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.shapes import Array, place, revolve, rod, soft_box, sphere, surface, tube
 
 CAR_LENGTH, CAR_WIDTH, CAR_HEIGHT = 4.3, 1.74, 1.43
@@ -27,7 +26,7 @@ TYRE += [[0.27, 0.1], [0.2, 0.09]]
 def car(b: Builder, at: Array, body: int) -> None:
     """Hatchback, 4.3 x 1.74 x 1.43 m, painted with the material `body`."""
     window = b.glossy("windows", (0.03, 0.035, 0.04), 0.06, 0.2)
-    trim, steel = paint(b, "black_metal"), paint(b, "steel")
+    trim, steel = b.paint("black_metal"), b.paint("steel")
     b.add(surface(_body, 44, 60, closed=True, caps=(True, True)), body, at)
     b.add(surface(_cabin, 40, 36, closed=True, caps=(True, True)), window, at)
     roof = soft_box((1.35, 0.07, 1.16), (12, 3, 12), power=5, bulge=0.35)
@@ -48,7 +47,7 @@ def car(b: Builder, at: Array, body: int) -> None:
         lamp = sphere(0.1, 6)
         b.add(lamp, steel, at @ place([1.96, 0.63, side * 0.58], scale=[1, 0.8, 1.5]))
         tail = soft_box((0.08, 0.22, 0.2), (4, 6, 5), power=4)
-        b.add(tail, paint(b, "brick_red"), at @ place([-2.07, 0.74, side * 0.62]))
+        b.add(tail, "brick_red", at @ place([-2.07, 0.74, side * 0.62]))
     for x, y in ((2.07, 0.4), (-2.07, 0.47)):
         bumper = [[0, 0, -0.62], [0.06 * np.sign(x), 0, -0.3], [0.06 * np.sign(x), 0, 0.3]]
         b.add(tube([*bumper, [0, 0, 0.62]], 0.055, 9, 18), trim, at @ place([x, y, 0]))
@@ -85,7 +84,7 @@ def wheel(b: Builder, at: Array) -> None:
     """Wheels with five spokes around the local y axis; their outer sides look to +y."""
     at = at.reshape(-1, 4, 4)
     tyre = revolve(TYRE, 56, 18, caps=(False, False), flutes=(28, 0.012))
-    b.add(tyre, paint(b, "black_metal"), at)
+    b.add(tyre, "black_metal", at)
     steel = b.glossy("rims", (0.3, 0.31, 0.32), 0.4, 0.3)
     ring = revolve(
         [[0.205, -0.08], [0.19, 0.0], [0.2, 0.07], [0.212, 0.085]], 36, 10, caps=(False, False)
@@ -103,12 +102,12 @@ def tyre_stack(b: Builder, at: Array, n: int) -> None:
     tyre = revolve(TYRE, 56, 18, caps=(False, False), flutes=(28, 0.012))
     k = np.arange(n)
     spots = np.stack([0.02 * np.sin(2.0 * k), 0.1 + 0.2 * k, 0.02 * np.cos(3.0 * k)], -1)
-    b.add(tyre, paint(b, "black_metal"), at @ place(spots, yaw=40.0 * k))
+    b.add(tyre, "black_metal", at @ place(spots, yaw=40.0 * k))
 
 
 def bicycle(b: Builder, at: Array, color: str) -> None:
     """Bicycle, 1.75 m long and 1.05 m high, upright in the plane z = 0."""
-    frame, dark, steel = paint(b, color), paint(b, "black_metal"), paint(b, "steel")
+    frame, dark, steel = b.paint(color), b.paint("black_metal"), b.paint("steel")
     rear, front, crank = (-0.52, 0.34), (0.53, 0.34), (-0.1, 0.29)
     seat, head = (-0.26, 0.82), (0.36, 0.88)
     for start, end in (

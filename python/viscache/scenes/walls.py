@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import paint
 from viscache.scenes.shapes import Array, box, place, revolve, rod, soft_box
 
 Opening = tuple[float, float, float, float]  # from, to along the wall; bottom, top
@@ -35,7 +34,7 @@ def wall(
 ) -> None:
     """Wall of plain boxes around its openings; openings that reach the floor are doors."""
     frame, length = run(start, end)
-    m, h = paint(b, color), thickness / 2
+    m, h = b.paint(color), thickness / 2
     x = 0.0
     for left, right, bottom, top in sorted(openings):
         b.add(box([x, 0, -h], [left, height, h]), m, frame)
@@ -54,7 +53,7 @@ def _bar(
     b: Builder, at: Array, size: tuple[float, float, float], color: str = "white_paint"
 ) -> None:
     cells = tuple(max(2.0, min(8.0, 5 * s)) for s in size)
-    b.add(soft_box(size, (cells[0], cells[1], cells[2]), power=12, bulge=0.2), paint(b, color), at)
+    b.add(soft_box(size, (cells[0], cells[1], cells[2]), power=12, bulge=0.2), color, at)
 
 
 def _window(b: Builder, at: Array, left: float, right: float, bottom: float, top: float) -> None:
@@ -84,14 +83,14 @@ def door(
 ) -> None:
     """Panelled door hinged at the origin, closed along +x, opened by `open_deg` towards +z."""
     leaf = at @ place(yaw=-open_deg) @ place([width / 2, height / 2 + 0.01, 0])
-    m, x = paint(b, "white_paint"), width / 2
+    m, x = b.paint("white_paint"), width / 2
     b.add(soft_box((width, height, 0.04), (5, 8, 2), power=30, bulge=0.1), m, leaf)
     panel = soft_box((width * 0.34, height * 0.34, 0.016), (5, 6, 2), power=9, bulge=0.4)
     for px in (-0.22, 0.22):
         for py in (-0.22, 0.22):
             for z in (-0.02, 0.02):
                 b.add(panel, m, leaf @ place([px * width, py * height, z]), optional=True)
-    brass = paint(b, "brass")
+    brass = b.paint("brass")
     for z in (-1, 1):
         spot = leaf @ place([x - 0.06, -0.02, z * 0.02])
         b.add(

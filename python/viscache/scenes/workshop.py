@@ -9,10 +9,11 @@ import numpy as np
 
 from viscache.scenes import decor, fixtures
 from viscache.scenes.builder import Builder
-from viscache.scenes.palette import COLORS, paint
+from viscache.scenes.palette import COLORS
 from viscache.scenes.shapes import (
     Array,
     cylinder,
+    knots,
     place,
     revolve,
     rod,
@@ -26,7 +27,7 @@ TIN_COLORS = ("brick_red", "navy", "forest", "mustard", "steel", "sky")
 
 def pipes(b: Builder, length: float, height: float, depth: float) -> None:
     """Ducts, pipes, a cable tray and lamps under the ceiling of a room from 0 to its sizes."""
-    steel, copper = paint(b, "steel"), paint(b, "terracotta")
+    steel, copper = b.paint("steel"), b.paint("terracotta")
     duct = np.linspace([0.1, height - 0.45, 0.6], [length - 0.2, height - 0.45, 0.6], 5)
     b.add(tube(duct, 0.2, 26, 120), steel)
     for x in np.arange(0.8, length, 1.2):
@@ -45,18 +46,14 @@ def pipes(b: Builder, length: float, height: float, depth: float) -> None:
     _tray(b, length, height)
     fixture = soft_box((1.3, 0.07, 0.14), (14, 3, 5), power=6, bulge=0.1)
     spots = [[x, height - 0.3, z] for x in (2.4, 6.0, 9.6) for z in (2.6, 5.4)]
-    b.add(fixture, paint(b, "white_paint"), place(spots))
+    b.add(fixture, "white_paint", place(spots))
     for side in (-0.035, 0.035):
-        b.add(
-            rod([-0.6, -0.045, side], [0.6, -0.045, side], 0.014, 9),
-            paint(b, "porcelain"),
-            place(spots),
-        )
+        b.add(rod([-0.6, -0.045, side], [0.6, -0.045, side], 0.014, 9), "porcelain", place(spots))
 
 
 def _tray(b: Builder, length: float, height: float) -> None:
     """Two rails with rungs along x, and cables in them."""
-    steel, z = paint(b, "steel"), 4.0
+    steel, z = b.paint("steel"), 4.0
     for side in (-0.15, 0.15):
         path = np.linspace([0.1, height - 0.34, z + side], [length - 4, height - 0.34, z + side], 3)
         b.add(tube(path, 0.016, 6, 40), steel)
@@ -67,12 +64,12 @@ def _tray(b: Builder, length: float, height: float) -> None:
         t = np.linspace(0.1, length - 4.1, 24)
         sway = z - 0.1 + 0.05 * k + 0.02 * np.sin(1.7 * t + 2 * k)
         cable = np.stack([t, height - 0.318 + 0.006 * np.sin(2.3 * t + k), sway], -1)
-        b.add(tube(cable, 0.011, 6, 120), paint(b, ("screen", "navy")[k % 2]), optional=True)
+        b.add(tube(cable, 0.011, 6, 120), ("screen", "navy")[k % 2], optional=True)
 
 
 def rack(b: Builder, at: Array, rng: np.random.Generator, *, phase: int = 0) -> None:
     """Steel rack, 1 x 1.5 x 0.45 m, its back at -z, full of tins, bottles and boxes."""
-    steel = paint(b, "steel")
+    steel = b.paint("steel")
     for x in (-0.48, 0.48):
         for z in (-0.2, 0.2):
             b.add(rod([x, 0, z], [x, 1.5, z], 0.018, 7), steel, at)
@@ -103,7 +100,7 @@ def _tins(b: Builder, at: Array, rng: np.random.Generator) -> None:
     for i in range(6):
         for z in (-0.1, 0.1):
             spot = place([-0.4 + 0.16 * i, 0, z], scale=[1, rng.uniform(0.7, 1.6), 1])
-            b.add(tin, paint(b, str(rng.choice(TIN_COLORS))), at @ spot, optional=True)
+            b.add(tin, str(rng.choice(TIN_COLORS)), at @ spot, optional=True)
 
 
 def _boxes(b: Builder, at: Array, rng: np.random.Generator) -> None:
@@ -112,7 +109,7 @@ def _boxes(b: Builder, at: Array, rng: np.random.Generator) -> None:
         wide, high = rng.uniform(0.14, 0.3), rng.uniform(0.12, 0.36)
         shape = soft_box((wide, high, 0.34), (7, 7, 7), power=14, bulge=0.06)
         spot = place([x + wide / 2, high / 2, 0], yaw=rng.uniform(-4, 4))
-        b.add(shape, paint(b, ("beech", "oak", "linen")[int(10 * x) % 3]), at @ spot)
+        b.add(shape, ("beech", "oak", "linen")[int(10 * x) % 3], at @ spot)
         x += wide + 0.03
 
 
@@ -125,26 +122,21 @@ def crates(b: Builder, at: Array, rng: np.random.Generator) -> None:
         here = at @ place([x, y, z], yaw=rng.uniform(-7, 7))
         for turn in range(0, 360, 90):
             side = here @ place(yaw=turn)
-            b.add(slat, paint(b, "beech"), side @ place([[0, h, 0.25] for h in (0.05, 0.16, 0.27)]))
-            b.add(post, paint(b, "oak"), side @ place([0.235, 0.165, 0.235]))
+            b.add(slat, "beech", side @ place([[0, h, 0.25] for h in (0.05, 0.16, 0.27)]))
+            b.add(post, "oak", side @ place([0.235, 0.165, 0.235]))
         floor = soft_box((0.49, 0.015, 0.49), (5, 1, 5), power=20, bulge=0.2)
-        b.add(floor, paint(b, "beech"), here @ place([0, 0.02, 0]))
+        b.add(floor, "beech", here @ place([0, 0.02, 0]))
 
 
 def barrel(b: Builder, at: Array, color: str) -> None:
     """Steel drum, 0.58 x 0.88 m, with two ribs."""
-    profile = [[0.27, 0], [0.29, 0.01], [0.285, 0.04], [0.28, 0.27], [0.295, 0.3], [0.28, 0.33]]
-    profile += [
-        [0.28, 0.56],
-        [0.295, 0.59],
-        [0.28, 0.62],
-        [0.285, 0.84],
-        [0.29, 0.87],
-        [0.27, 0.88],
-    ]
+    profile = knots(
+        "0.27 0, 0.29 0.01, 0.285 0.04, 0.28 0.27, 0.295 0.3, 0.28 0.33, "
+        "0.28 0.56, 0.295 0.59, 0.28 0.62, 0.285 0.84, 0.29 0.87, 0.27 0.88"
+    )
     shape = revolve(profile, 48, 44, caps=(True, True), smooth=False, dome=0.03)
     b.add(shape, b.glossy(f"{color} drum", COLORS[color], 0.05, 0.25), at)
-    b.add(cylinder(0.035, 0.03, 12), paint(b, "steel"), at @ place([0.14, 0.885, 0.05]))
+    b.add(cylinder(0.035, 0.03, 12), "steel", at @ place([0.14, 0.885, 0.05]))
 
 
 def hose(b: Builder, at: Array, turns: int = 9) -> None:
@@ -158,12 +150,12 @@ def hose(b: Builder, at: Array, turns: int = 9) -> None:
         angle = 2 * np.pi * turn
         return np.stack([radius * np.sin(angle), y, radius * np.cos(angle)], -1)
 
-    b.add(surface(coil, 9, 260, closed=True, caps=(True, True)), paint(b, "forest"), at)
+    b.add(surface(coil, 9, 260, closed=True, caps=(True, True)), "forest", at)
 
 
 def ladder(b: Builder, at: Array, height: float) -> None:
     """Ladder of round bars, its rungs along x, upright in the plane z = 0."""
-    wood = paint(b, "oak")
+    wood = b.paint("oak")
     for x in (-0.2, 0.2):
         b.add(rod([x, 0, 0], [0.85 * x, height, 0], 0.024, 9), wood, at)
     for y in np.arange(0.25, height, 0.28):
@@ -173,7 +165,7 @@ def ladder(b: Builder, at: Array, height: float) -> None:
 
 def tools(b: Builder, at: Array) -> None:
     """On a workbench: a vice, a lamp, tins, a laptop."""
-    steel, dark = paint(b, "steel"), paint(b, "black_metal")
+    steel, dark = b.paint("steel"), b.paint("black_metal")
     jaw = soft_box((0.16, 0.09, 0.06), (8, 6, 5), power=5)
     b.add(jaw, steel, at @ place([[-0.7, 0.12, 0.1], [-0.7, 0.12, 0.2]]))
     b.add(soft_box((0.14, 0.08, 0.22), (7, 5, 8), power=4), dark, at @ place([-0.7, 0.04, 0.12]))
@@ -182,7 +174,7 @@ def tools(b: Builder, at: Array) -> None:
     decor.table_lamp(b, at @ place([0.75, 0, -0.1]), "petrol")
     fixtures.laptop(b, at @ place([0.25, 0, 0.05], yaw=15))
     hammer = at @ place([-0.2, 0.02, 0.12], yaw=40)
-    b.add(rod([-0.15, 0, 0], [0.15, 0, 0], 0.013, 8), paint(b, "oak"), hammer)
+    b.add(rod([-0.15, 0, 0], [0.15, 0, 0], 0.013, 8), "oak", hammer)
     b.add(soft_box((0.035, 0.035, 0.11), (4, 4, 7), power=4), steel, hammer @ place([0.15, 0, 0]))
     for k in range(6):
         wrench = at @ place([-0.35 + 0.05 * k, 0.008, -0.12], yaw=4 * np.sin(3.0 * k))

@@ -67,7 +67,7 @@ class VisMaps(MapSettings):
         require(
             str(self.alpha) != "oracle",
             'alpha must not be "oracle": it sums over the true '
-            "visibility, which viscache.vismap.simulation alone has",
+            "visibility, which viscache_lab.cases.simulation alone has",
             self.alpha,
         )
         RowSettings.__post_init__(self)

@@ -1,24 +1,32 @@
-"""Equations of the visibility maps on arrays."""
+"""Equations of the visibility maps on arrays, and estimates of single points."""
 
-from __future__ import annotations
+from viscache._core import AlphaMode, PointSet
+from viscache._core.sampling import (
+    EnvironmentMap,
+    ShadingPoint,
+    equal_area_to_direction,
+    eval_bsdf,
+)
+from viscache._core.vismap import (
+    EnvironmentPyramid,
+    PointEstimate,
+    dilated,
+    morton2,
+    points,
+    record_weight,
+)
 
-from typing import Any
-
-import numpy.typing as npt
-
-from viscache import _core
-
-
-def record_weight(t: npt.ArrayLike, theta: npt.ArrayLike, steepness: npt.ArrayLike) -> Any:
-    """The weight w of a record (Eq. 9): a float, or an array where an argument is one.
-
-    Parameters
-    ----------
-    t : (...) float
-        Distance, in units of d_max.
-    theta : (...) float
-        Angle between the normals, in radians.
-    steepness : (...) float
-        λ.
-    """
-    return _core.vismap.record_weight(t, theta, steepness)
+__all__ = [
+    "AlphaMode",
+    "EnvironmentMap",
+    "EnvironmentPyramid",
+    "PointEstimate",
+    "PointSet",
+    "ShadingPoint",
+    "dilated",
+    "equal_area_to_direction",
+    "eval_bsdf",
+    "morton2",
+    "points",
+    "record_weight",
+]

@@ -1,7 +1,7 @@
 """`viscache bench vismap-variance`: variance with visibility maps against product sampling.
 
 Random pixels of a picture are estimated many times in a model whose lights are the environment's
-texels, so that the true value is a sum (`viscache.vismap.simulation`). Both sides take the same
+texels, so that the true value is a sum (`viscache_lab.cases.simulation`). Both sides take the same
 number of samples from the same kind of points. In the *steady state*, α comes from earlier passes.
 In *one shot*, there are no earlier passes: the samples are taken in passes of 10, 20, 40, ….
 Rendered pictures in equal time follow (`vismap_time`).
@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.bench.vismap_time import equal_time
+from viscache_lab.cases.simulation import PixelEstimates, Way, simulate
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene
 

@@ -18,15 +18,15 @@ from viscache.base.progress import progress_bar
 from viscache.metrics.variance import variance_ratio
 from viscache.plots import COLORS
 from viscache.scenes import SCENES
-from viscache.scenes.light_product import (
+from viscache.scenes.shapes import place, soft_box
+from viscache_lab.cases.light_product import (
     LUMINANCE,
     drawn_texels,
     environment_texels,
     first_hits,
     reflected,
 )
-from viscache.scenes.shapes import place, soft_box
-from viscache.vismap.simulation import Way, simulate
+from viscache_lab.cases.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.metrics.variance import variance_ratio
-from viscache.scenes.light_product import blocked_share, first_hits
+from viscache_lab.cases.light_product import blocked_share, first_hits
 from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels

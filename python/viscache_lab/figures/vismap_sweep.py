@@ -12,7 +12,7 @@ from viscache.base.progress import progress_bar
 from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.plots import COLORS, pareto
 from viscache.scenes import build
-from viscache.vismap.simulation import Way, simulate
+from viscache_lab.cases.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import vismap_bands as bands

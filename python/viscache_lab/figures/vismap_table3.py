@@ -10,8 +10,8 @@ import numpy as np
 
 import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps
+from viscache_lab.cases.simulation import PixelEstimates, Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed

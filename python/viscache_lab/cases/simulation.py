@@ -14,13 +14,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
-from viscache.scenes.light_product import LUMINANCE
+from viscache.scene.cameras import Camera
 from viscache.settings.checks import checked_threads, require
-from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.simulated_pixels import Pixel, Pixels, pooled_alphas
-
-__all__ = ["PixelEstimates", "Way", "one_shot_passes", "simulate"]
+from viscache.vismap import VisibilityMapCache
+from viscache.vismap.equations import AlphaMode, PointSet
+from viscache_lab.cases.light_product import LUMINANCE
+from viscache_lab.cases.simulated_pixels import Pixel, Pixels, pooled_alphas
 
 Alpha: TypeAlias = float | Literal["loo", "previous_pass", "oracle"]
 
@@ -112,7 +111,7 @@ def simulate(
     ways: Sequence[Way],
     samples: Sequence[int],
     *,
-    camera: str | int | _core.Camera | None = None,
+    camera: str | int | Camera | None = None,
     size: tuple[int, int] | None = None,
     n_pixels: int = 256,
     replicates: int = 32,
@@ -124,7 +123,7 @@ def simulate(
     Parameters
     ----------
     cache : VisibilityMapCache
-        Cache of a scene that `viscache.scenes.light_product` accepts; it is not changed.
+        Cache of a scene that `viscache_lab.cases.light_product` accepts; it is not changed.
     ways : sequence of Way
     samples : sequence of int >= 1
         Per pixel and pass, or in total if the method is `one_shot`.
@@ -192,12 +191,12 @@ def _counts(
 
 
 def _points(kind: str) -> Any:
-    return _core.PointSet.INDEPENDENT if kind == "iid" else _core.PointSet.ZERO_TWO
+    return PointSet.INDEPENDENT if kind == "iid" else PointSet.ZERO_TWO
 
 
 def _mode(way: Way) -> Any:
-    modes = {"loo": _core.AlphaMode.LEAVE_ONE_OUT, "previous_pass": _core.AlphaMode.PREVIOUS_PASS}
-    return modes.get(str(way.alpha), _core.AlphaMode.FIXED)
+    modes = {"loo": AlphaMode.LEAVE_ONE_OUT, "previous_pass": AlphaMode.PREVIOUS_PASS}
+    return modes.get(str(way.alpha), AlphaMode.FIXED)
 
 
 def _alpha(way: Way, pixel: Pixel, point: Any, first: Mapping[tuple[float, str], float]) -> float:

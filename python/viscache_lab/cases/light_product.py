@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache._core import sampling
 from viscache.base.tonemap import LUMINANCE as WEIGHTS
 from viscache.scene import Scene
 from viscache.scene.cameras import Camera, find_camera
 from viscache.settings.checks import require
+from viscache.vismap import equations
 
 Array = npt.NDArray[np.float64]
 LUMINANCE = np.array(WEIGHTS)
@@ -107,10 +107,10 @@ def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
         description = scene.description()
         n_images = len(description.images)
         require(n_images == 1, "scene must have one image, its environment", n_images)
-        texels = sampling.EnvironmentMap.from_latlong(description.image_pixels(0)).pixels
+        texels = equations.EnvironmentMap.from_latlong(description.image_pixels(0)).pixels
     middle = (np.arange(len(texels)) + 0.5) / len(texels)
     square = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
-    directions = sampling.equal_area_to_direction(square.astype(np.float32))
+    directions = equations.equal_area_to_direction(square.astype(np.float32))
     return directions.astype(float), np.ascontiguousarray(texels * scale)
 
 
@@ -143,7 +143,7 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
     cosine = directions @ hits.normals[index]
     above = cosine > 0
     normal = tuple(hits.normals[index].tolist())
-    point = sampling.ShadingPoint(
+    point = equations.ShadingPoint(
         material["kind"],
         tuple(hits.towards[index].tolist()),
         ns=normal,
@@ -159,7 +159,7 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
         beckmann=material["beckmann"],
     )
     out = np.zeros_like(directions)
-    brdf = sampling.eval_bsdf(point, directions[above].astype(np.float32))
+    brdf = equations.eval_bsdf(point, directions[above].astype(np.float32))
     out[above] = brdf * cosine[above, None]
     return out
 

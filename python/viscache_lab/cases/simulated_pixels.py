@@ -10,19 +10,17 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
 from viscache.base.sharing import MadeOnce
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
-from viscache.scenes.light_product import (
+from viscache.vismap import Lookup, VisibilityMapCache, equations
+from viscache_lab.cases.light_product import (
     LUMINANCE,
     Hits,
     environment_texels,
     first_hits,
     reflected,
 )
-from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.records import Lookup
 
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 Doubles: TypeAlias = npt.NDArray[np.float64]
@@ -79,7 +77,7 @@ class Pixel:
 
     def estimate(self, light: Any, eta: float) -> Any:
         """The estimator of the core."""
-        return _core.vismap.PointEstimate(
+        return equations.PointEstimate(
             light, self.b, self.maps, self.beta, dilated=self.dilated, eta=eta
         )
 
@@ -109,7 +107,7 @@ class Pixels:
     Parameters
     ----------
     cache : VisibilityMapCache
-        Cache of a scene that `viscache.scenes.light_product` accepts.
+        Cache of a scene that `viscache_lab.cases.light_product` accepts.
     camera : str, int or Camera, optional
     size : (width, height)
 
@@ -127,12 +125,9 @@ class Pixels:
         view = find_camera(cache.scene, camera)
         size = frame_size(size, view)
         self._hits: Hits = first_hits(cache.scene, view, size)
-        rules = _core.vismap.PixelRules(cache.settings.d_max)
-        self._asking, _, _ = _core.vismap.pixel_points(
-            cache.scene._core, cache.scene.caster(), view, *size, (0.5, 0.5), rules
-        )
-        self.there = np.flatnonzero((self._asking.d_max > 0) & (self._hits.materials >= 0))
-        self.light = _core.vismap.EnvironmentPyramid(self.texels)
+        self._asking = cache.asking_points(view, size)
+        self.there = np.flatnonzero((self._asking[2] > 0) & (self._hits.materials >= 0))
+        self.light = equations.EnvironmentPyramid(self.texels)
 
     def chosen(self, count: int, seed: int) -> npt.NDArray[np.int64]:
         """At most `count` randomly chosen pixels, in increasing order."""
@@ -143,9 +138,7 @@ class Pixels:
         """Yields these pixels with their maps."""
         cache, hits, asking = self.cache, self._hits, self._asking
         m, edge = cache.settings.m, len(self.texels)
-        lookup = cache.lookup(
-            asking.positions[chosen], asking.normals[chosen], asking.d_max[chosen]
-        )
+        lookup = cache.lookup(*(values[chosen] for values in asking))
         bits = cache.records().bits
         for row, pixel in enumerate(chosen):
             b = reflected(cache.scene, hits, pixel, self._directions).astype(np.float32)
@@ -180,7 +173,7 @@ def pooled_alphas(pixels: Pixels, ways: Sequence[tuple[float, Any]], seed: int) 
             point = pixel.estimate(pixels.light, eta)
             if not point.l_ns > 0:
                 continue
-            u = _core.vismap.points(points, PILOT_SAMPLES, seed=seed, pixel=number)
+            u = equations.points(points, PILOT_SAMPLES, seed=seed, pixel=number)
             s = point.sample(u)
             z, w, mean_w = s["z"] * pixel.sees(s["texel"]), s["w"], point.mean_w
             covariance[way] += point.l_ns**2 * float((z * w).mean() - z.mean() * mean_w)
@@ -201,7 +194,7 @@ def _blended(
     if not words:
         return np.zeros((0, 1 << m, 1 << m), bool), np.zeros(0, np.float32), []
     dilated = [
-        np.stack([_as_image(_core.vismap.dilated(w, m, level), m - level + 1) for w in words])
+        np.stack([_as_image(equations.dilated(w, m, level), m - level + 1) for w in words])
         for level in range(1, grown + 1)
     ]
     return np.stack([_as_image(w, m) for w in words]), lookup.beta[row][speaks], dilated
@@ -217,5 +210,5 @@ def _as_image(words: npt.NDArray[np.uint64], m: int) -> Bools:
 def _places(m: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint64]]:
     """Word and bit of every cell, row by row."""
     axis = np.arange(1 << m, dtype=np.uint32)
-    z = _core.vismap.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
+    z = equations.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
     return z // 64, (z % 64).astype(np.uint64)
