@@ -41,12 +41,7 @@ def whole_file(
 
     If the block raises, the target does not change. Every process and thread has its own path; the
     last one to finish wins. What processes of this machine left when they were killed is removed.
-
-    Parameters
-    ----------
-    target : path
-    within : context manager, optional
-        Entered for the moment in which the file takes its place; if it raises, it does not.
+    `within` is entered for the moment in which the file takes its place; if it raises, it does not.
     """
     for left in _left_over(target):
         left.unlink(missing_ok=True)
@@ -67,19 +62,10 @@ def whole_file(
 
 
 def inside(folder: Path, name: str) -> Path:
-    """The path of a file in a folder that may come from somebody else.
+    """The path of a file in a folder that may come from somebody else, and may be a link.
 
-    Parameters
-    ----------
-    folder : path
-        As the user gave it; it may be a link.
-    name : str
-        Parts are divided by "/". They are those of this package, never read from a file.
-
-    Raises
-    ------
-    ValueError
-        The file, or a folder on the way to it, is a link, which may lead anywhere, or a device.
+    The name has parts of this package, divided by "/", never what was read from a file. ValueError
+    if the file, or a folder on the way to it, is a link, which may lead anywhere, or a device.
     """
     path = folder
     for part in name.split("/"):

@@ -102,17 +102,9 @@ DIGESTS = Field("a table of SHA-256", table_of(is_digest))
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Format:
-    """One format.
+    """One format: its kind, with an article, as in messages; its version; its fields and arrays.
 
-    Parameters
-    ----------
-    kind : str
-        With its article, as it stands in messages and in the head.
-    version : int
-        Of the layout and of the meaning; others are refused.
-    fields : dict of str to Field
-    arrays : dict of str to ArrayField
-        A name that ends in "?" may be missing; one that ends in "*" stands for any number of names.
+    An array whose name ends in "?" may be missing; one in "*" stands for any number of names.
     """
 
     kind: str
@@ -127,21 +119,10 @@ class Format:
         return json.dumps(head | {"sha256": _digest(head, arrays or {})})
 
     def opened(self, where: str | Path, head: Any, arrays: Arrays | None = None) -> dict[str, Any]:
-        """The fields of what was read.
+        """The fields of a head that `sealed` gave; `where` is its name in messages.
 
-        Parameters
-        ----------
-        where : str
-            The name in messages.
-        head : str or bytes
-            As `sealed` gave it.
-        arrays : dict of str to array
-
-        Raises
-        ------
-        FormatError
-            It is of another kind or version, has no hash or one that does not fit, or a field or an
-            array is not what it must be.
+        FormatError if it is of another kind or version, has no hash or one that does not fit, or a
+        field or an array is not what it must be.
         """
         arrays = {} if arrays is None else arrays
         found = self._head(where, head)
@@ -216,13 +197,7 @@ class Format:
     def write_npz(
         self, path: Path, fields: Mapping[str, Any], arrays: Arrays, *, compressed: bool = False
     ) -> None:
-        """Write a file, complete or absent.
-
-        Raises
-        ------
-        OSError
-            The file cannot be written.
-        """
+        """Write a file, complete or absent; OSError if it cannot be written."""
         head = np.frombuffer(self.sealed(fields, arrays).encode(), np.uint8)
         save: Any = np.savez_compressed if compressed else np.savez
         with whole_file(path) as partial, partial.open("wb") as file:
@@ -231,14 +206,7 @@ class Format:
     def read_npz(self, path: Path) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:
         """Fields and arrays of a file.
 
-        Raises
-        ------
-        FormatError
-            As `opened`, or the file is damaged.
-        FileNotFoundError
-            There is no such file.
-        OSError
-            It cannot be read.
+        FormatError as `opened`, and if the file is damaged; OSError if it cannot be read.
         """
         if not path.exists():
             raise FileNotFoundError(f"no such file: {path}")

@@ -105,20 +105,10 @@ def netcdf_file(
 ) -> Iterator[Callable[[Callable[[Any], object]], None]]:
     """Gives a function that runs a job on an `h5netcdf.File`, which replaces the target at the end.
 
-    If the block, a job or the disk fails, the target does not change. The memory of a job that the
-    disk fails is that of what it writes. All jobs run in a thread of their own, where no Ctrl-C
-    comes between HDF5 and its file.
-
-    Parameters
-    ----------
-    target : path
-    trailer : callable, optional
-        Gives the bytes after the content, which HDF5 does not read.
-
-    Raises
-    ------
-    OSError
-        The disk is full, or does not take the file for another reason: also from jobs.
+    If the block, a job or the disk fails (OSError), the target does not change. The memory of a job
+    that the disk fails is that of what it writes. All jobs run in a thread of their own, where no
+    Ctrl-C comes between HDF5 and its file. `trailer` gives bytes after the content, which HDF5 does
+    not read.
     """
     import h5netcdf  # type: ignore[import-untyped,unused-ignore]
 

@@ -61,13 +61,7 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
 
 @cache
 def code_hash(more: Path | None = None) -> str:
-    """Hash of the code that determines a frame: the package's sources and its core.
-
-    Parameters
-    ----------
-    more : path, optional
-        A folder whose sources count, too.
-    """
+    """Hash of the code that determines a frame: the package's sources and core, and a folder's."""
     package = Path(__file__).parents[1]
     files = [Path(_core.__file__), *sorted(package.rglob("*.py"))]
     files += sorted(more.rglob("*.py")) if more is not None else []

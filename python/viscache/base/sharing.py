@@ -55,21 +55,13 @@ class Newest(MadeOnce):
 
 
 class Turn:
-    """Lets one call at a time use an object: `with turn:`.
+    """Lets one call at a time use an object: `with turn:`. `name` is the object's, for errors.
 
     Threads get their turns in the order in which they come, so that one with many calls does not
     keep out the others. A forked child refuses what another thread was using at that moment: its
-    state is unknown, and nobody would ever give it back.
-
-    Parameters
-    ----------
-    name : str
-        Of the object, for errors.
-    waits : bool
-        Whether a call waits for its turn. False: it is refused while another one has it.
-    again : bool
-        Whether calls within a call of the same thread are let in: from callbacks and from handlers
-        of signals. False: they are refused.
+    state is unknown, and nobody would ever give it back. Without `waits`, a call is refused while
+    another one has the turn. `again` lets in calls within a call of the same thread, from callbacks
+    and handlers of signals, which are refused otherwise.
     """
 
     def __init__(self, name: str, *, waits: bool = True, again: bool = False) -> None:

@@ -60,19 +60,10 @@ def display_exposure(image: FloatImage) -> float:
 
 
 def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np.uint8]:
-    """Exposure, clip, sRGB curve, 8 bits.
+    """Exposure, clip, sRGB curve: (H, W, 3) of 8 bits, with NaN in magenta.
 
-    Parameters
-    ----------
-    image : (H, W, C) float
-        Scene-linear; C = 1 (grey) or >= 3 (R, G, B first).
-    exposure : float, optional
-        Factor before the curve; `display_exposure(image)` by default.
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        NaN pixels are magenta.
+    The image (H, W, C) is scene-linear: C = 1 is grey, of more the first three are R, G, B. The
+    exposure is a factor before the curve; `display_exposure(image)` by default.
     """
     pixels = real_array(image, "image")
     if pixels.ndim != 3 or pixels.shape[2] in (0, 2):

@@ -142,14 +142,7 @@ def centers(edges: Floats) -> Floats:
 
 
 def pilot_d_max(positions: npt.NDArray[np.float32], seed: int) -> float:
-    """99th percentile of the pair distances of a pilot sample, rounded up to 3 digits.
-
-    Parameters
-    ----------
-    positions : (N, 3) float32
-    seed : int
-        Seed of the pilot sample of at most 1000 points.
-    """
+    """99th percentile of the distances of at most 1000 points, rounded up to 3 digits."""
     rng = np.random.Generator(np.random.Philox(key=np.array([seed, 0x9D], dtype=np.uint64)))
     chosen = rng.permutation(len(positions))[:PILOT_POINTS]
     p = positions[np.sort(chosen)].astype(np.float64)
@@ -176,10 +169,7 @@ def linear_bins(
 ) -> Bins:
     """Evenly spaced bins: `n_d` over [0, d_max], the last one without end, and `n_theta` over 180°.
 
-    Raises
-    ------
-    ValueError
-        d_max is not finite and > 0, or a number of bins is out of range.
+    ValueError if d_max is not finite and > 0, or a number of bins is out of range.
     """
     require(0 < d_max < np.inf, "d_max must be finite and > 0", d_max)
     require(1 <= n_d <= 1024, "the number of d bins must be in [1, 1024]", n_d)

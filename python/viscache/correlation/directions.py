@@ -82,15 +82,10 @@ def _directions(map_size: int, kind: str, seed: int) -> npt.NDArray[np.float32]:
 
 
 def patch_order(map_size: int) -> Indices:
-    """Order of the cells of a square map (row-major indices) in which close positions are close
-    cells.
+    """Cells (map_size²,) of a square map, row-major, in an order in which neighbours stay close.
 
     The square is halved repeatedly across its longer side. Each part is a whole number of packets,
     then of words, then of 16 and of 4 cells. Cuts are straight where possible.
-
-    Returns
-    -------
-    (map_size²,) int64
     """
     y, x = np.divmod(np.arange(map_size**2), map_size)
     return _halved(np.stack([x, y], axis=1), np.arange(map_size**2), 0)

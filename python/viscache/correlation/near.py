@@ -16,17 +16,12 @@ PILOT = 512
 
 
 def near_limit(points: Points, bins: Bins, sampled: float, seed: int) -> float | None:
-    """The largest edge below which all pairs can be counted without costing much.
+    """The largest edge below which all pairs can be counted without costing much, or None.
 
     Random pairs are rarely near: of 10¹⁰ pairs a few thousand may have d < 0.2. Up to this limit
     all pairs are enumerated instead. The candidates are the edges shared by the table and the slice
     over d, and `slice_d`. The number of pairs below each is estimated from a pilot of 512 points
     against all points.
-
-    Returns
-    -------
-    float or None
-        None if not even the smallest candidate is affordable.
     """
     from scipy.spatial import cKDTree
 

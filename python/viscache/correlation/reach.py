@@ -19,23 +19,11 @@ def closed_reach(
     normals: npt.NDArray[np.float32],
     threads: int | None = None,
 ) -> float:
-    """A length at which visibility tells points of a closed scene apart; inf in an open one.
+    """A length at which visibility tells points (N, 3) of a closed scene apart; inf in an open one.
 
     A scene is closed if at least half of the pilot's points see no sky. There the length is the
-    median of the free paths above the surfaces, so about half of all directions are free: rows of
-    bits have most to tell.
-
-    Parameters
-    ----------
-    scene : Scene
-    positions, normals : (N, 3) float32
-        Points on surfaces.
-    threads : int, optional
-
-    Returns
-    -------
-    float
-        In scene units, rounded up to two digits; inf if the scene is open.
+    median of the free paths above the surfaces, rounded up to two digits, so about half of all
+    directions are free: rows of bits have most to tell.
     """
     chosen = np.unique(np.linspace(0, len(positions) - 1, PILOT_POINTS).astype(int))
     up = normals[chosen].astype(float)

@@ -36,18 +36,9 @@ Report = Callable[[int, int], None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Counted:
-    """Sums over pairs.
+    """Sums over pairs: `far` over all, or over the fraction `far_share` of them at any distance.
 
-    Attributes
-    ----------
-    far : Sums
-        Over all pairs, or over the sampled ones, at any distance.
-    near : Sums, optional
-        Over all pairs with d < d_near; None if `far` has all pairs, or if there is no near pass.
-    far_share : float
-        Fraction of all pairs in `far`.
-    seconds : float
-        Time spent on pairs, over all blocks.
+    `near` is over all pairs with d < d_near; None if `far` has all pairs, or without a near pass.
     """
 
     far: Sums
@@ -59,24 +50,11 @@ class Counted:
 
 
 class Run:
-    """The blocks of one measurement and their store.
+    """The blocks of one measurement and their store; the key hashes what determines the rows.
 
-    Parameters
-    ----------
-    key : str
-        Content hash of everything that determines the rows.
-    n_pairs : int, optional
-        About this many random pairs, and all near ones; None: all pairs.
-    seed : int
-        Seed of the choice of pairs.
-    folder : path, optional
-        None keeps everything in memory.
-    executor : Executor, optional
-        Requires a folder.
-    report : callable, optional
-        Called with the numbers of finished and of all blocks.
-    rows_per_block : int, optional
-        Number of points whose rows are traced together.
+    About `n_pairs` random pairs are counted, and all near ones; None: all pairs. Without a folder
+    all is kept in memory; an executor requires one. `report` is called with the numbers of finished
+    and of all blocks. `rows_per_block` is the number of points whose rows are traced together.
     """
 
     def __init__(

@@ -23,18 +23,10 @@ Wide = npt.NDArray[np.object_]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sums:
-    """Sums over the pairs of every cell.
+    """Integer sums over the pairs of every cell (D, T), for each of P pairs of groups.
 
-    Attributes
-    ----------
-    n, n_undefined : (P, D, T) int64
-        For each group pair, number of pairs with defined ρ, and of the others.
-    q : (P, D, T) int64
-        Σ q.
-    q2 : (D, T) object
-        Σ q² over all group pairs, as Python integers.
-    first, second : (P,) int
-        The two groups of each group pair.
+    `n` has pairs with defined ρ, `n_undefined` the others, `q` is Σ q: (P, D, T) int64. `q2` is Σ
+    q² over all P: (D, T) Python integers. `first` and `second` (P,) are the two groups.
     """
 
     n: Ints
@@ -74,19 +66,11 @@ class Sums:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Statistics:
-    """Statistics of every bin; NaN if a bin has too few pairs.
+    """Statistics (D, T) of every bin; NaN if a bin has too few pairs.
 
-    Attributes
-    ----------
-    mean, sigma : (D, T) float64
-        Mean of ρ, and its population standard deviation: the spread of the pairs.
-    mean_square : (D, T) float64
-        Mean of ρ².
-    se : (D, T) float64
-        Standard error of the mean, by the jackknife over spatial groups.
-    se_naive : (D, T) float64
-        σ/√n, as if pairs were independent. It is far too small, because pairs share points.
-    n, n_undefined : (D, T) int64
+    `mean`, `mean_square` and `sigma` are of ρ; σ is the spread of the pairs. `se` is the standard
+    error of the mean by the jackknife over spatial groups. `se_naive` is σ/√n, as if pairs were
+    independent. It is far too small, because pairs share points.
     """
 
     mean: Floats
@@ -122,15 +106,11 @@ def statistics(sums: Sums) -> Statistics:
 
 
 def jackknife(sums: Sums) -> Floats:
-    """Standard error of the mean ρ by the jackknife over spatial groups.
+    """Standard error (D, T) of the mean ρ by the jackknife over spatial groups.
 
     Leaving out group g removes all pairs with an end in g. Let m₍g₎ be the mean without g, m̄ the
-    mean of the m₍g₎ and G the number of groups: SE² = (G − 1)/G · Σ (m₍g₎ − m̄)².
-
-    Returns
-    -------
-    (D, T) float64
-        NaN if there is only one group, or if all pairs of a bin have an end in the same group.
+    mean of the m₍g₎ and G the number of groups: SE² = (G − 1)/G · Σ (m₍g₎ − m̄)². NaN for one
+    group, and where all pairs of a bin have an end in the same group.
     """
     groups = int(sums.second.max()) + 1 if len(sums.second) else 0
     n, q = sums.n.sum(axis=0), sums.q.sum(axis=0)

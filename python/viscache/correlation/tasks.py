@@ -109,11 +109,8 @@ def trace(
 def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Arrays:
     """Integer sums over the pairs of a block, computed in this process.
 
-    Returns
-    -------
-    dict
-        pair (k, 2): groups; the arrays of `pairs.SUMS` (k, D, T) for these group pairs; evaluated:
-        number of pairs before binning; seconds.
+    "pair" (k, 2) are groups, the arrays of `pairs.SUMS` (k, D, T) are of these; "evaluated" is the
+    number of pairs before binning.
     """
     began = time.perf_counter()
     options = task.options

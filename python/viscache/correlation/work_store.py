@@ -86,19 +86,9 @@ class MemoryStore:
 
 
 class FolderStore:
-    """Keeps rows and blocks in files.
+    """Keeps rows of the shape (N, W) and blocks in files of a folder, which is created if missing.
 
-    Parameters
-    ----------
-    folder : path
-        Created if missing.
-    shape : (N, W)
-        Shape of the rows; a file of another shape is refused.
-
-    Raises
-    ------
-    ValueError
-        The folder contains rows of another shape, or links in the place of files.
+    ValueError if it has rows of another shape, or links in the place of files.
     """
 
     def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
@@ -145,13 +135,7 @@ class FolderStore:
 
 
 def mapped_rows(path: Path, mode: Literal["r", "r+"]) -> np.memmap[Any, np.dtype[np.uint64]]:
-    """The rows of a file, mapped to memory; blocks have their hashes.
-
-    Raises
-    ------
-    FormatError
-        The file is not an array of rows.
-    """
+    """The rows of a file, mapped to memory; FormatError if there are none."""
     try:
         bits = np.load(path, mmap_mode=mode)
         if not isinstance(bits, np.memmap) or bits.ndim != 2 or bits.dtype != np.uint64:
@@ -165,14 +149,9 @@ def mapped_rows(path: Path, mode: Literal["r", "r+"]) -> np.memmap[Any, np.dtype
 
 
 def _reserve(path: Path) -> None:
-    """Take the room of a file on the disk, so that no write to mapped memory finds it full.
+    """Take the room of a file on the disk; OSError if there is not enough.
 
-    Such a write would end the process (SIGBUS).
-
-    Raises
-    ------
-    OSError
-        There is not enough room.
+    Without it, a write to mapped memory that finds the disk full would end the process (SIGBUS).
     """
     if not hasattr(os, "posix_fallocate"):
         return

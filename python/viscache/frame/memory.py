@@ -20,18 +20,7 @@ CGROUP = Path("/sys/fs/cgroup")
 def frame_bytes(
     scene: Any, integrator: Any, size: tuple[int, int], *, corrects: bool = False
 ) -> int:
-    """Peak of the memory that the layers of a frame take while it is made.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its kinds of light have layers.
-    integrator : settings of one
-    size : (width, height)
-        In pixels.
-    corrects : bool
-        Corrected answers add a layer of variances.
-    """
+    """Peak of the memory of a frame's layers; corrected answers add one of variances."""
     if isinstance(integrator, AmbientOcclusion):
         groups = 1
     else:

@@ -169,10 +169,7 @@ def energy(a: Image, b: Image) -> float | None:
 def _light(b: Image) -> float | None:
     """Σb, by which errors are divided; None of a black reference.
 
-    Raises
-    ------
-    ValueError
-        The sum is negative, or 0 of an image that is not black: shares of it have no meaning.
+    ValueError if it is negative, or 0 of an image that is not black: shares of it have no meaning.
     """
     total = float(b.sum())
     fits = total > 0.0 or not b.any()

@@ -42,18 +42,9 @@ def code_digest(code: type[Any] | types.FunctionType, *, warns: bool = True) -> 
     """Hex digest of a function, or of a class: its methods, constants and bases.
 
     Functions and classes of the same module that methods use belong to it, and so do numbers, texts
-    and arrays that they read from that module. Functions of other modules do not.
-
-    Parameters
-    ----------
-    code : class or function
-    warns : bool
-        False: compiled methods are known by the name of the class.
-
-    Warns
-    -----
-    UserWarning
-        A method has no bytecode, because it is compiled. Its changes remain unseen.
+    and arrays that they read from that module. Functions of other modules do not. A compiled method
+    has no bytecode: its changes remain unseen, which a warning says, unless the name of the class
+    is enough.
     """
     reader = _Reader(code.__module__)
     text = "\n".join(reader.lines(code))

@@ -54,12 +54,8 @@ LATER_THAN_FIRST = 0.11
 class Shares:
     """How later passes draw.
 
-    Attributes
-    ----------
-    octaves : list of 8 lists of 8 int, optional
-        By light group and class: where the share of corrections reaches 1.
-    scale : float
-        Of the shares of all classes; `math.inf`: exact visibility costs less for the same error.
+    `octaves` (8 light groups of 8 classes) says where the share of corrections reaches 1. `scale`
+    is of the shares of all classes; inf: exact visibility costs less for the same error.
     """
 
     octaves: list[list[int]] | None = None
@@ -70,14 +66,9 @@ class Shares:
 class PassMemory:
     """What a pass takes over from those before it.
 
-    Attributes
-    ----------
-    lights : _core.KeptLights
-        Shared lights, filled by the first pass.
-    octaves : list of 8 lists of 8 int, optional
-        As in `Shares`, from passes of other epochs, whose draws are independent of this one's.
-    epoch : int
-        Passes of one epoch take turns at the samples of a pixel; epochs draw independently.
+    The first pass fills `lights`, which are shared. `octaves` are as in `Shares`, from passes of
+    other epochs, whose draws are independent of this one's: passes of one epoch take turns at the
+    samples of a pixel.
     """
 
     lights: _core.KeptLights
@@ -122,18 +113,10 @@ def best_scale(
     must be below σ² · cost of exact rays. If A is 0, the cache with its checks must cost less than
     exact rays. Costs are counted, never timed.
 
-    Parameters
-    ----------
-    variance : (H, W, 3) float64
-        Of one pass, by differences between passes.
-    of_corrections : (H, W, 3) float64
-        The part of corrections in it.
-    light : (H, W, 3) float64
-        The mean picture. Errors count relative to it, with 5 % of its mean added.
-    counters : dict
-        Sums over the first two passes: "queries", "rays", "corrections", "groups".
-    rows_are_kept : bool
-        Later passes go on from the rows of these, so that they have fewer misses.
+    `variance` (H, W, 3) is that of one pass, by differences between passes; `of_corrections` is
+    their part in it. Errors count relative to the mean picture `light`, with 5 % of its mean added.
+    The counters are sums over the first two passes. If rows are kept, later passes have fewer
+    misses.
     """
     noise = _relative(variance - of_corrections, light)
     kept = noise <= np.quantile(noise, 1 - LEFT_OUT)
@@ -155,16 +138,8 @@ def one_pass_is_enough(
 
     One pass does not tell its noise. But neighbouring pixels differ by their noise and by the
     picture, so their differences bound it from above, and noise speaks for corrections. Where they
-    lose even so, a second pass would only pay for the same answer.
-
-    Parameters
-    ----------
-    of_corrections, light : (H, W, 3) float64
-        As in `best_scale`, of the first pass. Pictures of fewer than three columns tell nothing.
-    counters : dict
-        Of the first pass.
-    rows_are_kept : bool
-        As in `best_scale`.
+    lose even so, a second pass would only pay for the same answer. Arguments are those of
+    `best_scale`, of the first pass. Pictures of fewer than three columns tell nothing.
     """
     if light.shape[1] < 3:
         return False
@@ -188,14 +163,8 @@ def shares_after(
 ) -> Shares | None:
     """How later passes draw, or None where the passes so far do not tell.
 
-    Parameters
-    ----------
-    passes : int
-    squares, layers, counters
-        Sums over them: squared deviations of the colour, layers and counters.
-    use : Correct
-    rows_are_kept : bool
-        As in `best_scale`.
+    `squares` are the squared deviations of the colour; they, layers and counters are sums over
+    passes.
     """
     if "share_by_class" not in counters or "variance" not in layers:
         return None

@@ -127,25 +127,10 @@ class Sums:
     They never change: a pass makes new ones. So a picture has those before a pass or those after
     it, whoever reads them at whatever time.
 
-    Attributes
-    ----------
-    n : int
-    next_pass : int
-        Number of the next pass.
-    numbers : list of [first, end]
-        Numbers of the passes, as ranges in ascending order.
-    layers : dict of str to (H, W, C) float64
-        Layers of the first hit are weighted by their coverage.
-    squares : (H, W, 3) float64
-    parts : list of (n, (H, W, 3) float64)
-        Sums of the light on surfaces over the first n passes, for the last powers of two.
-    counters, timings : dict
-    parameters : dict
-        Of the last pass.
-    warnings : list of str
-        Of all passes, each once.
-    shares : Shares, optional
-        What the first passes decided for the draws of later ones.
+    `numbers` of the passes are ascending ranges [first, end]. Layers (H, W, C) of the first hit are
+    weighted by their coverage. `parts` are the sums of the light on surfaces over the first n
+    passes, for the last powers of two. The parameters are those of the last pass, warnings those of
+    all, and `shares` what the first passes decided for the draws of later ones.
     """
 
     n: int = 0

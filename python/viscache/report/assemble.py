@@ -21,16 +21,10 @@ SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "roving
 
 
 def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) -> None:
-    """Write a page.
+    """Write a page from data for its script and from HTML for the template's places.
 
-    Parameters
-    ----------
-    target : path
-    model : dict
-        Data for the script: names, columns, settings, pictures (`embed.Packer`), size.
-    texts : mapping
-        HTML for TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES of the template,
-        and VERDICT where there is one.
+    The data: names, columns, settings, pictures (`embed.Packer`), size. The places: TITLE, HEADING,
+    SUBTITLE, FACTS, PLOTS, TABLE_HEADING, NOTES, and VERDICT where there is one.
     """
     pieces = {
         "VERDICT": "",

@@ -118,12 +118,9 @@ def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
 
 
 def frame_size(size: tuple[int, int] | None, camera: _core.Camera | None) -> tuple[int, int]:
-    """(width, height), checked; by default those of the camera, which is needed only then.
+    """(width, height), by default those of the camera, which is needed only then.
 
-    Raises
-    ------
-    ValueError
-        They are not two whole numbers in [1, 65536].
+    ValueError if they are not two whole numbers in [1, 65536].
     """
     given: Any = (camera.width, camera.height) if size is None and camera is not None else size
     fits = isinstance(given, Sequence | np.ndarray) and len(given) == 2

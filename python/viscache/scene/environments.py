@@ -27,10 +27,7 @@ def existing_file(path: str | os.PathLike[str]) -> Path:
 def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     """The colour of an EXR file, (H, W, 3) float32; a single channel is repeated.
 
-    Raises
-    ------
-    SceneError
-        The file is missing, not an EXR file, or without colour channels.
+    SceneError if the file is missing, not an EXR file, or without colour channels.
     """
     import OpenEXR
 
@@ -89,12 +86,7 @@ def apply_environment(description: SceneDescription, env: Any) -> None:
 def environment_pixels(env: Any) -> npt.NDArray[np.float32]:
     """The image of an environment, read or as it was given; or its radiance, one or three numbers.
 
-    Raises
-    ------
-    SceneError
-        The file is missing or malformed.
-    ValueError
-        It is no environment.
+    SceneError if the file is missing or malformed, ValueError if it is no environment.
     """
     if isinstance(env, str | os.PathLike):
         return read_image(env)

@@ -151,12 +151,8 @@ def together(
     """Vectors (..., 3) as rows (N, 3) of one length, and the shape (...) that they broadcast to.
 
     `more` has further shapes that broadcast with them. Rows of float32 are views where strides can
-    express them, also with gaps between rows, or one row for all.
-
-    Raises
-    ------
-    ValueError
-        Arrays without vectors, or shapes that do not broadcast; the message gives names and shapes.
+    express them, also with gaps between rows, or one row for all. ValueError names arrays without
+    vectors, and shapes that do not broadcast.
     """
     arrays = {name: checked_points(value, name, order="K") for name, value in given.items()}
     for name, array in arrays.items():

@@ -133,13 +133,7 @@ class Builder:
         self.write()
 
     def fit_below(self, triangles: int) -> int:
-        """Tessellate all placed shapes so that they have `triangles` or fewer.
-
-        Returns
-        -------
-        int
-            Number of missing triangles.
-        """
+        """Tessellate all placed shapes to `triangles` or fewer; returns how many are missing."""
         self.detail, _ = self._details_around(triangles)
         missing = triangles - self._total(self.detail)
         if missing < 0:

@@ -55,14 +55,9 @@ def open_scene(
     env: str | None = None,
     progress: Progress = False,
 ) -> Scene:
-    """The scene of a spec; `load_scene` explains the options.
+    """The scene of a spec, with the options and errors of `load_scene`.
 
-    Raises
-    ------
-    SceneError
-        The file is missing or malformed.
-    ValueError
-        An unknown built-in scene or parameter.
+    ValueError for an unknown built-in scene or parameter.
     """
     require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):

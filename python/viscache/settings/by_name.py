@@ -26,13 +26,7 @@ RAYS_AS_VISIBILITY = ("vlf", "bsp")
 
 
 def settings_class(role: Role, name: str) -> type[Any]:
-    """The dataclass of a name.
-
-    Raises
-    ------
-    ValueError
-        An unknown name; the message has the nearest known one.
-    """
+    """The dataclass of a name; ValueError for an unknown one has the nearest known one."""
     if name not in NAMES[role]:
         raise ValueError(f"unknown {role} {name!r}{nearest(name, NAMES[role])}")
     return NAMES[role][name]

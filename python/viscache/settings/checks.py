@@ -31,12 +31,7 @@ def check_types(settings: Any) -> None:
 
     Checked are int, float (finite), bool, Literal, unions of these with None, and unions of a
     number with a Literal. The class checks fields of other types. Values that were not given are
-    not checked.
-
-    Raises
-    ------
-    ValueError
-        `n_vpls must be a whole number, got 1.5`.
+    not checked. ValueError says `n_vpls must be a whole number, got 1.5`.
     """
     hints = _hints(type(settings))
     for field in fields(settings):

@@ -19,23 +19,9 @@ __all__ = ["RULES", "Request", "Rule", "check", "table"]
 class Request:
     """The settings of a frame.
 
-    Attributes
-    ----------
-    integrator, rays, visibility
-        Settings.
-    use : str or Correct, optional
-    keep : bool
-        Whether something is kept from frame to frame.
-    keeps_rows : bool
-        Whether it is rows.
-    keeps_voxels : bool
-        Whether it is voxel counts of Next Event Estimation++.
-    first_sample : int
-    parts : int
-        Number of parts of the frame.
-    audit : AuditPixels or AuditQueries, optional
-    batch : bool
-        Whether shared directions may be traced by the aligned batch.
+    `keep` says whether something is kept from frame to frame, the next two whether it is rows, or
+    voxel counts of Next Event Estimation++. `batch` says whether shared directions may be traced by
+    the aligned batch.
     """
 
     integrator: Any
@@ -223,13 +209,7 @@ RULES: tuple[Rule, ...] = (
 
 
 def check(request: Request) -> None:
-    """Refuse combinations that do not work.
-
-    Raises
-    ------
-    ValueError
-        A rule is broken: what must hold, and what was given.
-    """
+    """Refuse combinations that do not work; ValueError says what must hold, and what was given."""
     for rule in RULES:
         if rule.refused(request):
             raise ValueError(f"{rule.must}, got {rule.given(request)!r}")

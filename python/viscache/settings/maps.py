@@ -106,14 +106,8 @@ def expected_records(tested: Floats, difference: Floats, w_min: float, delta_max
     Where no record is usable, there are many small surfaces close together, and each needs its own
     records. Where maps differ, the difference is proportional to the distance of records, and their
     number grows with the inverse square of that distance. Each start-up record is looked up without
-    itself.
-
-    Parameters
-    ----------
-    tested : (N,) float
-        Largest weight of another record; 0 if none is in reach.
-    difference : (N,) float
-        Mean difference of the maps that would be blended; NaN for fewer than two.
+    itself: `tested` (N,) is the largest weight of another record, 0 if none is in reach;
+    `difference` (N,) is the mean one of the maps that would be blended, NaN for fewer than two.
     """
     known = difference[np.isfinite(difference)]
     by_weight = len(tested) + RECORDS_PER_ISOLATED * np.count_nonzero(tested < w_min)

@@ -33,13 +33,7 @@ class ParameterDoc:
 
 
 def parameter_docs(cls: type[Any]) -> list[ParameterDoc]:
-    """The parameters of a settings class in the order of its fields; those of inner settings last.
-
-    Parameters
-    ----------
-    cls : type
-        A class of `viscache.settings.by_name.NAMES`: `vc.Aqvc`, `vc.Whitted`, ...
-    """
+    """Parameters of a settings class in the order of its fields, then those of inner settings."""
     made = cls()
     within, told = by_name.nested(made), _told(cls)
     found = []

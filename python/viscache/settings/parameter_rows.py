@@ -51,13 +51,7 @@ class ParameterRows:
         return cls
 
     def core(self, *settings: Any) -> Any:
-        """The C++ struct with the values of these settings.
-
-        Raises
-        ------
-        ValueError
-            A value is out of range.
-        """
+        """The C++ struct with the values of these settings; ValueError if one is out of range."""
         given = {f.name: getattr(part, f.name) for part in settings for f in fields(part)}
         return self.struct(**{n: v for n, v in given.items() if n in self.by_name})
 

@@ -16,20 +16,9 @@ Class = TypeVar("Class", bound=type[Any])
 class Works:
     """What a method of visibility works with, and what its answers are.
 
-    Attributes
-    ----------
-    exact, unbiased : bool
-        Rays answer every query; frames have the expectation of exact ones.
-    bdpt : bool
-        Bidirectional path tracing.
-    product : bool
-        Product samples of the environment.
-    parts : bool
-        Frames in parts.
-    audit : bool
-        Audits of its frames.
-    weighted : bool
-        Its answers have weights, which an audit of single queries does not know.
+    `exact`: rays answer every query. `unbiased`: frames have the expectation of exact ones. `bdpt`:
+    bidirectional path tracing. `product`: product samples of the environment. `parts`: frames in
+    parts. `weighted`: its answers have weights, which an audit of single queries does not know.
     """
 
     exact: bool = False

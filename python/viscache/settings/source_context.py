@@ -12,31 +12,11 @@ from viscache import _core
 class SourceContext:
     """One frame, as the source of its oracles sees it.
 
-    Attributes
-    ----------
-    scene : _core.Scene
-    caster : _core.RayCaster
-        Traces every ray.
-    spp : int
-        Eye samples per pixel; 1 for arrays of points.
-    seed : int
-        Of this frame's random choices.
-    lasting_seed : int
-        The same for all frames of other `first_sample`s.
-    bidirectional : bool
-        The frame joins eye paths with light paths: threads share one table.
-    batch : AlignedBatch, optional
-        Traces directions that all eye points share.
-    shafts : ShaftScene, optional
-        The scene's triangles for `Exact(engine=…)`.
-    kept : (KeptTable, check, repair), optional
-        The table that is kept from frame to frame.
-    rows : AqvcRows, optional
-        The rows that are kept from frame to frame.
-    octaves : list of list of int
-        What corrections learnt of the classes of answers (`PassMemory`).
-    voxels : KeptVoxels, optional
-        The voxel counts that are kept from frame to frame.
+    The caster traces every ray. `spp` is 1 for arrays of points. `lasting_seed` is the same for all
+    frames of other `first_sample`s, `seed` is this frame's. `bidirectional` frames join eye paths
+    with light paths: threads share one table. `batch` traces directions that all eye points share;
+    `shafts` has the scene's triangles for `Exact(engine=…)`. `kept` (with check and repair), `rows`
+    and `voxels` are kept from frame to frame. `octaves` is what corrections learnt (`PassMemory`).
     """
 
     scene: _core.Scene

@@ -56,10 +56,7 @@ def unknown(whose: str, name: str, known: Iterable[str]) -> str:
 def by_symbol(values: Mapping[str, Any]) -> dict[str, Any]:
     """Parameters by their names, where some have the papers' symbols: `C_E` is c_e.
 
-    Raises
-    ------
-    TypeError
-        One has both.
+    TypeError if one has both.
     """
     named: dict[str, Any] = {}
     for given, value in values.items():

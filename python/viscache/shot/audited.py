@@ -72,11 +72,7 @@ def watched_pixels(request: Request, pixels: int) -> int:
 def audit_record(found: Mapping[str, Any], frame: Any) -> dict[str, Any]:
     """The record of an audit: what `frame.counters["audit"]` holds.
 
-    Parameters
-    ----------
-    found
-        What the core found in all parts of the frame, and the settings of the audit.
-    frame : Frame
+    `found` is what the core found in all parts of the frame, with the settings of the audit.
     """
     audit, names = found["settings"], list(found["errors"])
     lights = {name: _sum(frame.layers[name]) for name in ("color", *names)}
@@ -109,7 +105,7 @@ def audit_record(found: Mapping[str, Any], frame: Any) -> dict[str, Any]:
 def pixel_estimates(
     weight: Array, errors: Array, size: int, light: float, reflected: float | None = None
 ) -> dict[str, Any]:
-    """Errors of a frame a against the exact frame b, from whole pixels.
+    """Errors of a frame a against the exact frame b, from n whole pixels.
 
     Ratios of estimated sums, each value by its weight. Their variance is that of the linearised
     ratio, from the two pixels of each stratum. Few pixels make up most of the sum, so intervals are
@@ -117,21 +113,11 @@ def pixel_estimates(
     Still fewer make up nearly all of the sum of squares, and most samples lack them: nrmse has no
     interval.
 
-    Parameters
-    ----------
-    weight : (n,)
-        Of drawn pixels; those of one stratum follow each other in pairs. Of all pixels: 1 each.
-    errors : (n, channels)
-        a - b of each. None at all: exact rays answered everything.
-    size : int
-        Pixels of the frame.
-    light, reflected : float
-        Σa over the whole frame; the same without emitted light that the camera sees.
-
-    Returns
-    -------
-    dict
-        "pixels", and the records of `Estimate` for "rel_l1", "rel_l1_reflected" and "nrmse".
+    Weights (n,) of one stratum follow each other in pairs; they are 1 if all pixels are there.
+    Errors (n, channels) are a - b; none at all if exact rays answered everything. `size` counts the
+    frame's pixels, `light` is Σa over them, `reflected` the same without emitted light that the
+    camera sees. Gives "pixels", and the records of `Estimate` for "rel_l1", "rel_l1_reflected" and
+    "nrmse".
     """
     signed, absolute = errors.sum(axis=1), np.abs(errors).sum(axis=1)
     square = np.square(errors).sum(axis=1)
@@ -183,16 +169,10 @@ def pixel_estimates(
 
 
 def query_estimates(sums: Mapping[str, float], light: float, share: float) -> dict[str, Any]:
-    """Bias and share of wrong answers, from sums over audited queries (`SUMS`).
+    """Bias and share of wrong answers, from `SUMS` over audited queries of a frame or a group.
 
-    Parameters
-    ----------
-    sums
-        Over the frame, or over a light group.
-    light : float
-        Σa over the frame or the layer.
-    share : float
-        Probability with which each query that is not certain was audited.
+    `light` is Σa over the frame or the layer, `share` the probability with which each query that is
+    not certain was audited.
     """
     queries, audited = sums["exact"] + sums["queries"], sums["certain"] + sums["sampled"]
     others = sums["queries"] - sums["certain"]

@@ -308,10 +308,7 @@ def trace_eye_points(
 ) -> dict[str, npt.NDArray[Any]]:
     """The eye points of a whole frame with exact rays, in one array each.
 
-    Returns
-    -------
-    dict
-        position, normal, origin and throughput (N, 3), density and pixel (N,).
+    They are "position", "normal", "origin" and "throughput" (N, 3), "density" and "pixel" (N,).
     """
     frame = frame_settings(size, spp, 0, None)
     view, core = find_camera(scene, camera), eye_settings(integrator)

@@ -49,11 +49,7 @@ OWN_SAMPLES = Cost(0.6, 1.2)
 def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) -> list[str]:
     """A warning for each light group whose queries cost more than exact ones, or hardly less.
 
-    Parameters
-    ----------
-    parameters, counters
-        Of a frame of the quantized cache, in its default form; others have no warning, nor have
-        light groups that exact rays answered.
+    Of frames of the quantized cache in its default form. Groups that exact rays answered have none.
     """
     visibility, integrator = parameters["visibility"], parameters["integrator"]
     if visibility["name"] != "Aqvc" or visibility["form"] != "waves" or "keep" in parameters:

@@ -29,17 +29,8 @@ from viscache.shot.voxel_counts import VoxelCounts
 class FramePlan:
     """What a frame, or a part of it, is rendered from.
 
-    Attributes
-    ----------
-    request : Request
-        Its settings, checked against each other.
-    scene, geometry : Scene
-        The scene under the frame's environment, and as it was given.
-    keep : AqvcTable, AqvcRows or VoxelCounts, optional
-    audit : AuditPixels or AuditQueries, optional
-    view : _core.Camera
-    frame : _core.FrameSettings
-    core : _core.IntegratorSettings or _core.BdptSettings
+    `request` has its settings, checked against each other. `scene` has the frame's environment,
+    `geometry` is the scene as it was given.
     """
 
     request: Request
@@ -62,10 +53,7 @@ def planned(
 ) -> FramePlan:
     """The plan of part i of n of a frame.
 
-    Raises
-    ------
-    ValueError
-        A parameter is out of range, or two of them do not work together.
+    ValueError if a parameter is out of range, or two of them do not work together.
     """
     geometry, use = shot.opened, shot.use
     integrator, rays, visibility = (shot.setting(r) for r in ("integrator", "rays", "visibility"))

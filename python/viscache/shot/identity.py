@@ -24,12 +24,7 @@ from viscache.vismap.pass_maps import records_digest
 def environment_in_words(env: Any) -> Any:
     """An environment by its content: the file's bytes, the pixels, or the numbers.
 
-    Raises
-    ------
-    SceneError
-        There is no such file.
-    ValueError
-        It is no environment.
+    SceneError if there is no such file, ValueError if it is no environment.
     """
     if env is None or isinstance(env, Sky):
         return by_value(env, "env")
@@ -42,10 +37,7 @@ def environment_in_words(env: Any) -> Any:
 def by_value(value: Any, what: str, within: tuple[int, ...] = ()) -> Any:
     """A value in words, JSON-able and the same in every process.
 
-    Raises
-    ------
-    ValueError
-        An object says nothing of its value, or contains itself.
+    ValueError if an object says nothing of its value, or contains itself.
     """
     if isinstance(value, np.generic):
         value = value.item()

@@ -98,10 +98,7 @@ class BareShot:
     def parts(self) -> dict[str, Any]:
         """What decides the bytes of the picture, by name; JSON-able.
 
-        Raises
-        ------
-        ValueError
-            A part is out of range, or is not known by its value.
+        ValueError if a part is out of range, or is not known by its value.
         """
         made = {n: self._made.get((n,), partial(make, self)) for n, (make, _) in _PARTS.items()}
         return made | {"version": VERSION}

@@ -37,13 +37,8 @@ STEEP, WORTH = (0.2, 2.0), (0.3, 1.0)
 def families(base: Aqvc, *, beside: Also | None = None, c_e: float = 0.0) -> list[dict[str, float]]:
     """Other values of `c_finest` and `bright`; those that were given stay.
 
-    Parameters
-    ----------
-    base : Aqvc
-    beside : mapping, optional
-        The best of the first families: then those next to it.
-    c_e : float
-        The C_E of the best one, or that found without them.
+    `beside` the best of the first families are those next to it. `c_e` is that of the best one, or
+    that found without them.
     """
     finest, bright = float(plain(base.c_finest)), float(plain(base.bright))
     free = isinstance(base.c_finest, NotGiven), isinstance(base.bright, NotGiven)
@@ -69,20 +64,11 @@ def jointly(
     price: Callable[[Pilot], float],
     finest: float = 4.0,
 ) -> tuple[list[Pilot], Pilot]:
-    """All pilots, and the one to use.
+    """All pilots, and the one to use, after those of C_E alone in `tried`.
 
-    Parameters
-    ----------
-    measure : callable
-        Takes C_E and the other values. `Pilot.error` is what should be `target`.
-    tried : sequence of Pilot
-        Of C_E alone.
-    others : callable
-        Takes `c_e`, returns the families to try; with `beside`, those beside the best of them.
-    price : callable
-        What should be small at the target.
-    finest : float
-        `c_finest` of the pilots tried.
+    `measure` takes C_E and the other values, and gives a pilot whose error should be `target`.
+    `others` takes `c_e` and gives the families to try; with `beside`, those beside the best of
+    them. The price should be small at the target. `finest` is the `c_finest` of the pilots tried.
     """
     one = best(tried, target)
     off = math.log(max(one.error, 1e-12) / target)

@@ -70,13 +70,7 @@ class _Waiting:
 
 
 class Leases:
-    """The leases of one store.
-
-    Parameters
-    ----------
-    opened : callable
-        Gives the database, for one thread at a time.
-    """
+    """The leases of one store; `opened` gives the database, for one thread at a time."""
 
     def __init__(self, opened: Callable[[], AbstractContextManager[sqlite3.Connection]]) -> None:
         self.owner, self._opened = uuid.uuid4().hex, opened
@@ -126,10 +120,7 @@ class Leases:
     def check(self, db: sqlite3.Connection, key: str) -> None:
         """In the transaction that stores a result: end its lease.
 
-        Raises
-        ------
-        LostLeaseError
-            This owner had the lease, and another one has or had it since.
+        LostLeaseError if this owner had the lease, and another one has or had it since.
         """
         if key in self._held:
             self._held.discard(key)

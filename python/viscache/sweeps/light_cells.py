@@ -21,15 +21,7 @@ def with_light_cells(groups: Callable[[Aqvc], dict[str, float]], base: Aqvc, tar
 
     Light cells matter for samples that belong to one pixel each. If `base` has a C_L, it stays. The
     error of light cells is about proportional to their size, so each trial tells how many halvings
-    are missing.
-
-    Parameters
-    ----------
-    groups : callable
-        Takes settings, returns the error of each light group.
-    base : Aqvc
-    target : float
-        The wanted error.
+    are missing. `groups` takes settings and gives the error of each light group.
     """
     halvings = 0
     for _ in range(MOST_TRIALS if isinstance(base.c_l, NotGiven) else 0):

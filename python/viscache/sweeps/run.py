@@ -32,15 +32,10 @@ POLL_S = 0.05
 
 
 class Run:
-    """Runs a plan.
+    """Runs a plan; `references` is a store of finished ones that several sweeps share.
 
-    Parameters
-    ----------
-    apart : bool
-        Render one frame at a time on this machine, for any executor and any number of processes
-        that use the store, so that frames do not disturb each other's timings.
-    references : Store, optional
-        A store of finished references that several sweeps share.
+    `apart` renders one frame at a time on this machine, for any executor and any number of
+    processes that use the store, so that frames do not disturb each other's timings.
     """
 
     def __init__(

@@ -55,16 +55,8 @@ class Measured:
 class Sample:
     """Pieces of an exact picture, and errors of other settings on them.
 
-    Parameters
-    ----------
-    render : callable
-        Takes a setting, returns tiles.
-    metric : {"rel_l1_reflected", "rel_l1", "flip"}
-        "flip" looks at a whole frame.
-    share : float
-        Share of the frame's pixels that `render` renders.
-    block_px : int, optional
-        Cut tiles into blocks of this edge.
+    `render` takes a setting and gives tiles, which are the given share of the frame's pixels, and
+    are cut into blocks of the edge `block_px` if there is one. "flip" looks at a whole frame.
     """
 
     def __init__(
@@ -188,14 +180,9 @@ def samples(
     """What the pilots see, and what checks the result: functions that render the exact pictures.
 
     Tiles are independent of each other, so some tiles of a large frame have the frame's own error.
-
-    Parameters
-    ----------
-    shot : BareShot
-        With a size.
-    in_parts : bool
-        Whether the settings can render parts of a frame. Else two frames of the same lights and
-        different eye samples serve, as they do for FLIP, which looks at the surroundings of pixels.
+    If the settings cannot render parts of a frame, two frames of the same lights and different eye
+    samples serve, as they do for FLIP, which looks at the surroundings of pixels. The shot must
+    have a size.
     """
 
     def rendered(setting: Setting, first: int, part: tuple[int, int]) -> tiles.Part:

@@ -27,18 +27,11 @@ CLOSE = 0.03
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Span:
-    """Where to search.
+    """Where to search: from `low` to `high`, by equal ratios if `low` is positive, else by lengths.
 
-    Attributes
-    ----------
-    low, high : float
-        Ends of the range. If `low` is positive, steps have equal ratios, else equal lengths.
-    whole : bool
-        Only whole numbers.
-    first : (float, float), optional
-        The first two pilots; a third and two thirds along the range by default.
-    rises : bool, optional
-        Whether the error rises with the value; found from the pilots by default.
+    `whole` takes whole numbers only. The `first` two pilots are a third and two thirds along the
+    range by default. `rises` says whether the error rises with the value; pilots tell it by
+    default.
     """
 
     low: float

@@ -58,10 +58,7 @@ def searched(
 ) -> Searched:
     """What a call of `tune` asks for.
 
-    Raises
-    ------
-    ValueError
-        There is no such parameter, it is not a number, or the range does not fit.
+    ValueError if there is no such parameter, it is not a number, or the range does not fit.
     """
     between = None
     if isinstance(parameter, Mapping):

@@ -59,13 +59,7 @@ PRAGMA user_version = {VERSION};
 
 
 def picture_name(key: str) -> str:
-    """Name of a frame's picture in the folder of a store.
-
-    Raises
-    ------
-    ValueError
-        The key is no hash.
-    """
+    """Name of a frame's picture in the folder of a store; ValueError if the key is no hash."""
     if not isinstance(key, str) or re.fullmatch("[0-9a-f]{64}", key) is None:
         raise ValueError(f"the key of a frame must be 64 hexadecimal digits, got {key!r}")
     return f"frames/{key[:20]}.exr"
@@ -96,16 +90,8 @@ class Record:
 class Store:
     """Finished frames and their comparisons; every method is one atomic transaction.
 
-    Parameters
-    ----------
-    directory : path, optional
-        Created if it does not exist. None: everything is in memory and lost with the object.
-
-    Raises
-    ------
-    ValueError
-        The directory's store cannot be read; or it has links in the place of files, or more than
-        tables.
+    The directory is created; without one, everything is in memory and lost with the object.
+    ValueError if its store cannot be read, has links in the place of files, or more than tables.
     """
 
     def __init__(self, directory: str | os.PathLike[str] | None) -> None:
@@ -250,14 +236,10 @@ class Store:
         return Record(**found)
 
     def frame(self, key: str) -> Frame:
-        """The frame of a key; its layers are compared with their hashes in the store.
+        """The frame of a key; KeyError if it is not finished.
 
-        Raises
-        ------
-        KeyError
-            The frame is not finished.
-        FormatError
-            Its picture cannot be read, or is another one.
+        FormatError if its picture cannot be read, or its layers do not have the hashes in the
+        store.
         """
         from viscache.frame import Frame
 
@@ -281,10 +263,8 @@ class Store:
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
         """Store a finished frame: first the complete file, then its row.
 
-        Raises
-        ------
-        LostLeaseError
-            This store had the frame's lease, which was taken over. Nothing changes.
+        LostLeaseError if this store had the frame's lease, which was taken over. Nothing changes
+        then.
         """
         path = self._picture(key)
         if path is None:

@@ -58,10 +58,7 @@ def levels_of(settings: Sequence[dict[str, Any]], names: Sequence[str]) -> list[
 def error_of(ds: xarray.Dataset, wanted: str | None = None) -> str:
     """The metric that is wanted; the sweep's first by default.
 
-    Raises
-    ------
-    ValueError
-        The sweep has no such metric, or no value of it.
+    ValueError if the sweep has no such metric, or no value of it.
     """
     known = [str(name) for name in json.loads(ds.attrs["metrics"])]
     if wanted is None:

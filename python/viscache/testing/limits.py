@@ -64,10 +64,7 @@ class Limit:
 def checked(given: Mapping[str, float | None]) -> list[Limit]:
     """The limits that are given, in the order of the metrics.
 
-    Raises
-    ------
-    ValueError
-        No limit, an unknown metric, or a bound that nothing or everything meets.
+    ValueError if there is none, a metric is unknown, or nothing or everything meets a bound.
     """
     limits = [Limit(name, bound) for name, bound in given.items() if bound is not None]
     check_names([limit.metric for limit in limits])
@@ -82,13 +79,7 @@ def checked(given: Mapping[str, float | None]) -> list[Limit]:
 
 
 def parsed(text: str) -> Limit:
-    """The limit of "rel_l1<=0.02", "energy<=0.01" (both ways), "ssim>=0.98".
-
-    Raises
-    ------
-    ValueError
-        It is none; the message says what it must be.
-    """
+    """The limit of "rel_l1<=0.02", "energy<=0.01" (both ways), "ssim>=0.98", or ValueError."""
     found = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
     require(found is not None, 'a limit must be like "rel_l1<=0.02" or "ssim>=0.98"', text)
     assert found is not None

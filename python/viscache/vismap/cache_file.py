@@ -81,12 +81,8 @@ def write(path: str | os.PathLike[str], state: State) -> None:
 def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     """Read a file of the scene with this hash.
 
-    Raises
-    ------
-    ValueError
-        The file is not a cache, is damaged, has another version, or is of another scene.
-    OSError
-        The file cannot be read.
+    ValueError if it is no cache, is damaged, of another version, or of another scene; OSError if it
+    cannot be read.
     """
     fields, arrays = FORMAT.read_npz(Path(path))
     scene = fields["scene_hash"]

@@ -13,13 +13,8 @@ Indices = npt.NDArray[np.int64]
 def pixel_order(order: str, width: int, height: int) -> Indices:
     """Row-major indices of the pixels in the given order.
 
-    Parameters
-    ----------
-    order : {"scanline", "hilbert", "coarse_to_fine"}
-        Row by row; along Hilbert's curve; or every 2^k-th pixel of every 2^k-th row first, then
-        those half way between them.
-    width, height : int
-        Size of the image.
+    "scanline": row by row. "hilbert": along Hilbert's curve. "coarse_to_fine": every 2^k-th pixel
+    of every 2^k-th row first, then those half way between them.
     """
     numbers = np.arange(width * height, dtype=np.int64)
     if order == "scanline":

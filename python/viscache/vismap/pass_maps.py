@@ -23,27 +23,12 @@ STEP = (0.7548776662466927, 0.5698402909980532)
 
 
 class PassMaps:
-    """The records of a picture that gets better pass by pass.
+    """The records of a picture that gets better pass by pass, in a copy of the cache that is given.
 
     Before each pass, pixels get the records that they need at another position. With
     `count_misses`, records that rays of a pass contradicted are removed after it. A pass does not
     change the records that it uses, so it is as unbiased as a frame. An interrupted pass leaves the
-    records as they were.
-
-    Parameters
-    ----------
-    scene : Scene
-    visibility : VisMaps
-        Its cache, if it has one, is copied.
-    rays : Embree, Bsp or Vlf
-
-    Attributes
-    ----------
-    cache : VisibilityMapCache
-    counters : dict of str to int
-        Records and their rays of the latest update.
-    seconds : float
-        Wall time of the latest update.
+    records as they were. `counters` and `seconds` are those of the latest update.
     """
 
     def __init__(self, scene: Scene, visibility: VisMaps, rays: Rays | str | None) -> None:

@@ -64,20 +64,8 @@ def make_cloud(
 ) -> Cloud:
     """Check points, and choose their search radii and footprints where none are given.
 
-    Parameters
-    ----------
-    positions, normals : (N, 3) float
-    d_max, footprint : float or (N,) float, optional
-        See `VisibilityMapCache.insert`.
-    reach : float
-        `MapSettings.d_max`.
-    extent : float
-        The scene's diagonal.
-
-    Raises
-    ------
-    ValueError
-        Shapes do not match, or a row is out of range; the message names the row.
+    Arguments are those of `VisibilityMapCache.insert`; `reach` is `MapSettings.d_max`, `extent` the
+    scene's diagonal. ValueError names the row that is out of range.
     """
     places, sides = checked_points(positions, "positions"), checked_points(normals, "normals")
     for name, rows in (("positions", places), ("normals", sides)):
@@ -105,19 +93,11 @@ def insert_tiles(
     *,
     repeat_passes: bool,
 ) -> dict[str, int]:
-    """Insert records at points tile by tile.
+    """Insert records at points tile by tile, in the given order of points.
 
-    Parameters
-    ----------
-    points : Cloud
-    order : (N,) uint32
-        Order in which points are visited.
-    insert : callable
-        Inserts at the points of a tile and returns the counts.
-    size : callable
-        Number of records.
-    repeat_passes : bool
-        Visit tiles again until no tile needs a record because of another tile's records.
+    `insert` inserts at the points of a tile and gives the counts, `size` is the number of records.
+    With `repeat_passes`, tiles are visited again until none needs a record because of another
+    one's.
     """
     totals = dict.fromkeys(SUMMED, 0)
     latest: dict[int, Mapping[str, int]] = {}

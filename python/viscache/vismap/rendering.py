@@ -29,14 +29,9 @@ def render_with_maps(
 ) -> dict[str, Any]:
     """Implements `viscache.render` with `VisMaps`; `geometry` is the scene before env= changed it.
 
-    `source` makes the oracles that trace the rays.
-
-    Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
-
-    Raises
-    ------
-    ValueError
-        The scene has no environment, or the cache is of another scene.
+    `source` makes the oracles that trace the rays. Adds the counters "records", "records_inserted"
+    and "records_rays" and the timing "records_s". ValueError if the scene has no environment, or
+    the cache is of another scene.
     """
     kinds = {light["kind"] for light in scene.lights}
     fits = bool(kinds & {"constant", "environment"})

@@ -15,13 +15,7 @@ DIRECTION_COUNTS = (1, 3, 9, 33, 129, 513, 2049, 8193)
 
 
 def checked_directions(n_directions: Any) -> int:
-    """n_directions as an int.
-
-    Raises
-    ------
-    ValueError
-        It is not one of DIRECTION_COUNTS.
-    """
+    """n_directions as an int; ValueError if it is not one of DIRECTION_COUNTS."""
     counts = ", ".join(map(str, DIRECTION_COUNTS))
     holds = is_whole(n_directions) and int(n_directions) in DIRECTION_COUNTS
     require(holds, f"n_directions must be one of {counts} (2·4^k + 1)", n_directions)
