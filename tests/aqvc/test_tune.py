@@ -18,7 +18,7 @@ from viscache.settings.not_given import NotGiven
 from viscache.shot.exact_cost import SHARED_LIGHTS
 from viscache.shot.render import render_part
 from viscache.sweeps import samples
-from viscache.sweeps.light_cells import MOST_HALVINGS, MOST_TRIALS, with_light_cells
+from viscache.sweeps.jointly import MOST_HALVINGS, MOST_TRIALS, with_light_cells
 from viscache.sweeps.samples import ratio
 from viscache.sweeps.search import MOST_PILOTS, search
 from viscache.sweeps.searched import C_E

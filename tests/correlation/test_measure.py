@@ -18,7 +18,6 @@ import viscache as vc
 from correlation.synthetic import Problem, bumpy, half_spaces
 from reference import pair_tables
 from viscache.correlation import correlate, measure, phi, run, tasks, work
-from viscache.correlation import near as near_pass
 
 SCENE = "bumpy_spheres?triangles=3000"
 SMALL: dict[str, Any] = {
@@ -190,7 +189,7 @@ def test_a_pool_of_processes_gives_the_same_bytes(
 def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(near_pass, "NEAR_PAIRS", 40_000)
+    monkeypatch.setattr(run, "NEAR_PAIRS", 40_000)
     problem = bumpy(1200, seed=3)
     edges: dict[str, Any] = {"d_edges": 64, "theta_edges_deg": 6, "d_max": 6.4}
     whole = of(problem, **edges)
@@ -215,15 +214,15 @@ def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(
 
 def test_a_near_pass_that_costs_too_much_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = bumpy(1200, seed=3)
-    monkeypatch.setattr(near_pass, "NEAR_PAIRS", 100.0)
-    monkeypatch.setattr(near_pass, "NEAR_SHARE", 0.0)
+    monkeypatch.setattr(run, "NEAR_PAIRS", 100.0)
+    monkeypatch.setattr(run, "NEAR_SHARE", 0.0)
     ds = of(problem, d_edges=64, d_max=6.4, pairs=150_000)
     assert ds.attrs["d_near"] == 0 and ds.attrs["near_slice_exhaustive"] == 0
     assert (ds["pair_share"].values == ds.attrs["far_share"]).all()
 
 
 def test_a_pair_or_two_are_enough(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(near_pass, "NEAR_PAIRS", 0.0)
+    monkeypatch.setattr(run, "NEAR_PAIRS", 0.0)
     ds = of(problem, pairs=1)
     assert ds.attrs["n_pairs"] < 2000 and ds["n"].sum() <= ds.attrs["n_pairs"]
     two = correlate(problem.bits[1:3], problem.positions[1:3], problem.normals[1:3])

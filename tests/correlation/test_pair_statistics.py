@@ -194,7 +194,7 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
         "directions": ({"domain": "joint", "directions": far[:4]}, "one row per bit, 500, got 4"),
         "min_bits": ({"min_bits": 0}, "min_bits must be >= 1, got 0"),
         "undefined": ({"undefined": "nan"}, "undefined must be skip or one_if_both, got 'nan'"),
-        "threads": ({"threads": 0}, "threads must be a whole number >= 1"),
+        "threads": ({"threads": 0}, r"threads must be a whole number in \[1, 1024\], got 0"),
         "isa": ({"isa": "sse9"}, "isa must be portable, avx2 or avx512"),
     }
     # fmt: on

@@ -57,7 +57,7 @@ def test_rays_are_the_directions_above_the_planes() -> None:
     """The lower hemisphere is 0 by definition and costs nothing."""
     points, rows = rows_of(clutter(), 500)
     assert rows.n_rays == above(points.normals, SKY.directions).sum()
-    assert rows.rays_per_second == rows.n_rays / rows.seconds > 0
+    assert rows.n_rays / rows.seconds > 0
 
 
 def test_records_of_even_maps_cost_half_their_cells() -> None:

@@ -14,7 +14,6 @@ import viscache as vc
 from reference.built import built
 from viscache import _core
 from viscache.oracles.learned import (
-    GROUPS,
     LEAST_CHECKED,
     N_CLASSES,
     PassMemory,
@@ -23,6 +22,7 @@ from viscache.oracles.learned import (
     one_pass_is_enough,
     unlearnt,
 )
+from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 
@@ -74,7 +74,7 @@ def memories(octaves: list[list[list[int]]], epoch: int = 3) -> list[PassMemory]
 
 def mixed(seed: int) -> list[list[int]]:
     """Octaves that differ between classes."""
-    return np.random.default_rng(seed).integers(0, 5, (len(GROUPS), N_CLASSES)).tolist()
+    return np.random.default_rng(seed).integers(0, 5, (len(LIGHT_GROUPS), N_CLASSES)).tolist()
 
 
 def mean_of(found: list[vc.Frame]) -> npt.NDArray[np.float64]:
@@ -112,7 +112,7 @@ def test_shares_that_change_with_the_draw_are_biased(hall: vc.Scene) -> None:
             )
         ]
         wrong = found[-1].counters["share_by_class"]["point"].values()
-        octaves[GROUPS.index("point")] = [4 if c["wrong"] else 0 for c in wrong]
+        octaves[LIGHT_GROUPS.index("point")] = [4 if c["wrong"] else 0 for c in wrong]
     assert np.abs(mean_of(found) - exact).max() > 0.02 * exact.max()
 
 
@@ -163,8 +163,8 @@ def test_octaves_follow_the_root_of_the_probability() -> None:
 
     rates = (0.64, 0.16, 0.04, 0.01, 0.0025, 0.0001, 0, 0.16)
     found = octaves_of({"vpl": {str(i): counted(p) for i, p in enumerate(rates)}})
-    assert found[GROUPS.index("vpl")] == [0, 1, 2, 3, 4, 4, 4, 1]
-    assert found[GROUPS.index("point")] == [1] * N_CLASSES
+    assert found[LIGHT_GROUPS.index("vpl")] == [0, 1, 2, 3, 4, 4, 4, 1]
+    assert found[LIGHT_GROUPS.index("point")] == [1] * N_CLASSES
     few = {str(i): counted(0.0, LEAST_CHECKED - 1) for i in range(N_CLASSES)}
     assert octaves_of({"vpl": few}) == unlearnt()
 
@@ -206,7 +206,7 @@ def test_later_passes_use_what_the_first_ones_found() -> None:
     shares = one._sums.shares
     assert shares is not None
     assert shares.octaves is not None
-    assert len(set(shares.octaves[GROUPS.index("vpl")])) > 1
+    assert len(set(shares.octaves[LIGHT_GROUPS.index("vpl")])) > 1
     assert same._sums.shares is not None
     assert same._sums.shares.octaves is None
 

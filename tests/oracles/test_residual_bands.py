@@ -11,7 +11,8 @@ import pytest
 
 import viscache as vc
 from reference.built import built
-from viscache.oracles.learned import GROUPS, unlearnt
+from viscache.oracles.learned import unlearnt
+from viscache.settings.aqvc import LIGHT_GROUPS
 
 #: Contributions of the lights of one eye point, and their shares. Most are dim; the mean is near 2.
 BANDS = np.array([0.3, 0.7, 1.5, 3, 6, 12, 24, 48, 100, 200, 400], np.float32)
@@ -168,7 +169,7 @@ def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str)
     eyes = vc.EyePoints(points, np.tile(np.float32([0, 0, -side]), (n, 1)))
     ends = np.column_stack([rng.uniform(-1, 1, (m, 2)), np.full(m, 0.5)]).astype(np.float32)
     octaves = unlearnt()
-    octaves[GROUPS.index("point")][:4] = [3, 0, 1, 4]
+    octaves[LIGHT_GROUPS.index("point")][:4] = [3, 0, 1, 4]
     oracle = wall.oracle(Stripes(), use=vc.Correct(certain=64 / 1024), seed=11)
     oracle._context = dataclasses.replace(oracle._context, octaves=octaves)
     answer = oracle.block(eyes, vc.FarEnds.points(ends), contributions=c)
@@ -180,7 +181,7 @@ def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str)
     other[1:] |= seen[1:] != seen[:-1]
     other[:-1] |= seen[1:] != seen[:-1]
     k = 2 * seen + other  # the class, as nobody doubts an answer here
-    octave = np.array(octaves[GROUPS.index("point")])[k]
+    octave = np.array(octaves[LIGHT_GROUPS.index("point")])[k]
     wrong = seen != (truth == "visible")
     relative = over_reference(c, seen)
     bounds = 64 * 2.0 ** (octave[:, None] - 1 - np.arange(8))

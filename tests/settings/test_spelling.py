@@ -13,7 +13,7 @@ import pytest
 
 import viscache as vc
 from viscache.settings import by_name
-from viscache.settings.spelling import GONE, nearest, renamed, spelled
+from viscache.settings.spelling import GONE, nearest, spelled
 
 #: Made by the library, from C++ or by hand without keywords: nothing to misspell.
 NOT_CONSTRUCTED = (tuple, dict, BaseException)
@@ -144,22 +144,6 @@ def test_what_is_decorated_still_raises_its_own_errors() -> None:
 def test_settings_show_what_differs(settings: Any, shown: str) -> None:
     assert repr(settings) == shown
     assert eval(shown, {name: getattr(vc, name) for name in vc.__all__}) == settings
-
-
-def test_an_older_name_works_and_warns() -> None:
-    @renamed(store="directory")
-    @spelled
-    def kept(*, directory: str = "none") -> str:
-        return directory
-
-    assert kept(directory="a") == "a" and kept() == "none"
-    with pytest.warns(DeprecationWarning, match="kept: store is now called directory"):
-        assert kept(store="b") == "b"
-    with pytest.raises(TypeError, match="directory must be given once, got store too"):
-        kept(store="b", directory="a")
-    with pytest.raises(TypeError, match="did you mean 'directory'"):
-        kept(direktory="a")
-    assert list(inspect.signature(kept).parameters) == ["directory"]
 
 
 def test_what_keeps_work_is_called_directory() -> None:

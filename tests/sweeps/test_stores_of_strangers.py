@@ -125,7 +125,7 @@ def test_links_in_the_place_of_files_are_refused(name: str, store: Path, tmp_pat
 
 
 def test_what_is_written_replaces_links_and_not_their_targets(store: Path, victim: Path) -> None:
-    for name in ("table.csv", "table.parquet", "report.html"):
+    for name in ("table.csv", "table.nc", "report.html"):
         (store / name).unlink(missing_ok=True)
         (store / name).symlink_to(victim)
     swept(store, over={"c_e": [4, 8, 16]})

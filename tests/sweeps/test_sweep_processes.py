@@ -225,17 +225,6 @@ def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path:
         assert len(store.finished()) == 2
 
 
-def test_the_parquet_table_has_the_rows_of_the_csv(fake_vc: Any, tmp_path: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow comes with the test extra")
-    over = {"processing": ["waves", "rows"], "c_e": [4, 8]}
-    sweep("room", "whitted", over=over, directory=tmp_path, **SMALL)
-    table = parquet.read_table(tmp_path / "table.parquet").to_pylist()
-    rows = rows_of(tmp_path)
-    assert list(table[0]) == list(rows[0]) and len(table) == 4
-    for got, text in zip(table, rows, strict=True):
-        assert got["processing"] == text["processing"] and got["rel_l1"] == float(text["rel_l1"])
-
-
 def test_where_the_time_went_is_told(fake_vc: Any, tmp_path: Path) -> None:
     import json
 

@@ -19,7 +19,7 @@ from viscache.settings.maps import (
     automatic_thresholds,
     expected_records,
 )
-from viscache.vismap.orders import pixel_order
+from viscache.vismap.points import pixel_order
 from vismap.scenes import SIZE, clutter, clutter_arrays, made, pixels, view
 
 Array = npt.NDArray[Any]

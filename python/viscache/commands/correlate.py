@@ -21,12 +21,19 @@ from viscache.commands.shared import (
 from viscache.correlation.rows import RowEngine
 from viscache.plots import FORMATS
 
+#: Options that `measure` takes as they are.
+MEASURED = (
+    "n_points map_size pairs points camera seed d_edges theta_edges_deg d_max directions domain"
+    " normals engine directory"
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scene(parser)
     parser.add_argument("-o", "--output", metavar="OUT.nc", required=True)
     parser.add_argument(
         "--points",
+        dest="n_points",
         type=at_least_one,
         default=20_000,
         metavar="N",
@@ -34,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--on",
+        dest="points",
         choices=["camera", "area"],
         help="points seen by the camera, or evenly on all surfaces",
     )
@@ -46,8 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--pairs", type=_pairs, default="all", metavar="all|N")
     parser.add_argument("--d-max", type=float, metavar="D", help="end of the bins of distance")
-    parser.add_argument("--d-bins", type=at_least_one, default=128, metavar="N")
-    parser.add_argument("--theta-bins", type=at_least_one, default=180, metavar="N")
+    bins: dict[str, Any] = {"type": at_least_one, "metavar": "N"}
+    parser.add_argument("--d-bins", dest="d_edges", default=128, **bins)
+    parser.add_argument("--theta-bins", dest="theta_edges_deg", default=180, **bins)
     parser.add_argument("--directions", choices=["centres", "jittered", "lloyd"], default="centres")
     parser.add_argument("--domain", choices=["sphere", "joint", "union"], default="sphere")
     parser.add_argument(
@@ -72,7 +81,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
     add_workers(parser)
-    parser.add_argument("--store", metavar="DIR", help="keeps finished blocks; resumes there")
+    parser.add_argument(
+        "--store", dest="directory", metavar="DIR", help="keeps finished blocks; resumes there"
+    )
     parser.add_argument("--plot", metavar="DIR", help="pictures of the result")
     parser.add_argument(
         "--format", action="append", choices=FORMATS, help="of --plot; repeat for more (png)"
@@ -95,28 +106,11 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(f"output must lie in a folder that can be written, got {target}")
     scene = chosen_scene(arguments)
     with chosen_executor(arguments) as executor:
-        threads = arguments.threads or threads_of_a_worker(arguments)
-        dataset = measure(
-            scene,
-            n_points=arguments.points,
-            map_size=arguments.map_size,
-            pairs=arguments.pairs,
-            points=arguments.on,
-            camera=arguments.camera,
-            seed=arguments.seed,
-            d_edges=arguments.d_bins,
-            theta_edges_deg=arguments.theta_bins,
-            d_max=arguments.d_max,
-            directions=arguments.directions,
-            domain=arguments.domain,
-            normals=arguments.normals,
-            engine=arguments.engine,
-            directory=arguments.store,
-            executor=executor,
-            threads=threads,
-            progress=sys.stderr.isatty(),
-            **({} if arguments.t_max is None else {"t_max": arguments.t_max}),
-        )
+        given = {name: getattr(arguments, name) for name in MEASURED.split()}
+        given["threads"] = arguments.threads or threads_of_a_worker(arguments)
+        if arguments.t_max is not None:
+            given["t_max"] = arguments.t_max
+        dataset = measure(scene, executor=executor, progress=sys.stderr.isatty(), **given)
     if "mended" in dataset.attrs:
         print(dataset.attrs.pop("mended"), file=sys.stderr)
     save_dataset(dataset, target)

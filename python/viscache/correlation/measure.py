@@ -43,14 +43,13 @@ from viscache.correlation.work_store import Arrays
 from viscache.scene.cameras import find_camera
 from viscache.scenes import sources
 from viscache.settings.checks import require
-from viscache.settings.spelling import keywords_of, renamed, spelled
+from viscache.settings.spelling import keywords_of, spelled
 
 if TYPE_CHECKING:
     import xarray
     from typing_extensions import Unpack
 
 
-@renamed(store="directory")
 @spelled
 @keywords_of(MeasureSettings)
 def measure(
@@ -266,7 +265,6 @@ def _run(
         yield run
 
 
-@renamed(store="directory")
 @spelled
 @keywords_of(PairSettings, "domain")
 def correlate(

@@ -23,7 +23,7 @@ from viscache.correlation.pair_tiles import (
     tile_numbers,
     tile_side,
 )
-from viscache.settings.checks import checked_floats, is_whole, require
+from viscache.settings.checks import checked_floats, checked_threads, is_whole, require
 
 __all__ = [
     "SCALE",
@@ -136,7 +136,7 @@ def pair_statistics(
             angles.tolist(),
             chosen,
             tile_side(tile),
-            threads=_threads(threads),
+            threads=checked_threads(threads),
             isa=isa,
             skip_dead=skip_dead,
             progress=report,
@@ -179,7 +179,7 @@ def near_pairs(
             rows,
             edges[: last + 1].tolist(),
             angles.tolist(),
-            threads=_threads(threads),
+            threads=checked_threads(threads),
             isa=isa,
             progress=report,
         )
@@ -214,7 +214,7 @@ def spatial_map(
     rows = _rows(bits, n_directions, *points, "sphere", None, min_bits, undefined)
     with progress_bar(progress, unit="point") as report:
         return _core.correlation.spatial_map(
-            rows, d_max, theta_max_deg, threads=_threads(threads), progress=report
+            rows, d_max, theta_max_deg, threads=checked_threads(threads), progress=report
         )
 
 
@@ -240,7 +240,7 @@ def intersections(
     (NA, NB) int32
     """
     a, b = _bits(bits_a, "bits_a"), _bits(bits_b, "bits_b")
-    return _core.correlation.intersections(a, b, threads=_threads(threads), isa=isa)
+    return _core.correlation.intersections(a, b, threads=checked_threads(threads), isa=isa)
 
 
 def phi(
@@ -298,12 +298,6 @@ def _bits(bits: npt.NDArray[np.uint64], name: str) -> npt.NDArray[np.uint64]:
     array = np.asarray(bits)
     require(array.dtype == np.uint64, f"{name} must be uint64", array.dtype)
     return array
-
-
-def _threads(threads: int | None) -> int:
-    fits = threads is None or (is_whole(threads) and threads >= 1)
-    require(fits, "threads must be a whole number >= 1 or None", threads)
-    return 0 if threads is None else int(threads)
 
 
 def _edges(edges: npt.ArrayLike, name: str) -> Floats:

@@ -15,24 +15,13 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.base.array_output import ArrayOutput
 from viscache.base.progress import Progress, progress_bar
-from viscache.correlation.directions import DirectionSet
+from viscache.correlation.directions import DirectionSet as DirectionSet
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
 from viscache.scenes import sources
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 from viscache.settings.spelling import spelled
-
-__all__ = [
-    "DirectionSet",
-    "RowEngine",
-    "SurfacePoints",
-    "VisibilityRows",
-    "spatial_groups",
-    "surface_points",
-    "trace_rows",
-    "visibility_rows",
-]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 RowEngine: TypeAlias = Literal["embree", "batch", "field", "auto"]
@@ -81,11 +70,6 @@ class VisibilityRows(ArrayOutput):
     """The engine that answered them."""
     reason: str
     """Why it was chosen."""
-
-    @property
-    def rays_per_second(self) -> float:
-        """Rays per second of all threads together."""
-        return self.n_rays / self.seconds
 
     def _array(self) -> npt.NDArray[np.uint64]:
         return self.bits

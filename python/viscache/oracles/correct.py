@@ -6,12 +6,14 @@ from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Literal
 
 from viscache import _core
+from viscache.settings.checks import require
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.spelling import setting
 from viscache.settings.visibility import VisMaps
 
 #: Where the share reaches 1 unless told otherwise; for `NeePlusPlus`, its own setting is.
 CERTAIN = 1 / 32
+USES = (None, "replace", "correct")
 ROWS = ParameterRows(_core.CorrectSettings)
 
 
@@ -56,6 +58,12 @@ class Correct(RowSettings):
     share: float | None = ROWS.default("share")
     certain: float | Literal["auto"] = ROWS.default("certain")
     classes: Literal["learned", "same"] = ROWS.default("classes")
+
+
+def check_use(use: Any) -> None:
+    """Refuse what is no way to use an approximation of single connections."""
+    fits = isinstance(use, Correct) or (isinstance(use, str | None) and use in USES)
+    require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
 
 
 def in_words(use: Any) -> Any:

@@ -12,18 +12,9 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.oracles.correct import Correct
+from viscache.settings.aqvc import LIGHT_GROUPS
 
-#: Light groups in the order of the core, and classes of answers of each.
-GROUPS = (
-    "point",
-    "directional",
-    "area",
-    "environment",
-    "vpl",
-    "ambient",
-    "connection",
-    "camera",
-)
+#: Classes of answers of each light group.
 N_CLASSES = 8
 #: The share of a class reaches 1 at `certain` · 2^(octave - 1). Octave 1 is for answers of which
 #: one in six is wrong.
@@ -78,7 +69,7 @@ class PassMemory:
 
 def unlearnt() -> list[list[int]]:
     """Octaves before anything is known."""
-    return [[PLAIN_OCTAVE] * N_CLASSES for _ in GROUPS]
+    return [[PLAIN_OCTAVE] * N_CLASSES for _ in LIGHT_GROUPS]
 
 
 def octaves_of(share_by_class: Mapping[str, Any]) -> list[list[int]]:
@@ -94,7 +85,7 @@ def octaves_of(share_by_class: Mapping[str, Any]) -> list[list[int]]:
                 continue
             p = max(counted["wrong"], 0.5) / counted["corrections"]
             octave = PLAIN_OCTAVE + round(0.5 * math.log2(PLAIN_WRONG / p))
-            octaves[GROUPS.index(name)][k] = min(max(octave, 0), MOST_OCTAVES)
+            octaves[LIGHT_GROUPS.index(name)][k] = min(max(octave, 0), MOST_OCTAVES)
     return octaves
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.oracles.correct import Correct
+from viscache.oracles.correct import check_use
 from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import is_written
 from viscache.settings import by_name
-from viscache.settings.checks import checked_floats, is_whole, require
+from viscache.settings.checks import checked_floats, checked_threads, is_whole, require
 from viscache.settings.chosen_rays import check_rays
 from viscache.settings.rays import is_robust
 from viscache.settings.source_context import SourceContext
@@ -135,18 +135,11 @@ class Oracle:
             " vc.NeePlusPlus(...) or an object with a method block",
             visibility,
         )
-        fits = (
-            use in (None, "replace", "correct")
-            if isinstance(use, str | None)
-            else (isinstance(use, Correct))
-        )
-        require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
+        check_use(use)
         fits = is_whole(seed) and 0 <= seed < 1 << 64
         require(fits, "seed must be a whole number in [0, 2^64)", seed)
         fits = is_whole(spp) and 1 <= spp <= 1 << 20  # as of a frame
         require(fits, "spp must be a whole number in [1, 2^20]", spp)
-        good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
-        require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):
             require(
                 visibility.paper.storage not in ("shared", "paper_tiles"),
@@ -158,7 +151,7 @@ class Oracle:
             require(is_robust(rays), 'rays must be vc.Embree() with engine="shafts"', rays)
         self.scene, self.visibility = scene, visibility
         self._use = use
-        self._threads = threads or len(os.sched_getaffinity(0))
+        self._threads = checked_threads(threads) or len(os.sched_getaffinity(0))
         self._context = SourceContext(
             scene=scene._core,
             caster=scene.caster(rays, threads=self._threads),

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.settings.checks import checked_floats, is_number, require
 from viscache.settings.spelling import spelled
 
@@ -21,17 +22,6 @@ Kind: TypeAlias = Literal["points", "directions", "surfaces", "solid_angle"]
 NEIGHBOURS = 8
 #: Number of points per search for neighbours.
 QUERY_POINTS = 1 << 14
-#: Light groups by number (`visibility/counters.h`).
-GROUPS = (
-    "point",
-    "directional",
-    "area",
-    "environment",
-    "vpl",
-    "ambient",
-    "connection",
-    "camera",
-)
 GROUP_OF_KIND = {
     "points": "point",
     "directions": "directional",
@@ -266,7 +256,11 @@ class FarEnds:
         set_value(self, "density", densities(self.density, len(places)))
         require(is_number(self.t_max) and self.t_max >= 0, "t_max must be >= 0", self.t_max)
         set_value(self, "group", self.group or GROUP_OF_KIND[self.kind])
-        require(self.group in GROUPS, f"group must be one of {', '.join(GROUPS)}", self.group)
+        require(
+            self.group in LIGHT_GROUPS,
+            f"group must be one of {', '.join(LIGHT_GROUPS)}",
+            self.group,
+        )
 
     @classmethod
     def points(cls, positions: Any, *, group: str = "point") -> FarEnds:
@@ -320,7 +314,7 @@ class FarEnds:
     def _arrays(self) -> dict[str, Any]:
         return {
             "kind": self.kind,
-            "group": GROUPS.index(self.group),
+            "group": LIGHT_GROUPS.index(self.group),
             "positions": self.positions,
             "normals": self.normals,
             "ends": self._ends,
@@ -349,7 +343,7 @@ def ends_of(arrays: dict[str, Any]) -> FarEnds:
         normals,
         arrays["density"],
         arrays["t_max"],
-        GROUPS[arrays["group"]],
+        LIGHT_GROUPS[arrays["group"]],
         _ends=arrays["ends"],
     )
 

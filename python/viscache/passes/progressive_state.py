@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ from viscache.base.formats import (
 from viscache.base.provenance import VERSION
 from viscache.frame import Frame
 from viscache.frame.emitted_light import seen_emitters
-from viscache.oracles.learned import GROUPS, MOST_OCTAVES, N_CLASSES, Shares
+from viscache.oracles.learned import MOST_OCTAVES, N_CLASSES, Shares
 from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.shot.shot import require_same
 from viscache.vismap.cache_file import RECORDS
@@ -66,7 +66,7 @@ def _is_share(value: Any) -> bool:
     of_class = list_of(lambda octave: is_count(octave) and octave <= MOST_OCTAVES)
     fits = octaves is None or (
         list_of(lambda row: of_class(row) and len(row) == N_CLASSES)(octaves)
-        and len(octaves) == len(GROUPS)
+        and len(octaves) == len(LIGHT_GROUPS)
     )
     return fits and (scale == math.inf or (is_number(scale) and scale > 0))
 
@@ -166,7 +166,8 @@ class Sums:
             counters.pop("audit", None)
         if counters.get("rays"):
             counters["ray_reduction"] = counters["queries"] / counters["rays"]
-        return Sums(
+        return replace(
+            self,
             n=self.n + 1,
             next_pass=number + 1,
             numbers=numbers,
@@ -177,7 +178,6 @@ class Sums:
             timings=_times(self.timings, frame.timings),
             parameters=frame.parameters,
             warnings=_each_once(self.warnings, frame.warnings),
-            shares=self.shares,
         )
 
     def merged(self, other: Sums) -> Sums:
@@ -198,7 +198,8 @@ class Sums:
         counters = _added(self.counters, other.counters)
         if self.n + other.n > 1:
             counters.pop("audit", None)
-        return Sums(
+        return replace(
+            first,
             n=self.n + other.n,
             next_pass=self.next_pass,
             numbers=numbers,
@@ -207,9 +208,7 @@ class Sums:
             parts=parts,
             counters=counters,
             timings=_times(self.timings, other.timings),
-            parameters=first.parameters,
             warnings=_each_once(self.warnings, other.warnings),
-            shares=first.shares,
         )
 
     def _with_part(self) -> list[tuple[int, Array]]:
@@ -350,30 +349,16 @@ def load(
         passes = sum(end - first for first, end in records["numbers"])
         if records["n"] != passes or (passes > 0) != ("color" in records["layers"]):
             raise ValueError(f"{records['n']} passes with the numbers {records['numbers']}")
-        kept_rows = [
-            (
-                tile,
-                group,
-                (
-                    int(digest),
-                    words,
-                    arrays[f"cells {tile} {group}"],
-                    arrays[f"rows {tile} {group}"],
-                ),
-            )
-            for tile, group, digest, words in records["rows"]
-        ]
+        kept_rows = []
+        for tile, group, digest, words in records["rows"]:
+            cells, bits = (arrays[f"{name} {tile} {group}"] for name in ("cells", "rows"))
+            kept_rows.append((tile, group, (int(digest), words, cells, bits)))
+        same = ("n", "next_pass", "numbers", "counters", "timings", "parameters", "warnings")
         sums = Sums(
-            n=records["n"],
-            next_pass=int(records["next_pass"]),
-            numbers=records["numbers"],
+            **{name: records[name] for name in same},
             layers={name: arrays[f"layer {name}"] for name in records["layers"]},
             squares=arrays["squares"],
             parts=[(n, arrays[f"part {n}"]) for n in records["parts"]],
-            counters=records["counters"],
-            timings=records["timings"],
-            parameters=records["parameters"],
-            warnings=records["warnings"],
             shares=Shares(**records["shares"]) if records["shares"] else None,
         )
         width, height = shows["size"]

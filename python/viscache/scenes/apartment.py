@@ -192,15 +192,11 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
     top, stone = 0.9, b.paint("stone")
     south = place([-4.95, 0, SOUTH - 0.09], yaw=180)
     furniture.cabinet(b, south, (3.6, 0.86, 0.58), "white_paint", doors=6)
-    b.add(
-        soft_box((3.66, 0.04, 0.64), (14, 2, 6), power=26, bulge=0.02),
-        stone,
-        south @ place([0, 0.88, 0.31]),
-    )
+    shape = soft_box((3.66, 0.04, 0.64), (14, 2, 6), power=26, bulge=0.02)
+    b.add(shape, stone, south @ place([0, 0.88, 0.31]))
     sink = [[0.2, 0.004], [0.22, 0.012], [0.19, 0.006], [0.17, -0.1], [0.04, -0.14]]
-    b.add(
-        revolve(sink, 28, 16, caps=(False, True)), "steel", south @ place([0.3, top + 0.004, 0.3])
-    )
+    part = revolve(sink, 28, 16, caps=(False, True))
+    b.add(part, "steel", south @ place([0.3, top + 0.004, 0.3]))
     tap = [[0.0, 0, 0], [0, 0.24, 0], [0, 0.31, 0.07], [0, 0.27, 0.16], [0, 0.24, 0.165]]
     b.add(tube(tap, [0.018, 0.012, 0.012, 0.011], 10, 26), "steel", south @ place([0.3, top, 0.06]))
     for k in range(4):  # pots on the hob
@@ -225,11 +221,8 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
     decor.bowl(b, south @ place([-0.35, top, 0.3]), 0.16, "mustard", fruit=True)
     west = place([WEST + 0.09, 0, 2.45], yaw=90)
     furniture.cabinet(b, west, (2.2, 0.86, 0.58), "white_paint", doors=4)
-    b.add(
-        soft_box((2.2, 0.04, 0.62), (10, 2, 6), power=26, bulge=0.02),
-        stone,
-        west @ place([0, 0.88, 0.3]),
-    )
+    shape = soft_box((2.2, 0.04, 0.62), (10, 2, 6), power=26, bulge=0.02)
+    b.add(shape, stone, west @ place([0, 0.88, 0.3]))
     for k in range(3):
         decor.vase(
             b,
@@ -255,11 +248,8 @@ def _island(b: Builder, rng: np.random.Generator) -> None:
     """The kitchen's island with its stools."""
     island = place([-5.0, 0, 2.45])
     furniture.cabinet(b, island @ place([0, 0, -0.35]), (1.7, 0.86, 0.7), "petrol", doors=3)
-    b.add(
-        soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02),
-        "oak",
-        island @ place([0, 0.885, 0]),
-    )
+    shape = soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02)
+    b.add(shape, "oak", island @ place([0, 0.885, 0]))
     decor.bowl(b, island @ place([-0.5, 0.905, 0.1]), 0.2, "porcelain", fruit=True)
     decor.book_pile(b, island @ place([0.5, 0.905, -0.1], yaw=15), rng, 3)
     decor.crockery(b, island @ place([0.2, 0.905, 0.2]), "sky")
@@ -280,17 +270,13 @@ def _bath(b: Builder) -> None:
     tub = revolve(rim, 56, 34, caps=(True, True))
     b.add(tub, white, place([-1.15, 0.02, 4.02], scale=[1.0, 1.0, 0.42]))
     basin = knots("0.1 0, 0.09 0.3, 0.1 0.62, 0.26 0.78, 0.29 0.82, 0.25 0.82, 0.05 0.7")
-    b.add(
-        revolve(basin, 34, 26, caps=(True, True)),
-        white,
-        place([-2.65, 0, 3.1], scale=[1.0, 1.0, 1.15]),
-    )
+    shape = revolve(basin, 34, 26, caps=(True, True))
+    b.add(shape, white, place([-2.65, 0, 3.1], scale=[1.0, 1.0, 1.15]))
     tap = tube([[0.0, 0, 0], [0, 0.14, 0], [0.08, 0.18, 0], [0.14, 0.13, 0]], 0.011, 8, 18)
     b.add(tap, "steel", place([-2.86, 0.8, 3.1]))
     bowl = knots("0.11 0, 0.13 0.2, 0.2 0.36, 0.22 0.4, 0.17 0.41, 0.1 0.25, 0.03 0.2")
-    b.add(
-        revolve(bowl, 30, 22, caps=(True, True)), white, place([-0.45, 0, 2.9], scale=[1.25, 1, 1])
-    )
+    part = revolve(bowl, 30, 22, caps=(True, True))
+    b.add(part, white, place([-0.45, 0, 2.9], scale=[1.25, 1, 1]))
     cistern = soft_box((0.2, 0.38, 0.4), (5, 7, 7), power=7, bulge=0.1)
     b.add(cistern, white, place([-0.18, 0.6, 2.9]))
     for k, color in enumerate(("sky", "cream", "terracotta")):
@@ -305,9 +291,8 @@ def _bath(b: Builder) -> None:
     decor.basket(b, place([-2.6, 0, 2.45]), 0.2, "rug_beige")
     drape = curtain(1.0, 1.75, 8, 0.04)
     b.add(drape, "linen", place([-0.62, 0.6, 3.58]))
-    b.add(
-        tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10), "steel"
-    )
+    part = tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10)
+    b.add(part, "steel")
     _pendant(b, -1.9, 2.9, 0.45, "steel")
     _pendant(b, -1.0, 3.2, 0.45, "steel")
 

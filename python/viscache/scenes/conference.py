@@ -177,10 +177,8 @@ def _ceiling(b: Builder) -> None:
     for z in (0.0, -3.4, 3.4):
         fixtures.slats(b, place([0, HEIGHT - 0.28, z]), 30, 0.4, (0.05, 0.22, 1.3), "beech", 0.004)
         for dz in (-0.5, 0.5):
-            b.add(
-                rod([-6.3, HEIGHT - 0.14, z + dz], [6.3, HEIGHT - 0.14, z + dz], 0.012, 8),
-                "black_metal",
-            )
+            shape = rod([-6.3, HEIGHT - 0.14, z + dz], [6.3, HEIGHT - 0.14, z + dz], 0.012, 8)
+            b.add(shape, "black_metal")
     # Projector.
     b.add(rod([0.9, HEIGHT - 0.02, 0.75], [0.9, HEIGHT - 0.35, 0.75], 0.02, 10), "black_metal")
     body = soft_box((0.36, 0.13, 0.3), (7, 4, 7), power=7, bulge=0.1)

@@ -54,14 +54,11 @@ def bouquet(b: Builder, at: Array, rng: np.random.Generator, color: str, n: int 
         stem = tube([[0, -0.15, 0], [0, 0.06, 0.01], [0, h, reach[k]]], 0.0025, 4, 6)
         here = at @ place(yaw=angle[k])
         b.add(stem, "leaf", here, optional=k > 3)
+        part = sphere(0.02, 3, _petals)
+        b.add(part, color, here @ place([0, h + 0.012, reach[k]]), optional=k > 3)
+        shape = leaf(0.09, 0.03)
         b.add(
-            sphere(0.02, 3, _petals), color, here @ place([0, h + 0.012, reach[k]]), optional=k > 3
-        )
-        b.add(
-            leaf(0.09, 0.03),
-            "leaf_light",
-            here @ place([0, h * 0.5, reach[k] * 0.4], yaw=40),
-            optional=True,
+            shape, "leaf_light", here @ place([0, h * 0.5, reach[k] * 0.4], yaw=40), optional=True
         )
 
 
@@ -103,12 +100,8 @@ def crockery(b: Builder, at: Array, color: str = "porcelain") -> None:
     m = b.paint(color)
     rim = knots("0.06 0, 0.08 0.004, 0.125 0.018, 0.132 0.02, 0.124 0.022, 0.08 0.009, 0.01 0.008")
     b.add(revolve(rim, 26, 12, caps=(True, True), dome=0.02), m, at)
-    b.add(
-        revolve(rim * [0.72, 1], 22, 10, caps=(True, True), dome=0.02),
-        m,
-        at @ place([0, 0.011, 0]),
-        optional=True,
-    )
+    shape = revolve(rim * [0.72, 1], 22, 10, caps=(True, True), dome=0.02)
+    b.add(shape, m, at @ place([0, 0.011, 0]), optional=True)
     cup(b, at @ place([0.17, 0, -0.14], yaw=35), color)
     for x, w in ((-0.165, 0.022), (0.165, 0.016)):
         bar = soft_box((w, 0.004, 0.2), (2, 1, 7), power=4, bulge=0.1, warp=_cutlery)
@@ -162,11 +155,10 @@ def candlestick(b: Builder, at: Array, height: float = 0.3) -> None:
         "0.05 0, 0.05 0.03, 0.02 0.08, 0.012 0.3, 0.025 0.4, 0.012 0.5, 0.014 0.9, 0.03 1.0"
     )
     b.add(revolve(profile * [1, h], 16, 22, caps=(True, True)), "brass", at)
-    b.add(
-        revolve([[0.011, h], [0.0105, height * 0.97], [0.004, height]], 10, 6, caps=(True, True)),
-        "cream",
-        at,
+    shape = revolve(
+        [[0.011, h], [0.0105, height * 0.97], [0.004, height]], 10, 6, caps=(True, True)
     )
+    b.add(shape, "cream", at)
 
 
 def ornament(b: Builder, at: Array, radius: float, color: str, phase: float) -> None:
@@ -260,12 +252,8 @@ def floor_lamp(b: Builder, at: Array, height: float = 1.65, metal: str = "black_
     b.add(revolve(stand, 18, 40, caps=(True, True)), metal, at)
     pleated_shade(b, at @ place([0, height - 0.27, 0]), 0.24, 0.17, 0.3)
     for turn in (0, 120, 240):
-        b.add(
-            rod([0, height - 0.225, 0.005], [0, height - 0.235, 0.232], 0.003, 4),
-            metal,
-            at @ place(yaw=turn),
-            optional=True,
-        )
+        shape = rod([0, height - 0.225, 0.005], [0, height - 0.235, 0.232], 0.003, 4)
+        b.add(shape, metal, at @ place(yaw=turn), optional=True)
 
 
 def table_lamp(b: Builder, at: Array, color: str) -> None:
@@ -274,12 +262,8 @@ def table_lamp(b: Builder, at: Array, color: str) -> None:
     b.add(revolve(foot, 22, 20, caps=(True, True), flutes=(9, 0.03)), color, at)
     pleated_shade(b, at @ place([0, 0.29, 0]), 0.17, 0.11, 0.23)
     for turn in (0, 120, 240):
-        b.add(
-            rod([0, 0.288, 0], [0, 0.3, 0.165], 0.003, 4),
-            "brass",
-            at @ place(yaw=turn),
-            optional=True,
-        )
+        shape = rod([0, 0.288, 0], [0, 0.3, 0.165], 0.003, 4)
+        b.add(shape, "brass", at @ place(yaw=turn), optional=True)
 
 
 def pendant(b: Builder, at: Array, drop: float, color: str = "black_metal") -> None:
@@ -287,9 +271,8 @@ def pendant(b: Builder, at: Array, drop: float, color: str = "black_metal") -> N
 
     The bulb's place is 0.08 m above the rim, in the open shade (0.2 m radius).
     """
-    b.add(
-        revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False)), color, at
-    )
+    shape = revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False))
+    b.add(shape, color, at)
     b.add(rod([0, -drop + 0.2, 0], [0, -0.02, 0], 0.004, 5), color, at)
     shade = [[0.2, 0], [0.19, 0.05], [0.12, 0.14], [0.05, 0.19], [0.03, 0.24], [0.012, 0.25]]
     b.add(revolve(shade, 30, 16, caps=(False, True)), color, at @ place([0, -drop, 0]))
@@ -332,6 +315,5 @@ def basket(b: Builder, at: Array, radius: float, color: str) -> None:
         hoop = np.stack(
             [r * np.sin(angle), 0 * r + radius * (0.06 + 1.05 * k / 8), r * np.cos(angle)], 1
         )
-        b.add(
-            tube(hoop, 0.035 * radius, 5, 44, caps=(False, False)), color, at, optional=k % 2 == 1
-        )
+        shape = tube(hoop, 0.035 * radius, 5, 44, caps=(False, False))
+        b.add(shape, color, at, optional=k % 2 == 1)

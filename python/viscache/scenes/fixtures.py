@@ -54,9 +54,8 @@ def blind(
     slat = soft_box((width, 0.0025, 0.045), (7, 1, 3), power=9, bulge=0.3, warp=curve)
     y = 0.02 + np.arange(n) * (height - 0.06) / n
     b.add(slat, color, at @ place(np.stack([0 * y, y, 0 * y], 1), pitch=tilt), optional=True)
-    b.add(
-        soft_box((width, 0.04, 0.05), (6, 2, 2), power=8), color, at @ place([0, height - 0.01, 0])
-    )
+    shape = soft_box((width, 0.04, 0.05), (6, 2, 2), power=8)
+    b.add(shape, color, at @ place([0, height - 0.01, 0]))
     for x in (-0.35 * width, 0.35 * width):
         b.add(rod([x, 0.0, 0.027], [x, height, 0.027], 0.0012, 4), color, at, optional=True)
 
@@ -79,24 +78,17 @@ def screen(b: Builder, at: Array, width: float = 0.55) -> None:
     panel = soft_box((width, h, 0.025), (6, 5, 2), power=20, bulge=0.15)
     b.add(panel, m, at @ place([0, 0.12 + h / 2, 0]))
     b.add(tube([[0, 0.01, -0.06], [0, 0.1, -0.06], [0, 0.25, -0.02]], [0.02, 0.016], 8, 7), m, at)
-    b.add(
-        revolve([[0.12, 0], [0.115, 0.008], [0.02, 0.014]], 18, 5, caps=(True, True)),
-        m,
-        at @ place([0, 0, -0.04]),
-    )
+    shape = revolve([[0.12, 0], [0.115, 0.008], [0.02, 0.014]], 18, 5, caps=(True, True))
+    b.add(shape, m, at @ place([0, 0, -0.04]))
 
 
 def laptop(b: Builder, at: Array) -> None:
     """Open laptop facing +z, with single keys."""
     m = b.paint("steel")
-    b.add(
-        soft_box((0.32, 0.014, 0.22), (5, 2, 5), power=14, bulge=0.03), m, at @ place([0, 0.008, 0])
-    )
-    b.add(
-        soft_box((0.32, 0.21, 0.007), (5, 5, 2), power=18, bulge=0.15),
-        m,
-        at @ place([0, 0.105, -0.145], pitch=-18),
-    )
+    part = soft_box((0.32, 0.014, 0.22), (5, 2, 5), power=14, bulge=0.03)
+    b.add(part, m, at @ place([0, 0.008, 0]))
+    shape = soft_box((0.32, 0.21, 0.007), (5, 5, 2), power=18, bulge=0.15)
+    b.add(shape, m, at @ place([0, 0.105, -0.145], pitch=-18))
     glass = soft_box((0.3, 0.185, 0.004), (4, 4, 1), power=24, bulge=0.3)
     b.add(glass, "screen", at @ place([0, 0.107, -0.140], pitch=-18))
     x, z = np.meshgrid(np.linspace(-0.13, 0.13, 13), np.linspace(-0.07, 0.02, 5))

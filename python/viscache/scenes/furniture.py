@@ -56,9 +56,8 @@ def chair(b: Builder, at: Array, wood: str = "oak", *, cushion: str | None = Non
     def saddle(p: Array) -> Array:
         return p + np.stack([0 * p[:, 0], -0.25 * (0.03 - p[:, 0] ** 2 * 0.4), 0 * p[:, 0]], 1)
 
-    b.add(
-        soft_box((0.46, 0.04, 0.44), (6, 2, 6), power=7, warp=saddle), m, at @ place([0, 0.45, 0])
-    )
+    shape = soft_box((0.46, 0.04, 0.44), (6, 2, 6), power=7, warp=saddle)
+    b.add(shape, m, at @ place([0, 0.45, 0]))
     for x, z in ((-0.18, 0.17), (0.18, 0.17), (-0.17, -0.17), (0.17, -0.17)):
         lean = place([x, 0, z * 1.08], pitch=-np.sign(z) * 3.0)
         b.add(revolve(turned_leg(0.445, 0.75), 8, 10), m, at @ lean)
@@ -104,9 +103,8 @@ def round_table(b: Builder, at: Array, radius: float, height: float, wood: str) 
     m = b.paint(wood)
     edge = [[radius * 0.2, -0.02], [radius * 0.9, -0.018], [radius, -0.008]]
     edge += [[radius, 0.002], [radius * 0.97, 0.012], [radius * 0.5, 0.013], [radius * 0.06, 0.014]]
-    b.add(
-        revolve(edge, 40, 14, caps=(True, True), dome=0.02), m, at @ place([0, height - 0.0145, 0])
-    )
+    shape = revolve(edge, 40, 14, caps=(True, True), dome=0.02)
+    b.add(shape, m, at @ place([0, height - 0.0145, 0]))
     column = [[0.05, 0.06], [0.07, 0.1], [0.045, 0.18], [0.06, 0.3], [0.035, 0.45], [0.06, 0.6]]
     column = [[r, y / 0.6 * (height - 0.03)] for r, y in column]
     b.add(revolve(column, 18, 18), m, at)
@@ -311,11 +309,8 @@ def desk_chair(b: Builder, at: Array, color: str = "grey_cloth") -> None:
         b.add(tube(np.array(arm) * [mirror, 1, 1], [0.014, 0.014, 0.018], 7, 10), metal, at)
     for turn in range(0, 360, 72):
         leg = at @ place(yaw=turn)
-        b.add(
-            tube([[0, 0.11, 0.02], [0, 0.1, 0.16], [0, 0.065, 0.29]], [0.02, 0.013], 7, 6),
-            metal,
-            leg,
-        )
+        shape = tube([[0, 0.11, 0.02], [0, 0.1, 0.16], [0, 0.065, 0.29]], [0.02, 0.013], 7, 6)
+        b.add(shape, metal, leg)
         wheel = revolve(
             [[0.01, -0.02], [0.027, -0.016], [0.03, 0], [0.027, 0.016], [0.01, 0.02]],
             10,

@@ -69,9 +69,8 @@ def _shell(b: Builder) -> None:
     x, y, z = LENGTH, HEIGHT, DEPTH
     concrete = b.glossy("concrete", (0.42, 0.41, 0.38), 0.04, 0.3)
     b.add(quad([0, 0, z], [x, 0, z], [x, 0, 0], [0, 0, 0]), concrete)
-    b.add(
-        quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]), "stone"
-    )
+    shape = quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2])
+    b.add(shape, "stone")
     _roof(b)
     wall(b, (0, 0), (x, 0), y, "plaster")
     wall(b, (0, 0), (0, z), y, "sage")

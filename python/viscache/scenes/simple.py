@@ -201,12 +201,10 @@ def slats(count: Annotated[int, Range(1, 10_000)] = 16) -> Builder:
         x = (k - (count - 1) / 2) * 0.15
         b.add(box([x - 0.01, 1.6, -1.5], [x + 0.01, 1.62, 1.5]), wood)
     for x in (-1.0, 1.0):
-        b.add(
-            box(
-                [0.15 * count / 2 * x - 0.02, 1.62, -1.5], [0.15 * count / 2 * x + 0.02, 1.66, 1.5]
-            ),
-            wood,
+        shape = box(
+            [0.15 * count / 2 * x - 0.02, 1.62, -1.5], [0.15 * count / 2 * x + 0.02, 1.66, 1.5]
         )
+        b.add(shape, wood)
     b.add(bumpy_sphere(0.3, 16), b.diffuse("ball", (0.35, 0.42, 0.55)), place([0.5, 0.3, 0.2]))
     b.add(box([-0.7, 0, -0.4], [-0.2, 0.5, 0.1]), b.diffuse("block", (0.6, 0.3, 0.25)))
     b.write(1.0)

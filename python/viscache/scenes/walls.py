@@ -93,9 +93,6 @@ def door(
     brass = b.paint("brass")
     for z in (-1, 1):
         spot = leaf @ place([x - 0.06, -0.02, z * 0.02])
-        b.add(
-            revolve([[0.022, 0], [0.02, 0.006], [0.008, 0.01], [0.008, 0.04]], 10, 6),
-            brass,
-            spot @ place(pitch=z * 90),
-        )
+        shape = revolve([[0.022, 0], [0.02, 0.006], [0.008, 0.01], [0.008, 0.04]], 10, 6)
+        b.add(shape, brass, spot @ place(pitch=z * 90))
         b.add(rod([0, 0, z * 0.04], [-0.1, 0, z * 0.04], 0.008, 8), brass, spot)

@@ -19,6 +19,7 @@ from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import setting
 
+#: In the order of the core (`visibility/counters.h`).
 LIGHT_GROUPS = (
     "point",
     "directional",

@@ -6,7 +6,6 @@ import dataclasses
 import difflib
 import functools
 import inspect
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
@@ -26,7 +25,9 @@ GONE = {
     "Whitted.p_mode": "densities are those of the last vertex",
     "Whitted.vpl_candidates": "it is 4",
     "Whitted.vpl_eye_points": "it is 64",
+    "correlate.store": "it is called directory",
     "measure.spatial": "local means are always measured",
+    "measure.store": "it is called directory",
     "passes_over_time.reference_passes": "give their number to reference=",
     "tune.between": 'give it to parameter=, as in parameter={"cell": (0.02, 2)}',
     "tune.metric": "the target names its metric, rel_l1_reflected= or rel_l1=",
@@ -130,29 +131,6 @@ def keywords_of(settings: type[Any], *without: str, **usual: Any) -> Callable[[C
             parameters=[*named, *more]
         )
         return filled  # type: ignore[return-value]
-
-    return decorate
-
-
-def renamed(**names: str) -> Callable[[Called], Called]:
-    """Decorate a function whose keywords had older names: `renamed(old="new")`.
-
-    An older name works as before and warns. Signatures and `help` show the new one alone.
-    """
-
-    def decorate(function: Called) -> Called:
-        @functools.wraps(function)
-        def called(*args: Any, **kwargs: Any) -> Any:
-            for old, new in names.items():
-                if old in kwargs:
-                    if new in kwargs:
-                        raise TypeError(f"{new} must be given once, got {old} too")
-                    text = f"{function.__name__}: {old} is now called {new}"
-                    warnings.warn(text, DeprecationWarning, stacklevel=2)
-                    kwargs[new] = kwargs.pop(old)
-            return function(*args, **kwargs)
-
-        return called  # type: ignore[return-value]
 
     return decorate
 

@@ -9,24 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache._core import draw_audit_pixels
+from viscache._core import draw_audit_pixels as draw_audit_pixels
 from viscache.frame.emitted_light import light_on_surfaces
 from viscache.settings.audit import LEAST_PIXELS
 from viscache.settings.combinations import Request
 from viscache.settings.integrators import Bdpt
 from viscache.settings.visibility import Aqvc
-
-__all__ = [
-    "LARGE_ERROR",
-    "audit_record",
-    "draw_audit_pixels",
-    "error_warnings",
-    "joined",
-    "nothing_found",
-    "pixel_estimates",
-    "query_estimates",
-    "watched_pixels",
-]
 
 Array = npt.NDArray[np.float64]
 

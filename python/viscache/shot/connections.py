@@ -14,10 +14,11 @@ from viscache.base.progress import progress_bar
 from viscache.base.provenance import provenance
 from viscache.frame import Frame
 from viscache.oracles.oracle import BlockAnswer, Oracle, PairAnswer
-from viscache.oracles.points import GROUPS, EyePoints, FarEnds, ends_of, pack
+from viscache.oracles.points import EyePoints, FarEnds, ends_of, pack
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scenes import sources
+from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
@@ -104,8 +105,8 @@ class Connections:
             _tiles=tuple(tiles),
         )
         lights = self._taps.lights()
-        self._light_number = {GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
-        self.groups = {GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
+        self._light_number = {LIGHT_GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
+        self.groups = {LIGHT_GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
         self.samples = {
             self._samples_name(group): Samples(self._taps.samples(group))
             for group in self._taps.sample_groups()
@@ -134,7 +135,7 @@ class Connections:
         self._number(group)
         begin, end, step = (rows or slice(None)).indices(len(self.eyes))
         require(step == 1, "rows must be a slice without a step", rows)
-        return self._taps.contributions(GROUPS.index(group), begin, max(begin, end))
+        return self._taps.contributions(LIGHT_GROUPS.index(group), begin, max(begin, end))
 
     def answers(self, visibility: Any, *, use: Any = None) -> dict[str, Answer]:
         """Answers of a visibility setting to every query of the frame, as in `viscache.render`.
@@ -250,7 +251,7 @@ class Connections:
         return f"Connections({len(self.eyes)} eye points; {', '.join([*shared, *own])})"
 
     def _samples_name(self, number: int) -> str:
-        return LOBES if GROUPS[number] in self.groups else GROUPS[number]
+        return LOBES if LIGHT_GROUPS[number] in self.groups else LIGHT_GROUPS[number]
 
     def _number(self, group: str) -> int:
         require(group in self.groups, f"group must be one of {', '.join(self.groups)}", group)
@@ -265,7 +266,7 @@ class Connections:
             bits = pack(seen) if seen.dtype == bool and seen.ndim == 2 else seen
         require(bits.dtype == np.uint64, f"answers[{group!r}] must be bool or bits", bits.dtype)
         given.block(
-            GROUPS.index(group),
+            LIGHT_GROUPS.index(group),
             np.ascontiguousarray(bits),
             _finite(weights, group),
             len(self.groups[group]),
@@ -286,7 +287,7 @@ class Connections:
 
 def _group_number(name: str) -> int:
     """The light group of a name in `Connections.groups` or `Connections.samples`."""
-    return GROUPS.index("environment" if name == LOBES else name)
+    return LIGHT_GROUPS.index("environment" if name == LOBES else name)
 
 
 def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:

@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.base.netcdf import netcdf_file
-from viscache.oracles.points import GROUPS, EyePoints
+from viscache.oracles.points import EyePoints
+from viscache.settings.aqvc import LIGHT_GROUPS
 from viscache.settings.checks import is_whole, require
 from viscache.shot.connections import Connections
 
@@ -25,7 +26,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "y": ("f4", "far end: position, or unit direction"),
     "eye": ("i8", "number of the eye point"),
     "far": ("i8", "number of the far end in its group"),
-    "group": ("i1", "light group: " + ", ".join(f"{i} {g}" for i, g in enumerate(GROUPS))),
+    "group": ("i1", "light group: " + ", ".join(f"{i} {g}" for i, g in enumerate(LIGHT_GROUPS))),
     "v": ("i1", "V: 1 where x sees y"),
     "answer": ("i1", "V~: what the oracle answered"),
     "cluster": ("i8", "queries with equal numbers share one answer"),
@@ -149,7 +150,7 @@ def _write_all(
                     "y": ends.positions[log["column"]],
                     "eye": log["row"].astype(np.int64) + first,
                     "far": log["column"],
-                    "group": np.full(len(log), GROUPS.index(group)),
+                    "group": np.full(len(log), LIGHT_GROUPS.index(group)),
                     "v": _bits(seen.bits, log),
                     "answer": _bits(answer.bits, log),
                     "cluster": log["cluster"].astype(np.int64) + offset,

@@ -218,10 +218,9 @@ def _traced(
         plan.core,
         frame,
         source,
-        batch=_batch_for(scene, request.integrator, frame),
-        field=_field_for(scene, request.integrator, frame),
         lights=lights,
         progress=report,
+        **_of_shared_directions(scene, request.integrator, frame),
     )
 
 
@@ -288,28 +287,20 @@ def seed_of(seed: int, purpose: str, number: int) -> int:
     return int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "little")
 
 
-def _batch_for(
+def _of_shared_directions(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
-) -> _core.vlf.AlignedBatch | None:
-    """The aligned batch for ambient occlusion along shared directions, or None."""
+) -> dict[str, Any]:
+    """What traces the shared directions of ambient occlusion, if it is not Embree."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
-        return None
+        return {}
+    if integrator.engine == "field":
+        rays = Vlf(n_directions=integrator.n_samples)
+        return {"field": scene.caster(rays, threads=frame.threads)}
     n_points = frame.width * frame.height * frame.spp
     t_max = integrator.core().max_distance or math.inf
     hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene._core, n_points, t_max)
-    none = integrator.engine in ("embree", "field") or hopeless
-    return None if none else scene.aligned_batch()
-
-
-def _field_for(
-    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
-) -> _core.vlf.VisibilityField | None:
-    """The visibility field for shared directions, or None."""
-    if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
-        return None
-    if integrator.engine != "field":
-        return None
-    return scene.caster(Vlf(n_directions=integrator.n_samples), threads=frame.threads)
+    none = integrator.engine == "embree" or hopeless
+    return {} if none else {"batch": scene.aligned_batch()}
 
 
 def _sky_batch(plan: FramePlan) -> _core.vlf.AlignedBatch | None:

@@ -1,14 +1,16 @@
-"""C_E together with `c_finest` and `bright` of the quantized cache.
+"""C_E together with C_L, `c_finest` and `bright` of the quantized cache.
 
 Smaller finest cells and traced bright connections cost rays, and allow a larger C_E at the same
 error. After the search over C_E alone, one pilot of each family of these two tells what it would
 cost at the target, by the slopes of the pilots so far. The best family is searched, too.
+C_L, the size of light cells, is chosen before.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +18,7 @@ import numpy as np
 from viscache.settings.not_given import NotGiven, plain
 from viscache.settings.visibility import Aqvc
 from viscache.sweeps.search import Span, best, search
-from viscache.sweeps.tuned import Pilot
+from viscache.sweeps.tuned import OWN_SAMPLES, Pilot
 
 Also: TypeAlias = Mapping[str, float]
 
@@ -32,6 +34,31 @@ LEAST_GAIN = 0.05
 #: Slopes of logarithms: of the goal over C_E, and of the price over the goal. Few pilots of one
 #: picture may give wild ones.
 STEEP, WORTH = (0.2, 2.0), (0.3, 1.0)
+#: C_L is halved at most so often, and this many sizes are tried.
+MOST_HALVINGS, MOST_TRIALS = 6, 3
+#: At a C_E this small, only light cells cause errors.
+FINE_C_E = 1.0
+
+
+def with_light_cells(groups: Callable[[Aqvc], dict[str, float]], base: Aqvc, target: float) -> Aqvc:
+    """The settings with a C_L that leaves C_E at least half of the target.
+
+    Light cells matter for samples that belong to one pixel each. If `base` has a C_L, it stays. The
+    error of light cells is about proportional to their size, so each trial tells how many halvings
+    are missing. `groups` takes settings and gives the error of each light group.
+    """
+    halvings = 0
+    for _ in range(MOST_TRIALS if isinstance(base.c_l, NotGiven) else 0):
+        errors = groups(replace(_halved(base, halvings), c_e=FINE_C_E))
+        over = sum(e for name, e in errors.items() if name in OWN_SAMPLES) / (target / 2)
+        if over <= 1 or halvings == MOST_HALVINGS:
+            break
+        halvings = min(MOST_HALVINGS, halvings + math.ceil(math.log2(over)))
+    return _halved(base, halvings)
+
+
+def _halved(base: Aqvc, halvings: int) -> Aqvc:
+    return replace(base, c_l=0.5**halvings) if halvings else base
 
 
 def families(base: Aqvc, *, beside: Also | None = None, c_e: float = 0.0) -> list[dict[str, float]]:

@@ -1,7 +1,7 @@
 """The store of a sweep: SQLite and image files. Several processes may use it at a time.
 
 A directory has `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`,
-`table.parquet` if pyarrow is installed, and `report.html` if a report was written. The key of a
+and `report.html` if a report was written. The key of a
 frame is a hash of everything that determines its pixels. So an interrupted sweep repeats no frame,
 and a changed sweep renders only the frames that changed.
 

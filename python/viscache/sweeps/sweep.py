@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from viscache import metrics as _metrics
 from viscache.base.progress import Progress
-from viscache.oracles.correct import Correct
+from viscache.oracles.correct import check_use
 from viscache.oracles.written import is_written
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
@@ -33,7 +33,7 @@ from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, definition_of, make_plan, positive
 from viscache.sweeps.run import Run
 from viscache.sweeps.store import Store
-from viscache.sweeps.table import to_dataset, write_parquet, write_table
+from viscache.sweeps.table import to_dataset, write_table
 
 if TYPE_CHECKING:
     import xarray
@@ -117,14 +117,9 @@ def sweep(
         Ctrl-C was pressed; finished frames are kept.
     """
     given = BareShot(scene, integrator, **shot)
-    cache, seed, use = given.setting("visibility"), given.seed, given.use
+    cache, seed = given.setting("visibility"), given.seed
     require(not is_written(cache) or is_dataclass(cache), "visibility must be a dataclass", cache)
-    fits = (
-        use in (None, "replace", "correct")
-        if isinstance(use, str | None)
-        else (isinstance(use, Correct))
-    )
-    require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
+    check_use(given.use)
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     source = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = given.opened
@@ -148,7 +143,6 @@ def sweep(
         dataset = to_dataset(plan.names, store)
         if store.directory is not None:
             write_table(dataset, store.directory / "table.nc")
-            write_parquet(store)
     if run.mended:
         dataset.attrs["mended"] = "\n".join(run.mended)
     dataset.attrs["seconds"] = json.dumps({k: round(v, 3) for k, v in run.seconds.items()})

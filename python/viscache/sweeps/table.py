@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -10,7 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.base.files import whole_file
 from viscache.base.netcdf import write_netcdf
 from viscache.sweeps.csv_file import append_csv, write_csv
 from viscache.sweeps.plan import Point
@@ -22,17 +20,13 @@ if TYPE_CHECKING:
 #: Folders whose tables this process made. A dataset that came as a file may name any folder.
 _FOLDERS: set[str] = set()
 
-UNITS = {
-    "total_s": "s",
-    "visibility_s": "s",
-    "cpu_s": "s",
-    "exact_total_s": "s",
-    "rays": "1",
-    "queries": "1",
-    "ray_reduction": "1",
-    "speedup": "1",
-    "exact_cpu_s": "s",
-    "cpu_speedup": "1",
+#: What is measured of a frame beside its errors, in the order of the columns, with units.
+MEASURED = {
+    **dict.fromkeys(("rays", "queries", "ray_reduction"), "1"),
+    **dict.fromkeys(("total_s", "visibility_s", "cpu_s", "exact_total_s", "exact_cpu_s"), "s"),
+    "exact_rays": "",
+    **dict.fromkeys(("speedup", "cpu_speedup"), "1"),
+    "alone": "",
 }
 
 
@@ -79,10 +73,8 @@ class TableFile:
         if self._store.directory is None:
             return
         rows = table_rows(self._store)
-        self._columns = columns_of(rows, self._names, self._metrics)
-        if not rows:
-            self._columns = []
         columns = columns_of(rows, self._names, self._metrics)
+        self._columns = columns if rows else []
         write_csv(self._store.directory / "table.csv", rows, columns)
 
     def append(self, point: Point) -> None:
@@ -136,21 +128,7 @@ def columns_of(
     """Columns in a fixed order; per-group ones read `rays/vpl`."""
     first = [*names, "repeat", "seed", *metrics]
     seen = dict.fromkeys(column for row in rows for column in row)
-    fixed = [
-        *first,
-        "rays",
-        "queries",
-        "ray_reduction",
-        "total_s",
-        "visibility_s",
-        "cpu_s",
-        "exact_total_s",
-        "exact_cpu_s",
-        "exact_rays",
-        "speedup",
-        "cpu_speedup",
-        "alone",
-    ]
+    fixed = [*first, *MEASURED]
     late = [c for c in seen if c not in fixed and c not in ("frame", "key")]
     return [*fixed, *late, "frame", "key"]
 
@@ -188,8 +166,8 @@ def to_dataset(names: Sequence[str], store: Store) -> xarray.Dataset:
     if groups:
         coords["group"] = ("group", np.array(groups, dtype=object))
     dataset = xarray.Dataset(variables, coords, _attributes(definition, store))
-    for name, unit in UNITS.items():
-        if name in dataset:
+    for name, unit in MEASURED.items():
+        if unit and name in dataset:
             dataset[name].attrs["units"] = unit
     return dataset
 
@@ -204,22 +182,10 @@ def _coordinate(values: Sequence[Any]) -> Any:
 
 
 def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
-    texts = (
-        "cpu",
-        "scene",
-        "scene_hash",
-        "integrator",
-        "rays",
-        "visibility",
-        "size",
-        "spp",
-        "converged",
-        "metrics",
-        "provenance",
-    )
+    texts = "cpu scene scene_hash integrator rays visibility size spp converged metrics provenance"
     attributes: dict[str, Any] = {
         name: v if isinstance(v := definition[name], (str, int)) else json.dumps(v)
-        for name in texts
+        for name in texts.split()
     }
     if store.directory is not None:
         attributes["directory"] = str(store.directory)
@@ -249,30 +215,3 @@ def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
         raise ValueError(f"{directory} holds no sweep: it has no sweep.sqlite")
     with Store(directory) as store:
         return to_dataset(store.definition()["names"], store)
-
-
-def write_parquet(store: Store) -> Path | None:
-    """Write `table.parquet`, the rows of `table.csv`; None without pyarrow or a directory."""
-    if store.directory is None or importlib.util.find_spec("pyarrow") is None:
-        return None
-    import pyarrow
-    from pyarrow import parquet
-
-    definition = store.definition()
-    rows = table_rows(store)
-    columns = columns_of(rows, definition["names"], definition["metrics"])
-    table = {name: _column([row.get(name) for row in rows]) for name in columns}
-    target = store.directory / "table.parquet"
-    with whole_file(target) as partial:
-        parquet.write_table(pyarrow.table(table), partial)
-    return target
-
-
-def _column(values: list[Any]) -> list[Any]:
-    """Values of one type: whole numbers beside fractions as fractions, other mixtures as text."""
-    kinds = {type(v) for v in values if v is not None}
-    if len(kinds) < 2:
-        return [list(v) if isinstance(v, tuple) else v for v in values]
-    if kinds == {int, float}:
-        return [None if v is None else float(v) for v in values]
-    return [None if v is None else str(v) for v in values]

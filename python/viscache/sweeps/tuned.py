@@ -22,6 +22,10 @@ OWN_SAMPLES = {
 }
 #: How parameters are written in text and in headings, if not by their names.
 SYMBOLS = {"c_e": ("C_E", "C_E [px]")}
+_SHOWN = (
+    "passes wanted metric error rel_l1 rel_l1_reflected interval outcome reached ray_reduction"
+    " samples groups seconds seconds_exact wall_s exact_is_cheaper message"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,23 +277,7 @@ class Tuned:
             **light_cells,
             "visibility": repr(self.visibility),
             "use": in_words(self.use),
-            "passes": self.passes,
-            "wanted": self.wanted,
-            "metric": self.metric,
-            "error": self.error,
-            "rel_l1": self.rel_l1,
-            "rel_l1_reflected": self.rel_l1_reflected,
-            "interval": list(self.interval),
-            "outcome": self.outcome,
-            "reached": self.reached,
-            "ray_reduction": self.ray_reduction,
-            "samples": self.samples,
-            "groups": self.groups,
-            "seconds": self.seconds,
-            "seconds_exact": self.seconds_exact,
-            "wall_s": self.wall_s,
-            "exact_is_cheaper": self.exact_is_cheaper,
-            "message": self.message,
+            **{name: getattr(self, name) for name in _SHOWN.split()},
             "pilots": [
                 {
                     p.parameter: p.value,

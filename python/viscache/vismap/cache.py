@@ -18,11 +18,18 @@ from viscache.settings.chosen_rays import check_rays
 from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.vismap import cache_file, map_cells
-from viscache.vismap.orders import pixel_order
-from viscache.vismap.points import insert_tiles
+from viscache.vismap import cache_file
+from viscache.vismap.points import insert_tiles, pixel_order
 from viscache.vismap.record_insertion import RecordInsertion
-from viscache.vismap.records import Floats, Lookup, Records, UpdateReport, checked_size
+from viscache.vismap.records import (
+    Floats,
+    Lookup,
+    Records,
+    UpdateReport,
+    blended_bits,
+    cells_of,
+    checked_size,
+)
 
 
 @spelled
@@ -282,7 +289,7 @@ class VisibilityMapCache(Uncopied, RecordInsertion):
         """
         cells = self.cells(directions)
         require(cells.ndim == 1, "directions must have shape (K, 3)", (*cells.shape, 3))
-        said = map_cells.blended_bits(
+        said = blended_bits(
             self.records().bits, lookup.ids, np.broadcast_to(cells, (len(lookup.ids), len(cells)))
         )
         return np.asarray(np.einsum("nik,ni->nk", said, lookup.beta, dtype=np.float32))
@@ -292,7 +299,7 @@ class VisibilityMapCache(Uncopied, RecordInsertion):
         given = checked_points(directions, "directions")
         fits = given.ndim >= 1 and given.shape[-1] == 3
         require(fits, "directions must have shape (..., 3)", given.shape)
-        return map_cells.cells(given, self.settings.m)
+        return cells_of(given, self.settings.m)
 
     # Over the frames of an animation
 
@@ -321,7 +328,7 @@ class VisibilityMapCache(Uncopied, RecordInsertion):
         require(cells.shape == expected, "directions must have shape (N, K, 3)", (*cells.shape, 3))
         require(seen.shape == expected, f"visible must have shape {expected}", seen.shape)
         with self._lock:
-            said = map_cells.blended_bits(self.records().bits, lookup.ids, cells)
+            said = blended_bits(self.records().bits, lookup.ids, cells)
             wrong = said != seen[:, None, :]
             speaks = lookup.beta > 0
             ids = lookup.ids[speaks]

@@ -1,10 +1,10 @@
-"""Points of any source in the form that a cache takes."""
+"""Points of any source in the form that a cache takes, and orders of pixels."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from viscache.settings.checks import checked_points, require
 from viscache.vismap.records import Floats
 
 Rows: TypeAlias = npt.NDArray[np.uint32]
+Indices: TypeAlias = npt.NDArray[np.int64]
 
 #: Points that are converted for the core together.
 TILE = 1 << 20
@@ -135,3 +136,40 @@ def _default_reach(footprint: Floats, reach: float, extent: float) -> Floats:
     """Search radii as if the points were the pixels of a square image."""
     wide = np.where(footprint > 0, reach * np.sqrt(len(footprint)) * footprint, np.inf)
     return np.clip(wide, LEAST_REACH * extent, MOST_REACH * extent).astype(np.float32)
+
+
+def pixel_order(order: str, width: int, height: int) -> Indices:
+    """Row-major indices of the pixels in the given order.
+
+    "scanline": row by row. "hilbert": along Hilbert's curve. "coarse_to_fine": every 2^k-th pixel
+    of every 2^k-th row first, then those half way between them.
+    """
+    numbers = np.arange(width * height, dtype=np.int64)
+    if order == "scanline":
+        return numbers
+    y, x = np.divmod(numbers, width)
+    bits = max(width, height, 2).bit_length()
+    key = _hilbert(x, y, bits) if order == "hilbert" else _coarse_to_fine(x, y, bits)
+    return np.argsort(key, kind="stable").astype(np.int64)
+
+
+def _coarse_to_fine(x: Any, y: Any, bits: int) -> Indices:
+    """Interleaved reversed bits of both coordinates: coarse positions come first."""
+    key = np.zeros_like(x)
+    for bit in range(bits):
+        key = key << 2 | (x >> bit & 1) << 1 | (y >> bit & 1)
+    return np.asarray(key)
+
+
+def _hilbert(x: Any, y: Any, bits: int) -> Indices:
+    """Index along Hilbert's curve."""
+    x, y, key = x.copy(), y.copy(), np.zeros_like(x)
+    for bit in reversed(range(bits)):
+        step = 1 << bit
+        right, up = (x & step) > 0, (y & step) > 0
+        key += step * step * ((3 * right) ^ up)
+        # Turn the quadrant so that the curve within it starts at its origin
+        flip = right & ~up
+        x, y = np.where(flip, step - 1 - x, x), np.where(flip, step - 1 - y, y)
+        x, y = np.where(up, x, y), np.where(up, y, x)
+    return np.asarray(key)
