@@ -99,7 +99,7 @@ def test_what_does_not_combine_is_refused() -> None:
     with pytest.raises(ValueError, match="classes must be"):
         vc.Correct(classes="own")  # type: ignore[arg-type]
     for integrator, options, match in (
-        (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "unless visibility is"),
+        (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "with visibility maps"),
         (product, {"use": "correct", "env": 1.0}, "product"),
         (vc.AmbientOcclusion(n_samples=33, directions="shared"), {"use": "correct"}, "shared"),
         (vc.Direct(), {"use": "repair"}, "use must be"),

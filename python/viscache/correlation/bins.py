@@ -31,24 +31,12 @@ PILOT_PERCENTILE = 99.0
 class Bins:
     """Edges of the table, limits of the slices, and the cells used for both.
 
-    Parameters
-    ----------
-    d_edges : (D + 1,) float
-        Increasing, >= 0, in scene units; the last may be inf.
-    theta_edges_deg : (T + 1,) float
-        Increasing, in [0, 180] degrees. If the last edge is 180, the last bin includes it.
-    slice_d : float > 0
-        The slice over θ contains the pairs with d < slice_d.
-    slice_theta_deg : float > 0
-        The slice over d contains the pairs with θ < slice_theta_deg degrees.
-    d_end : float > 0, optional
-        End of the evenly spaced bins of the slice over d. By default the last finite edge, or one
-        bin further if the last edge is infinite.
-
-    Raises
-    ------
-    ValueError
-        The edges do not increase, or they are out of range.
+    `d_edges` (D + 1,) increase, >= 0, in scene units; the last may be inf. `theta_edges_deg` (T +
+    1,) increase, in [0, 180] degrees; an edge of 180 is included in the last bin. The slice over θ
+    contains the pairs with d < `slice_d`, the slice over d those with θ < `slice_theta_deg`.
+    `d_end` ends the evenly spaced bins of the slice over d: by default the last finite edge, or one
+    bin further if the last edge is infinite. ValueError if edges do not increase, or are out of
+    range.
     """
 
     d_edges: Floats

@@ -119,12 +119,7 @@ def automatic_thresholds(tested: Floats, difference: Floats) -> tuple[float, flo
     """Choose w_min and delta_max from the start-up; the paper does not specify them.
 
     The pairs lie on a line through the presets that extends beyond them on both sides. The tightest
-    pair is chosen for which `expected_records` is small enough.
-
-    Parameters
-    ----------
-    tested, difference : (N,) float
-        See `expected_records`.
+    pair is chosen for which `expected_records`, with the same arguments, is small enough.
 
     Examples
     --------

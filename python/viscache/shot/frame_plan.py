@@ -9,7 +9,7 @@ from viscache import _core
 from viscache.aqvc.rows import AqvcRows
 from viscache.aqvc.table import AqvcTable
 from viscache.frame.memory import require_memory
-from viscache.oracles.correct import Correct
+from viscache.oracles.correct import Correct, check_use
 from viscache.oracles.written import is_written
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
@@ -118,16 +118,9 @@ def check_settings(
         visibility,
     )
     check_rays(rays)
-    fits = (
-        use in (None, "replace", "correct")
-        if isinstance(use, str | None)
-        else (isinstance(use, Correct) and not isinstance(visibility, VisMaps))
-    )
-    require(
-        fits,
-        'use must be "replace" or "correct", or vc.Correct(...) unless visibility is VisMaps',
-        use,
-    )
+    check_use(use)
+    maps = isinstance(use, Correct) and isinstance(visibility, VisMaps)
+    require(not maps, 'use must be "replace" or "correct" with visibility maps', use)
     require(
         keep is None or isinstance(keep, AqvcTable | AqvcRows | VoxelCounts),
         "keep must be vc.AqvcTable(...), vc.AqvcRows(...) or vc.VoxelCounts()",

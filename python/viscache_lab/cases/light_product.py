@@ -45,28 +45,14 @@ def blocked_share(
     samples: int = 256,
     seed: int = 0,
 ) -> Array:
-    """Fraction of light-product samples that are occluded, per pixel.
+    """Fraction of light-product samples that are occluded, per pixel: (H, W) in [0, 1].
 
     Directions are sampled with a density ∝ luminance(L)·B over the texels of the environment, with
     B = BRDF·cos at their centres. This is the importance sampling on which the visibility-map paper
-    is based.
+    is based. NaN if a pixel sees no surface, or a surface without possible light.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene lit only by its environment, with flat-shaded meshes without instances, of diffuse
-        and glossy materials without textures.
-    camera : str, int or Camera, optional
-        A pinhole; the first camera of the scene by default.
-    size : (width, height)
-        One ray through the centre of each pixel.
-    samples : int >= 1
-        Directions per pixel.
-
-    Returns
-    -------
-    (H, W) float64
-        In [0, 1]; NaN if a pixel sees no surface, or a surface without possible light.
+    The scene is lit by its environment alone, of flat-shaded meshes without instances, diffuse and
+    glossy without textures; the camera is a pinhole, with one ray through the centre of each pixel.
     """
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)
@@ -92,10 +78,7 @@ def drawn_texels(density: Array, samples: int, rng: np.random.Generator) -> npt.
 def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
     """Centres (R², 3) of the environment's texels, row by row, and their radiance (R, R, 3).
 
-    Raises
-    ------
-    ValueError
-        The scene has other lights, or images besides that of its environment.
+    ValueError if the scene has other lights, or images besides that of its environment.
     """
     kinds = [light["kind"] for light in scene.lights]
     alone = kinds in (["environment"], ["constant"])

@@ -102,19 +102,9 @@ class Pixel:
 
 
 class Pixels:
-    """The pixels of an image that see a surface.
+    """The pixels of an image that see a surface, of a scene that `light_product` accepts.
 
-    Parameters
-    ----------
-    cache : VisibilityMapCache
-        Cache of a scene that `viscache_lab.cases.light_product` accepts.
-    camera : str, int or Camera, optional
-    size : (width, height)
-
-    Raises
-    ------
-    ValueError
-        The scene has other lights.
+    ValueError if the scene has other lights.
     """
 
     def __init__(
@@ -159,12 +149,8 @@ class Pixels:
 def pooled_alphas(pixels: Pixels, ways: Sequence[tuple[float, Any]], seed: int) -> list[float]:
     """α of each way to sample from its pilot: one regression over all points, clamped to [0, 1.5].
 
-    Parameters
-    ----------
-    ways : sequence of (eta, points)
-        Minimum of the density of the samples, in (0, 1], and a PointSet.
-    seed : int
-        Seed of points and samples; must differ from that of the estimates.
+    A way is (eta, points): the minimum of the density of its samples, and a PointSet. The seed must
+    differ from that of the estimates.
     """
     covariance, variance = np.zeros(len(ways)), np.zeros(len(ways))
     chosen = pixels.chosen(PILOT_POINTS, seed) if ways else np.empty(0, np.int64)

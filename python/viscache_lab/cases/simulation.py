@@ -33,23 +33,15 @@ PILOT_SEED = 1 << 40
 class Way:
     """A method to estimate a pixel.
 
-    Parameters
-    ----------
-    alpha : float or {"loo", "previous_pass", "oracle"}
-        Coefficient of the control variate: 1 as in the paper, 0 for plain product sampling.
-        "oracle": the best for independent points, by summation over the true visibility.
-    eta : float in (0, 1]
-        Minimum of the guided density; 1: product sampling.
-    points : {"iid", "rqmc"}
-        Independent points, or a randomised (0,2)-sequence.
-    passes : int >= 1
-        Number of passes. Only the last one counts; with "previous_pass", α comes from the others.
-    one_shot : bool
-        The given samples are all samples of the pixel. With "previous_pass", they are divided as in
-        `one_shot_passes`, and the mean of all passes counts.
-    first : {"one", "pilot"}
-        α of the first pass with "previous_pass": 1 as in the paper, or pooled from 16 samples at
-        1000 random pixels.
+    `alpha` is the coefficient of the control variate: 1 as in the paper, 0 for plain product
+    sampling; "oracle": the best for independent points, by summation over the true visibility.
+    `eta` in (0, 1] is the minimum of the guided density; 1: product sampling. Points are
+    independent, or a randomised (0,2)-sequence.
+
+    Only the last of the passes counts; with "previous_pass", α comes from the others. If
+    `one_shot`, the given samples are all samples of the pixel: with "previous_pass" they are
+    divided as in `one_shot_passes`, and the mean of all passes counts. `first` is the α of the
+    first pass: 1 as in the paper, or pooled from 16 samples at 1000 random pixels.
     """
 
     alpha: Alpha = 0.0
@@ -120,35 +112,10 @@ def simulate(
 ) -> PixelEstimates:
     """Estimate random pixels of an image, independently and many times.
 
-    Parameters
-    ----------
-    cache : VisibilityMapCache
-        Cache of a scene that `viscache_lab.cases.light_product` accepts; it is not changed.
-    ways : sequence of Way
-    samples : sequence of int >= 1
-        Per pixel and pass, or in total if the method is `one_shot`.
-    camera : str, int or Camera, optional
-        As in `viscache.render`.
-    size : (width, height), optional
-        Size of the image; the size of pixels determines the search radius for records. The camera's
-        own by default.
-    n_pixels : int >= 1
-        Number of pixels chosen from those that see a surface; all of them if there are fewer.
-    replicates : int >= 2
-        Number of independent estimates of every pixel.
-    seed : int >= 0
-        Seed of the pixels and their samples.
-    threads : int, optional
-        All cores by default.
-
-    Returns
-    -------
-    PixelEstimates
-
-    Raises
-    ------
-    ValueError
-        A parameter is out of range, or the scene has other lights.
+    The cache is of a scene that `light_product` accepts, and is not changed. Samples count per
+    pixel and pass, or in total if the method is `one_shot`. The size of pixels determines the
+    search radius for records. At most `n_pixels` of those that see a surface are chosen. ValueError
+    if a parameter is out of range, or the scene has other lights.
     """
     require(n_pixels >= 1, "n_pixels must be >= 1", n_pixels)
     require(replicates >= 2, "replicates must be >= 2", replicates)
