@@ -172,11 +172,6 @@ def test_a_frame_is_its_image_to_other_libraries() -> None:
     assert np.mean(small) == 1 and (np.asarray(small) * 2).shape == (2, 3, 3)
 
 
-def test_a_frame_shows_itself_in_a_notebook() -> None:
-    text = make()._repr_html_()
-    assert "data:image/png;base64," in text and "total_s" in text and "queries" in text
-
-
 def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
     frame = make()
     frame.timings |= {"cpu_s": 0.4, "visibility_s": 0.05, "visibility_cpu_s": 0.2}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from oracles.test_written import Grid
 from reference.built import built
 
 SIZE = (72, 40)
@@ -22,42 +23,40 @@ def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) ->
     return made, vc.render(scene, integrator, size=SIZE, visibility=visibility, use=use, **options)
 
 
-@pytest.mark.parametrize("spp", [1, 4])
-@pytest.mark.parametrize(
-    "visibility",
-    [
-        vc.Exact(),
-        vc.Aqvc(c_e=8),
-        vc.Aqvc(c_e=6, preset="paper"),
-        vc.ShadowMap(resolution=64),
-        vc.Aqvc(preset="fast", c_e=8),
-    ],
-    ids=["exact", "aqvc", "paper", "shadow maps", "fast"],
-)
-def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: int) -> None:
-    made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3)
+FAST, OWN = vc.Aqvc(preset="fast", c_e=8), {"spp": 4, "env": (0.5, 0.6, 0.7)}
+AMBIENT = vc.AmbientOcclusion(n_samples=9, max_distance=1.0)
+SHOTS: dict[str, tuple[str, Any, Any, dict[str, Any]]] = {
+    "exact": (ROOM, vc.Whitted(n_vpls=80), vc.Exact(), {"seed": 3}),
+    "aqvc": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=8), {"spp": 4}),
+    "paper": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=6, preset="paper"), {}),
+    "maps": (ROOM, vc.Whitted(n_vpls=80), vc.ShadowMap(resolution=64), {"spp": 4}),
+    "fast": (ROOM, vc.Whitted(n_vpls=80), FAST, {"seed": 3}),
+    "picks": (ROOM, vc.Whitted(n_vpls=80, pick=3), vc.Aqvc(c_e=8), {"seed": 3}),
+    "own": (ROOM, vc.Whitted(n_vpls=40), Grid(cell=0.3), {}),
+    "areas": ("cornell_box", vc.Direct(n_area=5), vc.Exact(), OWN),
+    "areas, aqvc": ("cornell_box", vc.Direct(n_area=5), vc.Aqvc(c_e=8), OWN),
+    "ambient": ("cornell_box", AMBIENT, vc.Exact(), OWN),
+    "ambient, aqvc": ("cornell_box", AMBIENT, vc.Aqvc(c_e=8), OWN),
+}
+
+
+@pytest.mark.parametrize("name", SHOTS)
+def test_answers_make_the_renderers_frame_byte_for_byte(name: str) -> None:
+    spec, integrator, visibility, options = SHOTS[name]
+    made, rendered = frames(built(spec), integrator, visibility, **options)
     assert made.sha256 == rendered.sha256
-    for name, layer in rendered.layers.items():
-        np.testing.assert_array_equal(made.layers[name], layer)
+    for layer, pixels in rendered.layers.items():
+        np.testing.assert_array_equal(made.layers[layer], pixels)
 
 
-@pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=8)], ids=["exact", "aqvc"])
 @pytest.mark.parametrize(
-    "integrator",
-    [vc.Direct(n_area=5), vc.AmbientOcclusion(n_samples=9, max_distance=1.0)],
-    ids=["direct", "ambient"],
+    ("visibility", "use"),
+    [(vc.Aqvc(c_e=12), vc.Correct(share=0.3)), (vc.NeePlusPlus(n_voxels=4), "correct")],
+    ids=["aqvc", "means"],
 )
-def test_samples_of_each_eye_points_own_too(integrator: Any, visibility: Any) -> None:
-    scene = built("cornell_box" if "cornell_box" in vc.scenes.SCENES else ROOM)
-    made, rendered = frames(scene, integrator, visibility, spp=4, env=(0.5, 0.6, 0.7))
-    assert made.sha256 == rendered.sha256
-
-
-def test_corrected_answers_too() -> None:
+def test_corrected_answers_too(visibility: Any, use: Any) -> None:
     """Up to rounding: the renderer adds corrections one by one, answers hold one weight each."""
-    made, rendered = frames(
-        built(ROOM), vc.Whitted(n_vpls=40), vc.Aqvc(c_e=12), use=vc.Correct(share=0.3)
-    )
+    made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=40), visibility, use=use)
     np.testing.assert_allclose(made.image, rendered.image, rtol=1e-4, atol=1e-5)
 
 

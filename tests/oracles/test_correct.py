@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from oracles.test_written import Grid, Half
 from reference.built import built
 from viscache.oracles.correct import Correct
 
@@ -25,28 +26,28 @@ ROOM = "room?triangles=3000"
         (vc.AmbientOcclusion(n_samples=8, max_distance=1.0), vc.Aqvc(c_e=12)),
         (vc.Bdpt(max_depth=3), vc.Aqvc(c_e=12)),
         (vc.Direct(), vc.Exact()),
+        (vc.Direct(), vc.Unoccluded()),
+        (vc.Whitted(n_vpls=64, pick=4), vc.Unoccluded()),
+        (vc.Whitted(n_vpls=40), Grid(cell=0.5)),
+        (vc.Whitted(n_vpls=40), Half()),
     ],
-    ids=["waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"],
+    ids=[
+        *("waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"),
+        *("unoccluded", "picks", "own", "own, with weights"),
+    ],
 )
 def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibility: Any) -> None:
     scene = built(ROOM)
-    exact = vc.render(scene, integrator, size=SIZE, spp=2)
-    right = vc.render(
-        scene, integrator, size=SIZE, spp=2, visibility=visibility, use=vc.Correct(share=1)
-    )
+    given: dict[str, Any] = {"size": SIZE, "spp": 2}
+    exact = vc.render(scene, integrator, **given)
+    given["visibility"] = visibility
+    right = vc.render(scene, integrator, use=vc.Correct(share=1), **given)
     assert right.sha256 == exact.sha256
     assert (right.counters["corrections"] > 0) is not isinstance(visibility, vc.Exact)
     if not isinstance(visibility, vc.Exact):
-        cached = vc.render(scene, integrator, size=SIZE, spp=2, visibility=visibility)
+        cached = vc.render(scene, integrator, **given)
         assert cached.sha256 != exact.sha256
         assert right.counters["wrong"] > 0
-
-
-def test_weights_of_roulette_are_corrected_too() -> None:
-    scene, light = built(ROOM), vc.Whitted(n_vpls=64)
-    exact = vc.render(scene, light, size=SIZE)
-    right = vc.render(scene, light, size=SIZE, visibility=vc.NeePlusPlus(), use=vc.Correct(share=1))
-    assert right.sha256 == exact.sha256
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:

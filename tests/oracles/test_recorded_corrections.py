@@ -134,22 +134,3 @@ def test_the_weight_of_a_neighbouring_band_leaves_a_bias(coarse: Record) -> None
         wrong = coarse.cached + (coarse.v - coarse.cached) * factor * coarse.inverse_share
         wrong = np.where(coarse.changed & (coarse.inverse_share > 1), wrong, coarse.weight)
         assert abs(coarse.z(wrong)) > LIMIT
-
-
-def test_own_rays_may_be_left_out_only_where_their_answers_count(
-    room: vc.Scene, coarse: Record
-) -> None:
-    """Negative control: eye points whose ray was traced for finer cells are not checked, though
-    they have the answer of the coarse cell."""
-    asked = vc.connections(room, LIGHTS, **OPTIONS)
-    oracle = asked.oracle(CACHE)
-    answer = oracle.block(asked.eyes, asked.groups["vpl"], asked.wanted("vpl"), clusters=True)
-    log = answer.clusters
-    own = np.zeros(coarse.wanted.shape, bool)
-    own[log["row"], log["column"]] = log["traced"]
-    # Its own ray answers each of them
-    np.testing.assert_array_equal(np.asarray(answer, float)[own], coarse.v[own])
-    assert 0.01 < own[coarse.wanted].mean() < 0.5
-    left_out = np.where(own, coarse.cached, coarse.weight)
-    applied = np.where(own, coarse.v, coarse.weight)
-    assert abs(coarse.z(applied)) < LIMIT < abs(coarse.z(left_out))

@@ -67,27 +67,6 @@ def over_reference(
 
 
 @pytest.mark.stat
-def test_each_band_is_drawn_with_its_share_and_weighted_by_it(wall: vc.Scene) -> None:
-    c, relative = lights(2048, 1)
-    h = (relative[..., None] <= BOUNDS).sum(axis=-1)
-    w = weights_of(wall, c, 3)
-    drawn = w != 1
-    assert set(np.unique(h)) == set(range(9))
-    for band in range(9):
-        mine = h == band
-        q, n = 0.5**band, int(mine.sum())
-        np.testing.assert_array_equal(w[mine & drawn], np.float32(1 - 2**band))
-        spread = np.sqrt(max(q * (1 - q) / n, 1e-30))
-        assert abs(drawn[mine].mean() - q) <= 4.5 * spread
-        # Negative control: the share of a neighbouring band is told apart
-        if band:
-            assert abs(drawn[mine].mean() - 2 * q) > 10 * spread
-    # So the expectation of every weight is the truth, 0
-    z = w.sum(dtype=np.float64) / np.sqrt(((2.0**h) - 1).sum())
-    assert abs(z) < 4.5
-
-
-@pytest.mark.stat
 def test_draws_of_neighbours_are_independent(wall: vc.Scene) -> None:
     """Neighbouring bits of a word, the same bit of the next word, and the next eye point."""
     n = 4096

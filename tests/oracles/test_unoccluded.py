@@ -41,9 +41,3 @@ def test_ambient_occlusion_is_white_and_bidirectional_paths_take_it() -> None:
         for v in (vc.Unoccluded(), vc.Exact())
     )
     assert bright > exact
-
-
-def test_with_all_corrections_it_is_exact() -> None:
-    scene, light = built(ROOM), vc.Direct()
-    right = vc.render(scene, light, size=SIZE, visibility=vc.Unoccluded(), use=vc.Correct(share=1))
-    assert right.sha256 == vc.render(scene, light, size=SIZE).sha256

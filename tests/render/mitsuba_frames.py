@@ -16,12 +16,19 @@ Images = npt.NDArray[np.float64]
 
 
 def theirs(
-    mi: Any, scene: Any, *, depth: int = 2, spp: int = 16, seeds: int = 64, **kwargs: Any
+    mi: Any,
+    scene: Any,
+    *,
+    depth: int = 2,
+    spp: int = 16,
+    seeds: int = 64,
+    first: int = 100,
+    **kwargs: Any,
 ) -> Images:
     """Mitsuba's `path`; a `max_depth` of 2 is direct light."""
     path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
     shots = [
-        np.array(mi.render(scene, integrator=path, spp=spp, seed=100 + i, **kwargs))
+        np.array(mi.render(scene, integrator=path, spp=spp, seed=first + i, **kwargs))
         for i in range(seeds)
     ]
     return np.stack(shots).astype(np.float64)[..., :3]

@@ -13,20 +13,7 @@ from viscache.settings.by_name import replaced
 from viscache_lab.extremes.moved import description_of, moved
 from viscache_lab.extremes.scenes import lit_box
 
-__all__ = [
-    "FORMS",
-    "LOCAL",
-    "SHARED",
-    "SIZE",
-    "description_of",
-    "energy",
-    "exact",
-    "lit_box",
-    "moved",
-    "rel_l1",
-    "render",
-    "scene",
-]
+__all__ = ["description_of", "lit_box", "moved"]
 
 Image = npt.NDArray[np.float32]
 

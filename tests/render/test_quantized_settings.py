@@ -127,20 +127,3 @@ def test_c_e_of_a_light_group_changes_that_group_alone(group):
         assert counts["rays"] > 1.5 * before["rays"]
         finer = q.rel_l1(frame.layers[name], exact[name])
         assert finer < q.rel_l1(whole.layers[name], exact[name])
-
-
-# Light samples per eye point
-
-
-def test_light_cells_leave_an_error_that_falls_with_the_samples():
-    """C_E shrinks eye cells only, so local light is exact for many samples alone."""
-    scene = q.lit_box().with_environment(0.5)
-    error = {"area": [], "environment": []}
-    for m in (1, 8):
-        integrator = vc.Direct(n_area=8 * m, n_environment=4 * m, n_brdf=4 * m)
-        frame = q.render(scene, integrator, c_e=1e-3)
-        for group, found in error.items():
-            exact = q.exact(scene, integrator).layers[group]
-            found.append(q.rel_l1(frame.layers[group], exact))
-    for few, many in error.values():
-        assert 0 < many < 0.5 * few

@@ -250,18 +250,6 @@ def test_the_fresnel_term_has_its_limits() -> None:
     assert testing.fresnel_dielectric(np.array([-0.75]), 1.5)[0] < 1
 
 
-@pytest.mark.mitsuba
-def test_the_fresnel_term_is_mitsubas() -> None:
-    mi = pytest.importorskip("mitsuba")
-    mi.set_variant("scalar_rgb")
-    for cos_i in np.linspace(-1, 1, 41):
-        for eta in (1.5, 0.7, 2.0):
-            expected = mi.fresnel(float(cos_i), eta)[0]
-            assert testing.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(
-                expected, abs=2e-5
-            )
-
-
 @pytest.mark.parametrize("eta", [1.5, 0.7])
 def test_refraction_obeys_snell_and_can_be_reversed(eta: float) -> None:
     n = np.array([0.0, 0.6, 0.8])

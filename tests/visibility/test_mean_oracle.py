@@ -108,13 +108,6 @@ def test_weights_are_the_mean_or_the_corrected_mean(scene: vc.Scene) -> None:
         assert abs(truth[there].mean() - mean[there].mean()) < 0.1
 
 
-def test_the_frame_is_the_sum_of_its_answers(scene: vc.Scene) -> None:
-    conn = vc.connections(scene, LIGHTS, size=SIZE)
-    frame = vc.render(scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct")
-    again = conn.frame(conn.answers(COARSE, use="correct"))
-    np.testing.assert_allclose(again.image, frame.image, rtol=1e-4, atol=1e-5)
-
-
 def test_the_contribution_decides_beside_the_mean(scene: vc.Scene) -> None:
     """Rays go where light is: the same rays, spread evenly, leave several times the error."""
     exact = vc.render(scene, LIGHTS, size=SIZE, spp=4)
@@ -161,35 +154,6 @@ def test_later_frames_learn_less_and_add_to_the_counts(scene: vc.Scene) -> None:
     fixed = vc.NeePlusPlus(relearn_pixels=0, n_voxels=4)
     frames = kept_frames(scene, 2, vc.VoxelCounts(), visibility=fixed)
     assert frames[1].counters["learning_rays"] == 0 < frames[0].counters["learning_rays"]
-
-
-@pytest.mark.parametrize("first", [0, 1])
-def test_an_interrupted_frame_leaves_no_counts(first: int, scene: vc.Scene) -> None:
-    counts, calls = vc.VoxelCounts(), 0
-    want = [f.sha256 for f in kept_frames(scene, first + 2, vc.VoxelCounts(), use="correct")]
-    kept_frames(scene, first, counts, use="correct")
-    before = counts._state()
-
-    def interrupt(done: int, total: int) -> None:
-        nonlocal calls
-        calls += 1
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        vc.render(
-            scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct", keep=counts,
-            first_sample=first, progress=interrupt,
-        )  # fmt: skip
-    assert calls
-    for name, values in counts._state().items():
-        np.testing.assert_array_equal(values, before[name])
-    got = [
-        vc.render(
-            scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct", keep=counts, first_sample=i
-        ).sha256
-        for i in range(first, first + 2)
-    ]
-    assert got == want[first:]
 
 
 @pytest.fixture(scope="module")

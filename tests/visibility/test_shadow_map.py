@@ -192,12 +192,8 @@ def test_frames_ask_maps_for_points_and_directions_and_rays_for_the_rest() -> No
     whitted = vc.Whitted(n_vpls=24, n_area=4, n_environment=2, n_brdf=2)
     maps = vc.ShadowMap(resolution=200)
     exact = vc.render(scene, whitted, size=(64, 48), seed=2)
-    frames = [
-        vc.render(scene, whitted, size=(64, 48), seed=2, visibility=maps, threads=n)
-        for n in (1, 2, 5)
-    ]
-    frame, groups = frames[0], frames[0].counters["groups"]
-    assert all(f.sha256 == frame.sha256 and f.counters == frame.counters for f in frames)
+    frame = vc.render(scene, whitted, size=(64, 48), seed=2, visibility=maps)
+    groups = frame.counters["groups"]
     for name in ("area", "environment", "vpl"):
         np.testing.assert_array_equal(frame.layers[name], exact.layers[name])
         assert groups[name] == exact.counters["groups"][name]
