@@ -89,21 +89,25 @@ def test_correct_is_the_default_share() -> None:
     assert word.sha256 == vc.render(scene, vc.Direct(), use=Correct(), **options).sha256
 
 
-def test_what_does_not_combine_is_refused() -> None:
-    scene = built(ROOM)
-    for share in (0, -0.1, 1.1, float("nan")):
-        with pytest.raises(ValueError, match="share must be"):
-            vc.Correct(share=share)
-    with pytest.raises(ValueError, match="certain must be > 0 and finite, got 0"):
-        vc.Correct(certain=0)
-    product = vc.Direct(environment="product")
-    with pytest.raises(ValueError, match="classes must be"):
-        vc.Correct(classes="own")  # type: ignore[arg-type]
-    for integrator, options, match in (
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [({"share": share}, "share must be") for share in (0, -0.1, 1.1, float("nan"))]
+    + [({"certain": 0}, "certain must be > 0 and finite, got 0"), ({"classes": "own"}, "classes")],
+)
+def test_bad_settings_are_refused(options: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        vc.Correct(**options)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "options", "says"),
+    [
         (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "unless visibility is"),
-        (product, {"use": "correct", "env": 1.0}, "product"),
+        (vc.Direct(environment="product"), {"use": "correct", "env": 1.0}, "product"),
         (vc.AmbientOcclusion(n_samples=33, directions="shared"), {"use": "correct"}, "shared"),
         (vc.Direct(), {"use": "repair"}, "use must be"),
-    ):
-        with pytest.raises(ValueError, match=match):
-            vc.render(scene, integrator, size=SIZE, **options)  # type: ignore[arg-type]
+    ],
+)
+def test_what_does_not_combine_is_refused(integrator: Any, options: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        vc.render(built(ROOM), integrator, size=SIZE, **options)

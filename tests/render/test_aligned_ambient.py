@@ -84,14 +84,7 @@ def test_ctrl_c_stops_the_frame_soon() -> None:
     assert quickest_stop(call, 1.0) < LIMIT
 
 
-def test_what_does_not_fit_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"n_samples must be 1 or 2·4\^k \+ 1 .* got 64"):
-        vc.AmbientOcclusion(directions="shared")
-    scene = convex()
-    with pytest.raises(ValueError, match=r"visibility must be vc\.Exact"):
-        vc.render(scene, SHARED, visibility=vc.Aqvc(), size=(8, 8))
-    with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\) with shared directions"):
-        vc.render(scene, SHARED, rays=vc.Bsp(), size=(8, 8))
+def test_rows_of_another_length_are_refused() -> None:
     with pytest.raises(ValueError, match=r"rows must have shape \(1, 3\), got \(1, 1\)"):
         testing.free_share(129, [[0, 0, 1.0]], np.zeros((1, 1), np.uint64))
 

@@ -154,16 +154,6 @@ def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
     assert abs(energy(frame.image, reference.image)) < 0.005
 
 
-def test_tiles_of_other_integrators_do_not_race() -> None:
-    with pytest.raises(ValueError, match='storage must be "table", "exact" or "paper'):
-        vc.render(
-            room(),
-            vc.Direct(),
-            visibility=vc.Aqvc(paper=vc.PaperForm(storage="shared")),
-            size=(4, 4),
-        )
-
-
 @pytest.mark.parametrize("depth", [1, 2, 5])
 def test_frames_without_queries_are_answered(depth: int) -> None:
     dark = scenes.OUTSIDE.to_viscache()

@@ -166,17 +166,3 @@ def test_connections_have_the_picks(scene: vc.Scene) -> None:
         light = np.where(seen[..., None], contributions, 0).sum(axis=(0, 1), dtype=np.float64)
         layer = frame.layers[group].sum(axis=(0, 1), dtype=np.float64)
         np.testing.assert_allclose(light, layer, rtol=1e-4)
-
-
-def test_the_audit_of_a_cache_counts_the_picks(scene: vc.Scene) -> None:
-    """Audited pixels stand for the difference to the exact frame of the same picks."""
-    options: dict[str, Any] = {"size": (128, 128)}
-    cache = vc.Aqvc(c_e=24, exact_groups=())
-    cached = vc.render(
-        scene, direct(2), visibility=cache, audit=vc.AuditPixels(n=1 << 14), **options
-    )
-    exact = vc.render(scene, direct(2), **options)
-    surfaces = exact.image - exact.layers["emitted"]
-    error = np.abs(cached.image - exact.image).sum() / surfaces.sum()
-    assert cached.audit is not None
-    assert cached.audit.rel_l1_reflected.value == pytest.approx(error, rel=1e-4)

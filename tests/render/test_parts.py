@@ -120,25 +120,11 @@ def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
     assert 0 < shares[0] < shares[1] < shares[2] == (frame.layers["coverage"] > 0).mean()
 
 
-@pytest.mark.parametrize(
-    ("integrator", "visibility", "says"),
-    [
-        (vc.Bdpt(), None, "must not be Bdpt"),
-        (vc.AmbientOcclusion(n_samples=33, directions="shared"), None, "nor share directions"),
-        (vc.Direct(), vc.VisMaps(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
-        (vc.Direct(), vc.ShadowMap(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
-    ],
-)
-def test_a_frame_whose_tiles_depend_on_more_than_themselves_is_refused(
-    scene: vc.Scene, integrator: Any, visibility: Any, says: str
-) -> None:
-    with pytest.raises(ValueError, match=says):
-        tiles.render(scene, integrator, visibility=visibility, parts=2, size=(8, 8))
-
-
 def test_a_part_out_of_range_is_refused(scene: vc.Scene) -> None:
     for part in ((2, 2), (-1, 2), (0, 0), (0, True)):
         with pytest.raises(ValueError, match=r"parts? must be in"):
             render_part(BareShot(scene, vc.Direct(), size=(8, 8)), part)
     with pytest.raises(ValueError, match="parts must be in"):
         tiles.render(scene, vc.Direct(), parts=-1, size=(8, 8))
+    with pytest.raises(ValueError, match="must not be Bdpt"):
+        tiles.render(scene, vc.Bdpt(), parts=2, size=(8, 8))

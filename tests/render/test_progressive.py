@@ -330,11 +330,6 @@ def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:
             picture(room, **{option: value})
     with pytest.raises(ValueError, match="first_sample must be a multiple of spp"):
         vc.render(room, LIGHTS, size=SIZE, spp=2, first_sample=1)
-    with pytest.raises(ValueError, match="first_sample must be 0 with Bdpt"):
-        vc.render(room, vc.Bdpt(), size=SIZE, first_sample=1)
-    pairs = vc.Aqvc(preset="paper")
-    with pytest.raises(ValueError, match='form must be "waves"'):
-        vc.render(room, LIGHTS, size=SIZE, visibility=pairs, keep=vc.AqvcRows())
 
 
 def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) -> None:

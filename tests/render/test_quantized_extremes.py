@@ -78,20 +78,6 @@ def test_a_huge_ground_plane_does_not_coarsen_the_cells():
 # Parameters
 
 
-def test_extreme_c_e_of_local_samples_is_finite():
-    """Area, environment and ambient samples; light cells do not shrink with C_E."""
-    scene = q.lit_box().with_environment(0.5)
-    tiny, _ = check(scene, q.LOCAL, c_e=1e-9)
-    assert tiny.sha256 == check(scene, q.LOCAL, c_e=1e-3)[0].sha256
-    huge, _ = check(scene, q.LOCAL, c_e=1e9)
-    for group in ("area", "environment"):
-        small, large = (f.counters["groups"][group] for f in (tiny, huge))
-        assert 0.5 * small["queries"] < small["rays"] < small["queries"]
-        assert large["rays"] < 0.05 * large["queries"]
-    for c_e in (1e-9, 1e9):
-        check(scene, vc.AmbientOcclusion(n_samples=8, max_distance=None), c_e=c_e)
-
-
 @pytest.mark.parametrize("mode", ["round", "floor"])
 def test_odd_c_n_works_but_costs_rays_on_axis_aligned_walls(mode):
     """One bin edge lies on the axes: oblique grids cut the walls; the frame warns."""
@@ -129,21 +115,6 @@ def test_tiny_digests_and_tables_stay_within_what_the_lights_give(storage):
 
 
 # Geometry
-
-
-@pytest.mark.parametrize("noise", [1e-7, 1e-5])
-def test_noise_on_the_normals_of_axis_aligned_walls_costs_nothing_with_rounding(noise):
-    """The printed floor has its bin edges on the axes: rays more than double."""
-    shaken = q.moved(q.lit_box(), noise=noise)
-    rays = {
-        mode: [
-            check(scene, size=(160, 100), normal_mode=mode, refinement="off")[0].counters["rays"]
-            for scene in (q.lit_box(), shaken)
-        ]
-        for mode in ("round", "floor")
-    }
-    assert rays["round"][1] == pytest.approx(rays["round"][0], rel=0.02)
-    assert rays["floor"][1] > 1.8 * rays["floor"][0]
 
 
 @pytest.mark.parametrize("form", q.FORMS)

@@ -201,18 +201,3 @@ def test_without_shared_directions_nothing_is_chosen_or_built() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=500)
     frame = frame_of(vc.Direct(n_environment=4, n_brdf=4), by("batch"), scene, env=gradient())
     assert "engine" not in frame.parameters and "aligned_batch" not in scene._made
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"rays": vc.Bsp()}, r'rays must be vc.Embree\(\) with sky_engine="batch"'),
-        ({"integrator": vc.AmbientOcclusion()}, "integrator must be .* with sky_engine"),
-        ({"integrator": vc.Bdpt()}, "integrator must be .* with sky_engine"),
-        ({"visibility": vc.VisMaps()}, 'environment must not be "shared" with visibility maps'),
-        ({"integrator": vc.Direct(environment="shared", passes=2)}, "passes must be 1"),
-    ],
-)
-def test_what_does_not_fit_is_refused(arguments: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        frame_of(**({"integrator": WHOLE, "visibility": by("batch")} | arguments))

@@ -110,8 +110,3 @@ def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room: vc.Scene) 
     errors = [error(n_voxels=n) for n in (2, 6, 16)]
     assert errors[0] > 1.2 * errors[1] > 1.2 * 1.2 * errors[2] > 0
     assert error(n_voxels=2, exponent=0.25) < 0.7 * errors[0]
-
-
-def test_product_sampling_is_refused(room: vc.Scene) -> None:
-    with pytest.raises(ValueError, match='with environment="product"'):
-        vc.render(room, vc.Direct(environment="product"), size=(8, 8), visibility=COARSE)
