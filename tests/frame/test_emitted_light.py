@@ -81,26 +81,6 @@ def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found() -> None:
     assert seen_emitters(Frame(layers=old)) is None
 
 
-@pytest.mark.slow
-def test_files_keep_the_layer_and_those_without_it_leave_the_error_undefined(
-    tmp_path: Path,
-) -> None:
-    frame, exact = pair(lit())
-    paths = [tmp_path / "a.exr", tmp_path / "b.exr"]
-    for path, picture in zip(paths, (frame, exact), strict=True):
-        picture.save(path)
-    loaded = [Frame.load(path) for path in paths]
-    want = metrics.compare(frame, exact).rel_l1_reflected
-    assert metrics.compare(*loaded).rel_l1_reflected == want is not None
-    plain = Frame(layers={"color": exact.image})
-    for a, b in ((plain, exact), (frame, plain), (frame.image, exact.image)):
-        got = metrics.compare(a, b, metrics=["rel_l1", "rel_l1_reflected"])
-        assert got.rel_l1_reflected is None and got.rel_l1 is not None
-    assert "rel_l1_reflected=undefined" in repr(metrics.compare(plain, exact))
-    page = report.write_difference(*loaded, tmp_path / "page.html").read_text("utf-8")
-    assert 'data-column="rel_l1_reflected"' in page and f'data-value="{want!r}"' in page
-
-
 def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces() -> None:
     shown = np.full((4, 4, 3), 5.0)
     lamp = Frame(layers={"color": shown, "emitted": shown})

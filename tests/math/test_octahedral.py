@@ -65,16 +65,6 @@ def test_directions_survive_the_round_trip(pair) -> None:  # type: ignore[no-unt
     assert np.abs(back(p) - d).max() <= 1e-6
 
 
-@pytest.mark.slow
-@BOTH
-def test_points_of_the_square_survive_the_round_trip(pair) -> None:  # type: ignore[no-untyped-def]
-    there, back = pair
-    p = np.random.default_rng(2).random((1_000_000, 2)).astype(np.float32)
-    d = back(p)
-    assert np.linalg.norm(d.astype(float), axis=1) == pytest.approx(1, abs=2e-7)
-    assert np.abs(there(d) - p).max() <= 1e-6
-
-
 @BOTH
 def test_the_border_of_the_square_is_folded_onto_itself(pair) -> None:  # type: ignore[no-untyped-def]
     _, back = pair

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,6 @@ from viscache.oracles.learned import (
     PassMemory,
     best_scale,
     octaves_of,
-    one_pass_is_enough,
     unlearnt,
 )
 from viscache.shot.render import render_part
@@ -49,8 +47,8 @@ def frames(scene: vc.Scene, memory: list[PassMemory], size: tuple[int, int], **u
     return [render_part(asked, first_sample=n, memory=m) for n, m in enumerate(memory)]
 
 
-def memories(octaves: list[list[list[int]]], epoch: int = 3) -> list[PassMemory]:
-    return [PassMemory(_core.KeptLights(), o, epoch) for o in octaves]
+def memory(octaves: list[list[int]], epoch: int = 3) -> PassMemory:
+    return PassMemory(_core.KeptLights(), octaves, epoch)
 
 
 def mixed(seed: int) -> list[list[int]]:
@@ -70,7 +68,7 @@ def test_all_turns_together_are_the_exact_frame(hall: vc.Scene, octaves: Any) ->
     """
     size = (4, 4)
     exact = vc.render(hall, vc.Direct(centred=True), size=size).image
-    found = frames(hall, memories([octaves] * CYCLE), size, certain=2.0)
+    found = frames(hall, [memory(octaves) for _ in range(CYCLE)], size, certain=2.0)
     cached = vc.render(hall, vc.Direct(centred=True), size=size, visibility=CACHE).image
     assert np.abs(cached - exact).max() > 0.1 * exact.max()
     np.testing.assert_allclose(mean_of(found), exact, atol=1e-5 * float(exact.max()))
@@ -81,7 +79,7 @@ def test_all_turns_together_are_the_exact_frame(hall: vc.Scene, octaves: Any) ->
 def test_epochs_draw_independently(hall: vc.Scene) -> None:
     size = (16, 16)
     first, again, other = (
-        frames(hall, memories([unlearnt()], e), size, certain=2.0)[0] for e in (3, 3, 4)
+        frames(hall, [memory(unlearnt(), e)], size, certain=2.0)[0] for e in (3, 3, 4)
     )
     assert first.sha256 == again.sha256 != other.sha256
 
@@ -205,33 +203,6 @@ def test_the_scale_of_shares_balances_noise_and_rays() -> None:
     variance[0, :4] = 1e6
     counters = {"queries": 10000, "rays": 300, "corrections": 200, "groups": {}}
     assert best_scale(variance, of_corrections, np.ones((10, 10, 3)), counters) == 2.0
-
-
-def test_one_pass_tells_only_where_even_much_noise_would_not_help() -> None:
-    rng = np.random.default_rng(5)
-    counters = {"queries": 1000, "rays": 30, "corrections": 20, "groups": {}}
-
-    def enough(noise: float, of_corrections: float, width: int = 200, **other: Any) -> bool:
-        light = 1 + math.sqrt(noise) * rng.standard_normal((40, width, 3))
-        ones = np.ones_like(light)
-        return one_pass_is_enough(ones * of_corrections, light, counters | other)
-
-    assert not enough(0.01, 0.0)  # nothing was checked
-    assert not enough(0.01, 0.1)
-    assert enough(0.01, 1.0)
-    # A factor of noise is one of the limit: differences see the noise itself
-    assert not enough(0.04, 0.4)
-    assert enough(0.04, 4.0)
-    # A second pass would tell that exact rays cost less; one pass with such differences does not
-    assert scale_of(0.005, 0.1) == np.inf
-    # Misses that the next passes do not have speak for corrections
-    light = 1 + 0.1 * rng.standard_normal((40, 200, 3))
-    many = counters | {"rays": 420}
-    of_corrections = np.full_like(light, 0.005)
-    assert one_pass_is_enough(of_corrections, light, many)
-    assert not one_pass_is_enough(of_corrections, light, many, rows_are_kept=True)
-    # Too narrow for differences
-    assert not enough(0.01, 100.0, width=2)
 
 
 @pytest.mark.parametrize(

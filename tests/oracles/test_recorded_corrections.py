@@ -10,7 +10,6 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from reference.built import built
 from viscache.oracles.points import unpack
 
 Floats = npt.NDArray[np.float64]
@@ -30,22 +29,16 @@ LIMIT = 4.0
 class Record:
     """Connections of eye points (rows) with virtual lights (columns)."""
 
-    v: Floats
-    """V: 1 where a ray sees the light."""
-    cached: Floats
-    """What the cache answers."""
-    weight: Floats
-    """What the frame counts: the cache's answer, or the corrected one."""
-    light: Floats
-    """Contribution before visibility, summed over channels."""
-    wanted: Bools
-    """Connections that the frame asks for."""
+    v: Floats  #: V: 1 where a ray sees the light
+    cached: Floats  #: what the cache answers
+    weight: Floats  #: what the frame counts: the cache's answer, or the corrected one
+    light: Floats  #: contribution before visibility, summed over channels
+    wanted: Bools  #: connections that the frame asks for
 
     @property
     def changed(self) -> Bools:
         """Answers that a check found wrong."""
-        changed: Bools = self.wanted & (self.weight != self.cached)
-        return changed
+        return np.asarray(self.wanted & (self.weight != self.cached))
 
     @property
     def inverse_share(self) -> Floats:
@@ -72,11 +65,6 @@ def recorded(scene: vc.Scene, cache: vc.Aqvc) -> Record:
     light = asked.contributions("vpl").astype(np.float64).sum(axis=2)
     wanted = unpack(asked.wanted("vpl"), len(asked.groups["vpl"]))
     return Record(exact, cached, weight, light, wanted)
-
-
-@pytest.fixture(scope="module")
-def room() -> vc.Scene:
-    return built("room?triangles=3000")
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from reference.built import built
 
 SIZE = (64, 40)
 ROOM = "room?triangles=3000"
@@ -68,11 +67,6 @@ class Grid:
         return eyes[first].trace(lamps, asked)[cell.ravel()]
 
 
-@pytest.fixture(scope="module")
-def room() -> vc.Scene:
-    return built(ROOM)
-
-
 @pytest.mark.parametrize("oracle", [Rays(), AsBits()])
 @pytest.mark.parametrize(
     ("integrator", "options"),
@@ -97,46 +91,23 @@ def test_traced_rays_make_the_exact_frame(
             assert made.counters["rays"] == exact.counters["rays"]
 
 
-def test_a_grid_of_twenty_lines_trades_rays_for_error(room: vc.Scene) -> None:
-    exact = vc.render(room, WHITTED, size=SIZE)
-    found = {}
-    for cell in (0.02, 0.2, 0.8):
-        frame = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=cell))
-        assert frame.parameters["visibility"] == {"name": "Grid", "cell": cell}
-        error = vc.metrics.compare(frame, exact, metrics=["rel_l1"])["rel_l1"]
-        found[cell] = (frame.counters["rays"], error)
-    assert found[0.02][0] > found[0.2][0] > found[0.8][0]
-    assert found[0.02][1] < found[0.2][1] < found[0.8][1]
+def test_sweeps_go_over_its_fields_and_correct_it(room: vc.Scene, tmp_path: Path) -> None:
+    cells = [0.1, 0.4]
 
+    def swept(name: str, **use: Any) -> Any:
+        given: dict[str, Any] = {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"], **use}
+        over = {"visibility.cell": cells}
+        return vc.sweep(room, WHITTED, over=over, directory=tmp_path / name, **given)
 
-def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
-    table = vc.sweep(
-        room,
-        WHITTED,
-        visibility=Grid(),
-        over={"visibility.cell": [0.1, 0.4]},
-        size=SIZE,
-        metrics=["rel_l1"],
-    )
-    assert list(table["cell"].values) == [0.1, 0.4]
-    assert table["rays"].values[0] > table["rays"].values[1]
-    assert table["rel_l1"].values[0] < table["rel_l1"].values[1]
-
-
-def test_a_sweep_corrects_it(room: vc.Scene, tmp_path: Path) -> None:
-    over, given = (
-        {"visibility.cell": [0.4]},
-        {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"]},
-    )
-    plain = vc.sweep(room, WHITTED, over=over, directory=tmp_path / "a", **given)
-    exact = vc.sweep(
-        room, WHITTED, over=over, use=vc.Correct(share=1), directory=tmp_path / "b", **given
-    )
-    word = vc.sweep(room, WHITTED, over=over, use="correct", directory=tmp_path / "c", **given)
-    assert plain["rel_l1"].values[0] > 0 == exact["rel_l1"].values[0]
-    assert word["rays"].values[0] > plain["rays"].values[0]
+    plain, exact = swept("a"), swept("b", use=vc.Correct(share=1))
+    assert list(plain["cell"].values) == cells
+    for name in ("rays", "rel_l1"):
+        fine, coarse = plain[name].values
+        assert fine > coarse if name == "rays" else 0 < fine < coarse
+    assert not exact["rel_l1"].values.any()
+    assert (swept("c", use="correct")["rays"].values > plain["rays"].values).all()
     with pytest.raises(ValueError, match="use must be"):
-        vc.sweep(room, WHITTED, over=over, use="repair", **given)
+        swept("d", use="repair")
 
 
 def test_weights_count(room: vc.Scene) -> None:

@@ -69,12 +69,6 @@ def test_engines_agree(max_distance: float | None) -> None:
     assert 0 < batch.counters["occluded"] < rays
 
 
-def test_a_few_points_before_many_triangles_go_to_embree() -> None:
-    scene = vc.scenes.bumpy_spheres(triangles=100_000)
-    frame = vc.render(scene, SHARED, size=(16, 16))
-    assert frame.parameters["engine"]["name"] == "embree"
-
-
 @pytest.mark.slow
 def test_ctrl_c_stops_the_frame_soon() -> None:
     call = (

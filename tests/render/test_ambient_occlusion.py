@@ -86,30 +86,19 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
     assert set(frame.layers) == {"color", "emitted", "ambient", *FIRST_HITS}
 
 
-def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at() -> None:
+@pytest.mark.parametrize("own", [True, False], ids=["own directions", "shared directions"])
+def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at(own: bool) -> None:
     scene = vc.scenes.room(triangles=5000)
+    given: dict[str, Any] = {} if own else {"n_samples": 129, "directions": "shared"}
+
+    def frame(**more: Any) -> vc.Frame:
+        return vc.render(scene, vc.AmbientOcclusion(**given, **more), size=(24, 16))
+
     diagonal = float(np.linalg.norm(scene.bounds[1].astype(float) - scene.bounds[0]))
-    usual = vc.render(scene, vc.AmbientOcclusion(), size=(24, 16))
+    usual = frame()
     distance = usual.parameters["integrator"]["max_distance"]
     assert distance == pytest.approx(0.1 * diagonal)
-    given = vc.render(scene, vc.AmbientOcclusion(max_distance=distance), size=(24, 16))
-    assert usual.sha256 == given.sha256
-    unlimited = vc.render(scene, vc.AmbientOcclusion(max_distance=None), size=(24, 16))
+    assert usual.sha256 == frame(max_distance=distance).sha256
+    unlimited = frame(max_distance=None)
     assert unlimited.parameters["integrator"]["max_distance"] is None
     assert usual.image.mean() > 0.5 > 0.1 > unlimited.image.mean(), "closed rooms are not black"
-
-
-def test_no_limit_is_none_or_inf() -> None:
-    assert vc.AmbientOcclusion(max_distance=float("inf")) == vc.AmbientOcclusion(max_distance=None)
-    empty = vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int))
-    frame = vc.render(empty, vc.AmbientOcclusion(), size=(4, 4))
-    assert frame.parameters["integrator"]["max_distance"] is None
-
-
-def test_shared_directions_look_as_far() -> None:
-    scene = vc.scenes.room(triangles=5000)
-    shared = vc.AmbientOcclusion(n_samples=129, directions="shared")
-    frame = vc.render(scene, shared, size=(24, 16))
-    distance = frame.parameters["integrator"]["max_distance"]
-    same = vc.render(scene, replace(shared, max_distance=distance), size=(24, 16))
-    assert frame.sha256 == same.sha256 and frame.image.mean() > 0.5

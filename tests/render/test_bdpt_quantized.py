@@ -113,12 +113,6 @@ def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -
     assert keyed.counters["bypassed"] == 0
 
 
-def test_a_smaller_table_traces_more_rays() -> None:
-    """Down to a table of one slot."""
-    rays = [cached(table_bytes=b).counters["rays"] for b in (4, 64 << 10, MIB, 64 * MIB)]
-    assert rays == sorted(rays, reverse=True) and rays[0] > 2 * rays[-1]
-
-
 def test_mirrors_and_glass_lie_between_clusters() -> None:
     scene = scenes.CAUSTICS.to_viscache()
     integrator = vc.Bdpt(max_depth=6)

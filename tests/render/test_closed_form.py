@@ -231,15 +231,22 @@ def test_at_normal_incidence_glass_reflects_the_fresnel_share() -> None:
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("away", [0.0, 3.0, 1e3, 1e5])
+@pytest.mark.parametrize("instanced", [False, True])
 def test_surfaces_do_not_shadow_themselves_and_closed_rooms_do_not_leak(
-    scale: float, away: float
+    instanced: bool, scale: float, away: float
 ) -> None:
     """Ambient occlusion of a turned cube: 1 outside, whatever the angle; 0 inside."""
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     cube = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
     centre = np.array([away, 0.7 * away, -0.3 * away])
     vertices = ((cube.vertices @ rotation.T + centre) * scale).astype(np.float32)
-    scene = vc.Scene.from_arrays(vertices, cube.triangles)
+    d = vc.SceneDescription()
+    if instanced:
+        mesh = d.add_mesh(cube.vertices, cube.triangles, in_world=False)
+        d.add_instance([mesh], scale * np.concatenate([rotation, centre[:, None]], axis=1))
+    else:
+        d.add_mesh(vertices, cube.triangles)
+    scene = vc.Scene.from_description(d)
     middle = vertices.astype(float).mean(0)
     ambient = vc.AmbientOcclusion(n_samples=32, max_distance=None)
     for eye, target, fov, expected in (

@@ -216,7 +216,7 @@ def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
 
 
 def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
-    """One record a point: one comparison a ray. What has moved shows, threads do not."""
+    """One record a point: one comparison a ray, for any number of threads."""
     counted, at = [], {"size": (40, 24)}
     for threads in (1, 3):
         cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_best=1))
@@ -232,14 +232,6 @@ def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
     np.testing.assert_array_equal(counted[0], counted[1])
     shown(scene, maps=vc.VisMaps(cache=cache, update=False), **at)
     assert cache.records().rays.sum() == counted[1][0].sum()
-    # The cube has gone: what the records say of it is wrong now
-    bare = vc.scenes.cube_on_plane(size=0.01).with_environment(sky())
-    cache.update(scene=bare, **at)
-    cache.reset_errors()
-    shown(bare, maps=vc.VisMaps(cache=cache, update=False, count_misses=True), **at)
-    after = cache.records()
-    before = counted[0][1].sum() / counted[0][0].sum()
-    assert after.misses.sum() / after.rays.sum() > 1.5 * before
 
 
 def test_guided_rays_count_as_those_of_product_sampling_would() -> None:

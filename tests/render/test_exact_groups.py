@@ -198,16 +198,6 @@ def test_the_log_of_queries_says_that_exact_groups_are_exact(
     assert len(np.unique(clusters)) == len(clusters)
 
 
-def test_answers_to_connections_and_corrected_frames_are_those_of_the_renderer(
-    scene: vc.Scene,
-) -> None:
-    conn = vc.connections(scene, MIXED, size=SIZE)
-    for cache in (vc.Aqvc(c_e=8), vc.Aqvc(c_e=8, exact_groups=("vpl", "area"))):
-        assert conn.frame(conn.answers(cache)).sha256 == render(scene, cache).sha256
-        corrected = render(scene, cache, use=vc.Correct(share=1))
-        np.testing.assert_allclose(corrected.image, render(scene, vc.Exact()).image, atol=1e-5)
-
-
 def test_sets_are_kept_in_the_order_of_the_groups_and_others_are_refused() -> None:
     assert vc.Aqvc(exact_groups={"vpl", "area"}) == vc.Aqvc(exact_groups=["area", "vpl"])
     assert vc.Aqvc(exact_groups={"vpl", "area"}).resolved()["exact_groups"] == ("area", "vpl")

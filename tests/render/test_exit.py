@@ -12,7 +12,7 @@ import pytest
 PROGRAM = """
 import sys, threading, time
 sys.path.insert(0, {tests!r})
-from render.busy import busy_scene
+from render.mitsuba_scene import busy_scene
 import viscache as vc
 
 class Slow:

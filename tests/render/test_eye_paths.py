@@ -257,3 +257,26 @@ def test_direct_shows_light_after_one_bounce_only() -> None:
     assert not rendered(model, edge=4).image.any()
     steep = replace(model, target=(1, 40, 0), fov_deg=0.05)
     np.testing.assert_allclose(rendered(steep, edge=4).image, 0.5, rtol=1e-5)
+
+
+def lit_by(power: float) -> vc.Frame:
+    d = vc.SceneDescription()
+    d.add_material()
+    d.add_mesh(
+        np.array([[-4, 0, 4], [4, 0, 4], [4, 0, -4], [-4, 0, -4]], np.float32),
+        np.array([[0, 1, 2], [0, 2, 3]], np.uint32),
+    )
+    d.add_point_light((0, 0.1, 0), (power,) * 3)
+    d.add_camera((0, 0.4, 0.4), (0, 0, 0))
+    return vc.render(vc.Scene.from_description(d), vc.Direct(), size=(16, 10))
+
+
+@pytest.mark.extreme
+def test_pixels_that_are_not_finite_are_counted_and_warned_of() -> None:
+    for power, finite in ((1e38, False), (1.0, True)):
+        made = lit_by(power)
+        count = int((~np.isfinite(made.image).all(axis=2)).sum())
+        assert (count == 0) == finite and made.counters["non_finite_pixels"] == count
+        assert made.counters["non_finite"] == 0 if finite else made.counters["non_finite"] >= count
+        warned = [w for w in made.warnings if "not finite" in w]
+        assert not warned if finite else f"{count} pixels are not finite" in warned[0]

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 import viscache as vc
 from core import testing
 from render.mitsuba_scene import Look, Model, ball, box
-from viscache.oracles.points import unpack
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 
@@ -149,20 +148,3 @@ def test_any_number_of_parts_gives_the_same_bytes(scene: vc.Scene) -> None:
     whole = vc.render(scene, whitted(4), **options).image
     parts = [render_part(BareShot(scene, whitted(4), **options), (i, 3)).image for i in range(3)]
     np.testing.assert_array_equal(np.sum(parts, axis=0), whole)
-
-
-def test_connections_have_the_picks(scene: vc.Scene) -> None:
-    options: dict[str, Any] = {"size": (24, 16), "seed": 2}
-    found = vc.connections(scene, whitted(3), **options)
-    answers = found.answers(vc.Exact())
-    frame = vc.render(scene, whitted(3), **options)
-    assert found.frame(answers).sha256 == frame.sha256
-    for group, ends in found.groups.items():
-        contributions = found.contributions(group)
-        wanted = unpack(found.wanted(group), len(ends))
-        assert (wanted.sum(axis=1) <= 3).all() and (contributions[~wanted] == 0).all()
-        answer: Any = answers[group]
-        seen = unpack(answer.bits, len(ends))
-        light = np.where(seen[..., None], contributions, 0).sum(axis=(0, 1), dtype=np.float64)
-        layer = frame.layers[group].sum(axis=(0, 1), dtype=np.float64)
-        np.testing.assert_allclose(light, layer, rtol=1e-4)

@@ -11,7 +11,7 @@ import viscache as vc
 from render.test_progressive_oracles import HalfBlind
 from viscache.shot.render import seed_of
 
-SEEDS, PASSES = 32, 4
+SEEDS, PASSES = 20, 4
 SIZE = (24, 16)
 LIGHTS = vc.Whitted(n_vpls=64)
 

@@ -177,15 +177,8 @@ class Cell:
         return request.is_unbiased and not exact
 
     def frame(self, seed: int) -> vc.Frame:
-        return vc.render(
-            self.scene,
-            self.settings,
-            size=SIZE,
-            seed=seed,
-            visibility=ORACLES[self.oracle],
-            use=USES[self.use],
-            threads=1,
-        )
+        asked: dict[str, Any] = {"visibility": ORACLES[self.oracle], "use": USES[self.use]}
+        return vc.render(self.scene, self.settings, size=SIZE, seed=seed, threads=1, **asked)
 
 
 CELLS = [

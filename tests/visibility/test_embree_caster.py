@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from render.mitsuba_scene import Part, quad
 from visibility.moeller_trumbore import cross_all
 from visibility.soup import rays, soup
 
@@ -125,19 +126,6 @@ def test_answers_do_not_depend_on_threads_or_packets() -> None:
         np.testing.assert_array_equal(scene.intersect(o[:n], d[:n]).triangle >= 0, whole[:n])
 
 
-def test_a_watertight_surface_lets_no_ray_through_its_edges() -> None:
-    """Rays from inside a sphere, aimed at the vertices and at edge points."""
-    from render.mitsuba_scene import ball
-
-    part = ball((0.1, 0.2, 0.3), 1.0, 16)
-    scene = vc.Scene.from_arrays(part.vertices, part.triangles)
-    a, b = part.vertices[part.triangles[:, 0]], part.vertices[part.triangles[:, 1]]
-    w = np.linspace(0, 1, 9)[:, None, None]
-    targets = (a * (1 - w) + b * w).reshape(-1, 3).astype(np.float32)
-    origin = np.broadcast_to(np.float32([0.15, 0.1, 0.35]), targets.shape)
-    assert scene.occluded(origin, targets - origin).all()
-
-
 def placed(scale: float, turn: bool) -> Array:
     q = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
     q *= np.sign(np.linalg.det(q)) * (-1 if turn else 1)  # -1: mirrored
@@ -209,21 +197,15 @@ BAD_VALUES = [np.nan, np.inf, -np.inf, 2e16, 2e18, 1e30, 1e300]
 @pytest.mark.parametrize("value", BAD_VALUES)
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis: int) -> None:
-    bad = np.array([[0.2, 0.2, 1.0], [0.1, 0.1, 1.0]])
+    bad, good = np.array([[0.2, 0.2, 1.0], [0.1, 0.1, 1.0]]), np.repeat(ONE, 2, axis=0)
     bad[1, axis] = value
-    good = np.repeat(ONE, 2, axis=0)
-    for call, name in (
-        (lambda: SCENE.visible(bad, good), "x"),
-        (lambda: SCENE.visible(good, bad), "y"),
-        (lambda: SCENE.occluded(bad, good), "origins"),
-        (lambda: SCENE.occluded(good, bad), "directions"),
-        (lambda: SCENE.intersect(bad, good), "origins"),
-        (lambda: SCENE.intersect(good, bad), "directions"),
-    ):
-        with pytest.raises(
-            ValueError, match=rf"^{name} must be finite and at most 1e16 in size, row 1 "
-        ):
-            call()
+    names = ("origins", "directions")
+    calls = ((SCENE.visible, "x", "y"), (SCENE.occluded, *names), (SCENE.intersect, *names))
+    for call, first, second in calls:
+        for given, name in (((bad, good), first), ((good, bad), second)):
+            says = rf"^{name} must be finite and at most 1e16 in size, row 1 "
+            with pytest.raises(ValueError, match=says):
+                call(*given)
 
 
 @pytest.mark.parametrize(
@@ -267,55 +249,10 @@ def test_no_rays_are_no_answers() -> None:
     assert [f.dtype for f in found] == [np.float32, np.int64, np.float32, np.int64]
 
 
-def test_rays_without_length_hit_nothing() -> None:
-    on_it, beside = [[0.2, 0.2, 0.0]], [[0.2, 0.2, 0.5]]
-    for point in (on_it, beside):
-        assert not SCENE.occluded(point, [[0.0, 0.0, 0.0]])[0]
-        assert SCENE.intersect(point, [[0.0, 0.0, 0.0]]).triangle[0] == -1
-        assert SCENE.visible(point, point)[0]
-    assert not SCENE.occluded(beside, DOWN, 0.0)[0]
-
-
-@pytest.mark.extreme
-def test_extreme_but_legal_rays_are_answered() -> None:
-    big = np.float32(1e16)
-    o = np.array(
-        [[big, big, big], [-big, 0.2, 1], [0.2, 0.2, 1], [0.2, 0.2, 1e-30], [0.2, 0.2, 1]],
-        np.float32,
-    )
-    d = np.array(
-        [[-big, -big, -big], [1, 0, 0], [0, 0, -1e-38], [0, 0, -1], [0, 0, -1e16]], np.float32
-    )
-    answers = SCENE.occluded(o, d)
-    assert answers.dtype == bool and answers[3] and answers[4]
-    SCENE.intersect(o, d)
-    SCENE.visible(o, d)
-
-
 def test_t_max_may_be_an_array_an_integer_or_infinite() -> None:
     for t_max in (2, 2.0, [2.0], np.inf, np.float64(2), np.array(2.0), np.array([2], np.int64)):
         assert SCENE.occluded(ONE, DOWN, t_max)[0]
     assert not SCENE.occluded(ONE, DOWN, 0.5)[0]
-
-
-def test_inputs_of_any_layout_and_type_are_taken() -> None:
-    o = np.repeat(ONE, 6, axis=0)
-    for given in (
-        o.astype(np.float64),
-        o.astype(np.float16),
-        np.asfortranarray(o),
-        o.tolist(),
-        np.repeat(o, 2, 0)[::2],
-    ):
-        assert SCENE.occluded(given, np.repeat(DOWN, 6, 0)).all()
-    whole = np.array([[0, 0, 2]])
-    assert SCENE.visible(whole, [[1, 1, 2]])[0]
-
-
-def test_an_empty_scene_hides_nothing() -> None:
-    scene = vc.Scene.from_description(vc.SceneDescription())
-    assert scene.visible(ONE, DOWN)[0] and not scene.occluded(ONE, DOWN)[0]
-    assert scene.intersect(ONE, DOWN).triangle[0] == -1
 
 
 def test_degenerate_triangles_do_no_harm() -> None:
@@ -397,3 +334,41 @@ def test_larger_geometry_is_refused(size: float) -> None:
     placed.add_instance([0], np.diag([size, size, size, 1.0]))
     with pytest.raises(vc.SceneError, match="must stay below 1e12"):
         vc.Scene.from_description(placed)
+
+
+SCALES = [1e-6, 1e-3, 1.0, 1e3, 1e6]
+AWAY = [0.0, 3.0, 1e2, 1e5]
+N = 20_000
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("away", AWAY)
+def test_points_on_surfaces_see_each_other_through_free_space_only(
+    scale: float, away: float
+) -> None:
+    """`visible` without normals: opposite walls see each other; a screen between them hides."""
+    low = quad((-0.5, 0, -0.5), (0, 0, 1), (1, 0, 0))
+    high = quad((-0.5, 1, -0.5), (0, 0, 1), (1, 0, 0))
+    screen = quad((-2, 0.5, -2), (0, 0, 4), (4, 0, 0))
+    shift = np.array([away, away, -away])
+
+    def scene_of(*parts: Part) -> tuple[vc.Scene, list[Array]]:
+        vertices = [((p.vertices.astype(float) + shift) * scale).astype(np.float32) for p in parts]
+        faces = np.concatenate([p.triangles + 4 * i for i, p in enumerate(parts)])
+        return vc.Scene.from_arrays(np.concatenate(vertices), faces), vertices
+
+    free, (lower, upper) = scene_of(low, high)
+    weights = np.random.default_rng(1).dirichlet((1, 1, 1), (2, N)).astype(np.float32)
+    x, y = (w @ wall[:3] for w, wall in zip(weights, (lower, upper), strict=True))
+    assert free.visible(x, y).all() and free.visible(y, x).all()
+    hidden, _ = scene_of(low, high, screen)
+    assert not hidden.visible(x, y).any() and not hidden.visible(y, x).any()
+
+
+@pytest.mark.extreme
+def test_visible_keeps_points_apart_that_touch_a_wall_from_both_sides() -> None:
+    wall = vc.Scene.from_arrays([[-1, -1, 0], [1, -1, 0], [0, 2, 0]], [[0, 1, 2]])
+    for gap in (1e-3, 1e-4):
+        assert not wall.visible([[0, 0, gap]], [[0, 0, -gap]])[0]
+        assert wall.visible([[0, 0, gap]], [[0, 0, 2 * gap]])[0]

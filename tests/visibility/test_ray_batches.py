@@ -151,6 +151,8 @@ def test_rows_with_gaps_and_one_row_for_all_are_read_in_place() -> None:
     for p, w in ((o, d), (o[::-1][::-1], np.asfortranarray(d)), (o.astype(np.float64), d)):
         np.testing.assert_array_equal(scene.occluded(p, w, 1.0), plain)
     np.testing.assert_array_equal(scene.occluded(o[::-3], d[::-3], 1.0), plain[::-3])
+    np.testing.assert_array_equal(scene.occluded(o.tolist(), d, 1), plain)
+    assert scene.occluded(o.astype(np.float16), d, 1.0).shape == plain.shape
     one = np.repeat(o[:1], 9000, axis=0)
     np.testing.assert_array_equal(scene.occluded(o[0], d, 1.0), scene.occluded(one, d, 1.0))
     np.testing.assert_array_equal(

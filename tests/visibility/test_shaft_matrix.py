@@ -13,7 +13,6 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points
-from reference.built import built
 from viscache import _core
 from viscache.oracles.points import unpack
 from viscache.settings.rays import Rays
@@ -26,11 +25,6 @@ from visibility.test_shafts import (
 )
 
 Array = npt.NDArray[Any]
-
-
-@pytest.fixture(scope="module")
-def room() -> vc.Scene:
-    return built("room?triangles=3000")
 
 
 def on_surfaces(scene: vc.Scene, n: int, seed: int = 1) -> Array:
@@ -121,15 +115,6 @@ def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> Non
         refused.memory_bytes()
     eyes = vc.EyePoints(x, np.broadcast_to([0.0, 1, 0], x.shape))
     assert count_of_differences(scene, eyes, vc.FarEnds.points(y)) == 0
-
-
-def test_a_trial_leaves_fine_scenes_to_packets() -> None:
-    scene = built("random_triangles")
-    scene.shafts().memory_bytes()
-    x, y = in_space(scene, 500), in_space(scene, 100, 3)
-    bits, work = _core.shaft_matrix(scene.shafts(), scene.caster(), x, y, choose=True)
-    assert 0 < work["shaft_queries"] == 500 * 8 < work["left_to_packets"]
-    np.testing.assert_array_equal(bits, scene.visible_matrix(x, y, engine="packets"))
 
 
 def test_the_default_takes_shafts_where_points_are_dense(room: vc.Scene) -> None:

@@ -209,12 +209,6 @@ def test_any_numbers_of_points_and_lights_have_the_bits_of_packets(
         assert not (bits[:, -1] >> np.uint64(rest)).any()
 
 
-def test_lights_far_away_are_left_to_packets() -> None:
-    scene = some_of_a_grid()
-    ends = vc.FarEnds.points([[0, 1e5, 0], [1, 3, 2]])
-    assert count_of_differences(scene, grid_points(9, 0.0, 1.0), ends) == 0
-
-
 def test_a_tree_beyond_the_limit_is_not_built() -> None:
     scene = built("room?triangles=3000")
     assert "max_bytes" in _core.ShaftScene(scene._core, max_bytes=1000).refusal
