@@ -340,9 +340,9 @@ def test_what_changes_after_a_shot_was_made_does_not_change_it() -> None:
 
 
 def test_calls_of_a_shot_are_those_of_the_package() -> None:
-    room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(48, 30), seed=3)
+    room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(32, 20), seed=3)
     given = ("room?triangles=2000", vc.Whitted(n_vpls=16))
-    usual: dict[str, Any] = {"size": (48, 30), "seed": 3}
+    usual: dict[str, Any] = {"size": (32, 20), "seed": 3}
     assert room.render().sha256 == vc.render(*given, **usual).sha256
     cached = room.render(visibility="aqvc?c_e=8", spp=2, audit="pixels")
     again = vc.render(*given, visibility=vc.Aqvc(c_e=8), spp=2, audit="pixels", **usual)
