@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,6 +23,14 @@ def shared_scenes() -> Path:
     if not folder.is_dir():
         pytest.skip("the shared scenes are absent (set VISCACHE_SCENES to their folder)")
     return folder
+
+
+@pytest.fixture(scope="session")
+def room() -> Any:
+    """A scene that tests leave as it is."""
+    from reference.built import built
+
+    return built("room?triangles=3000")
 
 
 def pytest_configure(config: pytest.Config) -> None:

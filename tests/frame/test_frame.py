@@ -19,17 +19,11 @@ def make(height: int = 6, width: int = 9) -> Frame:
     color = rng.random((height, width, 3), np.float32)
     color[0, 0] = (np.nan, np.inf, -np.inf)
     color[1, 1] = (-0.0, 1e-45, 3e38)
-    layers = {
-        "position": rng.random((height, width, 3), np.float32),
-        "color": color,
-        "depth": rng.random((height, width), np.float32),
-        "uv": rng.random((height, width, 2), np.float32),
-        "odd": rng.random((height, width, 5), np.float32),
-    }
-    counters = {"queries": 2**60 + 1, "groups": {"vpl": {"rays": 3}}, "levels": [1, 2]}
+    shapes = {"position": (3,), "depth": (), "uv": (2,), "odd": (5,)}
+    layers = {n: rng.random((height, width, *last), np.float32) for n, last in shapes.items()}
     return Frame(
-        layers=layers,
-        counters=counters,
+        layers={"position": layers.pop("position"), "color": color, **layers},
+        counters={"queries": 2**60 + 1, "groups": {"vpl": {"rays": 3}}, "levels": [1, 2]},
         timings={"total_s": 0.1},
         parameters={"c_e": 4, "ö": None},
         warnings=["no film"],
@@ -113,9 +107,18 @@ def test_records_that_json_cannot_hold_are_refused_by_name() -> None:
         Frame(layers={"color": np.zeros((1, 1, 3))}, parameters={"a": object()})
 
 
-def test_bad_files_are_refused_with_a_reason(tmp_path: Path) -> None:
+def test_bad_files_and_paths_are_refused_with_a_reason(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no such file"):
         Frame.load(tmp_path / "none.exr")
+    for name in ("a.tiff", "a", "a.exr.gz"):
+        with pytest.raises(ValueError, match=r"path must end in \.exr, \.png, \.jpg, \.jpeg, got"):
+            make().save(tmp_path / name)
+    with pytest.raises(ValueError, match=r"exposure must be left out for \.exr, got 2"):
+        make().save(tmp_path / "a.exr", exposure=2)
+    for name in ("folder.exr", "folder.png"):
+        with pytest.raises(OSError, match="cannot write"):
+            make().save(tmp_path / "no" / name)
+    assert not list(tmp_path.iterdir())
     (tmp_path / "text.exr").write_text("hello")
     with pytest.raises(ValueError, match="not an OpenEXR file"):
         Frame.load(tmp_path / "text.exr")
@@ -123,8 +126,6 @@ def test_bad_files_are_refused_with_a_reason(tmp_path: Path) -> None:
     (tmp_path / "cut.exr").write_bytes((tmp_path / "a.exr").read_bytes()[:900])
     with pytest.raises(ValueError, match=r"cut\.exr"):
         Frame.load(tmp_path / "cut.exr")
-    with pytest.raises(OSError, match="cannot write"):
-        make().save(tmp_path / "no" / "such" / "folder.exr")
 
 
 @pytest.mark.parametrize(
@@ -146,17 +147,6 @@ def test_a_suffix_names_the_kind_of_file(tmp_path: Path, suffix: str, magic: byt
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
-def test_other_suffixes_are_refused_with_the_known_ones(tmp_path: Path) -> None:
-    for name in ("a.tiff", "a", "a.exr.gz"):
-        with pytest.raises(ValueError, match=r"path must end in \.exr, \.png, \.jpg, \.jpeg, got"):
-            make().save(tmp_path / name)
-    with pytest.raises(ValueError, match=r"exposure must be left out for \.exr, got 2"):
-        make().save(tmp_path / "a.exr", exposure=2)
-    with pytest.raises(OSError, match="cannot write"):
-        make().save(tmp_path / "no" / "folder.png")
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_frame_is_its_image_to_other_libraries() -> None:
     frame = make()
     shared = np.asarray(frame)
@@ -172,28 +162,17 @@ def test_a_frame_is_its_image_to_other_libraries() -> None:
     assert np.mean(small) == 1 and (np.asarray(small) * 2).shape == (2, 3, 3)
 
 
-def test_a_frame_shows_itself_in_a_notebook() -> None:
-    text = make()._repr_html_()
-    assert "data:image/png;base64," in text and "total_s" in text and "queries" in text
-
-
 def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
     frame = make()
     frame.timings |= {"cpu_s": 0.4, "visibility_s": 0.05, "visibility_cpu_s": 0.2}
     frame.counters |= {"rays": 4, "ray_reduction": 2.5, "clamped": 0, "suppressed": 0}
     shown, folded = frame._repr_html_().split("<details>")
+    assert "data:image/png;base64," in shown
     assert shown.count("<tr>") == 6 and folded.count("<tr>") == 3
     assert "3 more</summary>" in folded and "clamped" in folded
-    for name in (
-        "total_s (wall)",
-        "cpu_s (CPU)",
-        "visibility_s (wall)",
-        "queries",
-        "rays<",
-        "ray_reduction",
-    ):
+    for name in ("total_s (wall)", "cpu_s (CPU)", "visibility_s (wall)", "queries", "rays<"):
         assert name in shown, name
-    assert "visibility_cpu_s (CPU)" in folded
+    assert "ray_reduction" in shown and "visibility_cpu_s (CPU)" in folded
     few = Frame(layers={"color": np.zeros((2, 2, 3))}, counters={"records": 3})
     assert "<details>" not in few._repr_html_() and "records" in few._repr_html_()
 

@@ -87,16 +87,21 @@ def test_energy_is_about_zero_for_equal_means_and_found_otherwise() -> None:
     assert shifted.energy_z > 5
 
 
-def test_what_cannot_be_compared_is_refused() -> None:
-    two = renders(2, 1.0, 0)
-    constant = [np.ones((6, 8, 3))] * 2
-    with pytest.raises(ValueError, match="ours must be at least 2 renders, got 1"):
-        variance_ratio(two[:1], two)
-    with pytest.raises(ValueError, match="baseline must vary, got 0"):
-        variance_ratio(two, constant)
-    with pytest.raises(ValueError, match="same pixels"):
-        variance_ratio(two, renders(2, 1.0, 0, size=(5, 5)))
-    with pytest.raises(ValueError, match="baseline must be finite"):
-        variance_ratio(two, [two[0], np.full((6, 8, 3), np.nan)])
-    with pytest.raises(ValueError, match="pixels must hold one pixel"):
-        variance_ratio(two, two, pixels=np.zeros((6, 8), bool))
+TWO = renders(2, 1.0, 0)
+
+
+@pytest.mark.parametrize(
+    ("ours", "baseline", "pixels", "says"),
+    [
+        (TWO[:1], TWO, None, "ours must be at least 2 renders, got 1"),
+        (TWO, [np.ones((6, 8, 3))] * 2, None, "baseline must vary, got 0"),
+        (TWO, renders(2, 1.0, 0, size=(5, 5)), None, "same pixels"),
+        (TWO, [TWO[0], np.full((6, 8, 3), np.nan)], None, "baseline must be finite"),
+        (TWO, TWO, np.zeros((6, 8), bool), "pixels must hold one pixel"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(
+    ours: Images, baseline: Images, pixels: npt.NDArray[np.bool_] | None, says: str
+) -> None:
+    with pytest.raises(ValueError, match=says):
+        variance_ratio(ours, baseline, pixels=pixels)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from oracles.test_written import Grid
 from reference.built import built
+from viscache.oracles.points import unpack
 
 SIZE = (72, 40)
 ROOM = "room?triangles=3000"
@@ -22,58 +24,58 @@ def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) ->
     return made, vc.render(scene, integrator, size=SIZE, visibility=visibility, use=use, **options)
 
 
-@pytest.mark.parametrize("spp", [1, 4])
-@pytest.mark.parametrize(
-    "visibility",
-    [
-        vc.Exact(),
-        vc.Aqvc(c_e=8),
-        vc.Aqvc(c_e=6, preset="paper"),
-        vc.ShadowMap(resolution=64),
-        vc.Aqvc(preset="fast", c_e=8),
-    ],
-    ids=["exact", "aqvc", "paper", "shadow maps", "fast"],
-)
-def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: int) -> None:
-    made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3)
+FAST, OWN = vc.Aqvc(preset="fast", c_e=8), {"spp": 4, "env": (0.5, 0.6, 0.7)}
+AMBIENT = vc.AmbientOcclusion(n_samples=9, max_distance=1.0)
+SHOTS: dict[str, tuple[str, Any, Any, dict[str, Any]]] = {
+    "exact": (ROOM, vc.Whitted(n_vpls=80), vc.Exact(), {"seed": 3}),
+    "aqvc": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=8), {"spp": 4}),
+    "paper": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=6, preset="paper"), {}),
+    "maps": (ROOM, vc.Whitted(n_vpls=80), vc.ShadowMap(resolution=64), {"spp": 4}),
+    "fast": (ROOM, vc.Whitted(n_vpls=80), FAST, {"seed": 3}),
+    "picks": (ROOM, vc.Whitted(n_vpls=80, pick=3), vc.Aqvc(c_e=8), {"seed": 3}),
+    "own": (ROOM, vc.Whitted(n_vpls=40), Grid(cell=0.3), {}),
+    "exact groups": (ROOM, vc.Whitted(n_vpls=40), vc.Aqvc(c_e=8, exact_groups=("vpl",)), {}),
+    "areas": ("cornell_box", vc.Direct(n_area=5), vc.Exact(), OWN),
+    "areas, aqvc": ("cornell_box", vc.Direct(n_area=5), vc.Aqvc(c_e=8), OWN),
+    "ambient": ("cornell_box", AMBIENT, vc.Exact(), OWN),
+    "ambient, aqvc": ("cornell_box", AMBIENT, vc.Aqvc(c_e=8), OWN),
+}
+
+
+@pytest.mark.parametrize("name", SHOTS)
+def test_answers_make_the_renderers_frame_byte_for_byte(name: str) -> None:
+    spec, integrator, visibility, options = SHOTS[name]
+    made, rendered = frames(built(spec), integrator, visibility, **options)
     assert made.sha256 == rendered.sha256
-    for name, layer in rendered.layers.items():
-        np.testing.assert_array_equal(made.layers[name], layer)
+    for layer, pixels in rendered.layers.items():
+        np.testing.assert_array_equal(made.layers[layer], pixels)
 
 
-@pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=8)], ids=["exact", "aqvc"])
 @pytest.mark.parametrize(
-    "integrator",
-    [vc.Direct(n_area=5), vc.AmbientOcclusion(n_samples=9, max_distance=1.0)],
-    ids=["direct", "ambient"],
+    ("visibility", "use"),
+    [(vc.Aqvc(c_e=12), vc.Correct(share=0.3)), (vc.NeePlusPlus(n_voxels=4), "correct")],
+    ids=["aqvc", "means"],
 )
-def test_samples_of_each_eye_points_own_too(integrator: Any, visibility: Any) -> None:
-    scene = built("cornell_box" if "cornell_box" in vc.scenes.SCENES else ROOM)
-    made, rendered = frames(scene, integrator, visibility, spp=4, env=(0.5, 0.6, 0.7))
-    assert made.sha256 == rendered.sha256
-
-
-def test_corrected_answers_too() -> None:
+def test_corrected_answers_too(visibility: Any, use: Any) -> None:
     """Up to rounding: the renderer adds corrections one by one, answers hold one weight each."""
-    made, rendered = frames(
-        built(ROOM), vc.Whitted(n_vpls=40), vc.Aqvc(c_e=12), use=vc.Correct(share=0.3)
-    )
+    made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=40), visibility, use=use)
     np.testing.assert_allclose(made.image, rendered.image, rtol=1e-4, atol=1e-5)
 
 
-def test_contributions_of_what_is_seen_are_the_light() -> None:
-    scene = built(ROOM)
-    conn = vc.connections(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
-    exact = vc.render(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
-    oracle = conn.oracle(vc.Exact())
-    total = np.zeros(3)
+@pytest.mark.parametrize("pick", [0, 3])
+def test_contributions_of_what_is_seen_are_the_light(pick: int) -> None:
+    scene, whitted = built(ROOM), vc.Whitted(n_vpls=30, pick=pick)
+    conn = vc.connections(scene, whitted, size=SIZE, seed=1)
+    exact = vc.render(scene, whitted, size=SIZE, seed=1)
+    oracle, total = conn.oracle(vc.Exact()), np.zeros(3)
     for group, ends in conn.groups.items():
         seen = oracle.block(conn.eyes, ends).visible
         light = conn.contributions(group)
         assert light.shape == (len(conn.eyes), len(ends), 3)
         np.testing.assert_array_equal(light[10:20], conn.contributions(group, slice(10, 20)))
-        wanted = np.unpackbits(conn.wanted(group).view(np.uint8), axis=1, bitorder="little")
-        np.testing.assert_array_equal(wanted[:, : len(ends)] > 0, light.sum(axis=2) > 0)
+        wanted = unpack(conn.wanted(group), len(ends))
+        np.testing.assert_array_equal(wanted, light.sum(axis=2) > 0)
+        assert not pick or (wanted.sum(axis=1) <= pick).all()
         total += (light * seen[..., None]).sum(axis=(0, 1))
     groups = [exact.layers[name] for name in conn.groups]
     np.testing.assert_allclose(total, np.sum(groups, axis=(0, 1, 2)), rtol=1e-4)
@@ -149,3 +151,32 @@ def test_own_virtual_lights_and_arrays_of_lamps() -> None:
         d.add_point_lights([(0, 1, 0)], [(1, 1, 1), (2, 1, 0)])
     with pytest.raises(ValueError, match="flux must be >= 0"):
         vc.Vpls([(0, 2, 0)], [(0, -1, 0)], [-1.0])
+
+
+@pytest.mark.parametrize(
+    "integrator", [vc.Whitted(n_vpls=64), vc.Direct(n_area=4)], ids=["shared lights", "own samples"]
+)
+def test_the_unoccluded_frame_is_all_contributions_summed(integrator: Any) -> None:
+    scene = built(ROOM)
+    frame = vc.render(scene, integrator, size=SIZE, visibility=vc.Unoccluded())
+    taps = vc.connections(scene, integrator, size=SIZE)
+    seen = {name: np.ones_like(answer.visible) for name, answer in taps.answers(vc.Exact()).items()}
+    assert frame.sha256 == taps.frame(seen).sha256
+    exact = vc.render(scene, integrator, size=SIZE)
+    assert frame.counters["queries"] == exact.counters["queries"]
+    assert frame.counters["rays"] == frame.counters["occluded"] == 0
+    assert np.all(frame.image >= exact.image * (1 - 1e-5))
+    assert frame.image.mean() > 1.02 * exact.image.mean()
+
+
+def test_unoccluded_ambient_is_white_and_bidirectional_paths_take_it() -> None:
+    scene = built(ROOM)
+    ambient = vc.AmbientOcclusion(n_samples=4)
+    frame = vc.render(scene, ambient, size=SIZE, visibility=vc.Unoccluded())
+    assert frame.image.min() == pytest.approx(1, abs=1e-6)
+    paths = vc.Bdpt(max_depth=3)
+    bright, exact = (
+        vc.render(scene, paths, size=SIZE, visibility=v).image.mean()
+        for v in (vc.Unoccluded(), vc.Exact())
+    )
+    assert bright > exact

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from oracles.test_written import Grid, Half
 from reference.built import built
 from viscache.oracles.correct import Correct
 
@@ -25,28 +26,28 @@ ROOM = "room?triangles=3000"
         (vc.AmbientOcclusion(n_samples=8, max_distance=1.0), vc.Aqvc(c_e=12)),
         (vc.Bdpt(max_depth=3), vc.Aqvc(c_e=12)),
         (vc.Direct(), vc.Exact()),
+        (vc.Direct(), vc.Unoccluded()),
+        (vc.Whitted(n_vpls=64, pick=4), vc.Unoccluded()),
+        (vc.Whitted(n_vpls=40), Grid(cell=0.5)),
+        (vc.Whitted(n_vpls=40), Half()),
     ],
-    ids=["waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"],
+    ids=[
+        *("waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"),
+        *("unoccluded", "picks", "own", "own, with weights"),
+    ],
 )
 def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibility: Any) -> None:
     scene = built(ROOM)
-    exact = vc.render(scene, integrator, size=SIZE, spp=2)
-    right = vc.render(
-        scene, integrator, size=SIZE, spp=2, visibility=visibility, use=vc.Correct(share=1)
-    )
+    given: dict[str, Any] = {"size": SIZE, "spp": 2}
+    exact = vc.render(scene, integrator, **given)
+    given["visibility"] = visibility
+    right = vc.render(scene, integrator, use=vc.Correct(share=1), **given)
     assert right.sha256 == exact.sha256
     assert (right.counters["corrections"] > 0) is not isinstance(visibility, vc.Exact)
     if not isinstance(visibility, vc.Exact):
-        cached = vc.render(scene, integrator, size=SIZE, spp=2, visibility=visibility)
+        cached = vc.render(scene, integrator, **given)
         assert cached.sha256 != exact.sha256
         assert right.counters["wrong"] > 0
-
-
-def test_weights_of_roulette_are_corrected_too() -> None:
-    scene, light = built(ROOM), vc.Whitted(n_vpls=64)
-    exact = vc.render(scene, light, size=SIZE)
-    right = vc.render(scene, light, size=SIZE, visibility=vc.NeePlusPlus(), use=vc.Correct(share=1))
-    assert right.sha256 == exact.sha256
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
@@ -88,21 +89,25 @@ def test_correct_is_the_default_share() -> None:
     assert word.sha256 == vc.render(scene, vc.Direct(), use=Correct(), **options).sha256
 
 
-def test_what_does_not_combine_is_refused() -> None:
-    scene = built(ROOM)
-    for share in (0, -0.1, 1.1, float("nan")):
-        with pytest.raises(ValueError, match="share must be"):
-            vc.Correct(share=share)
-    with pytest.raises(ValueError, match="certain must be > 0 and finite, got 0"):
-        vc.Correct(certain=0)
-    product = vc.Direct(environment="product")
-    with pytest.raises(ValueError, match="classes must be"):
-        vc.Correct(classes="own")  # type: ignore[arg-type]
-    for integrator, options, match in (
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [({"share": share}, "share must be") for share in (0, -0.1, 1.1, float("nan"))]
+    + [({"certain": 0}, "certain must be > 0 and finite, got 0"), ({"classes": "own"}, "classes")],
+)
+def test_bad_settings_are_refused(options: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        vc.Correct(**options)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "options", "says"),
+    [
         (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "with visibility maps"),
-        (product, {"use": "correct", "env": 1.0}, "product"),
+        (vc.Direct(environment="product"), {"use": "correct", "env": 1.0}, "product"),
         (vc.AmbientOcclusion(n_samples=33, directions="shared"), {"use": "correct"}, "shared"),
         (vc.Direct(), {"use": "repair"}, "use must be"),
-    ):
-        with pytest.raises(ValueError, match=match):
-            vc.render(scene, integrator, size=SIZE, **options)  # type: ignore[arg-type]
+    ],
+)
+def test_what_does_not_combine_is_refused(integrator: Any, options: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        vc.render(built(ROOM), integrator, size=SIZE, **options)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from oracles.slats import slats
 from viscache import _core
 
 SIZE, CERTAIN = (48, 48), 0.25
@@ -17,29 +20,18 @@ NEAR = 1.15
 Floats = npt.NDArray[np.float64]
 
 
-def hall(roughness: float | None, lamps: int = 64) -> vc.Scene:
-    """Slats over a grey floor, diffuse or with a lobe, below lamps of very different power."""
-    corners, triangles = [[-2.0, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]]
-    for x in np.linspace(-2, 2, 23):
-        n = len(corners)
-        corners += [[x, -2, 0.5], [x + 0.09, -2, 0.5], [x + 0.09, 2, 0.5], [x, 2, 0.5]]
-        triangles += [[n, n + 1, n + 2], [n, n + 2, n + 3]]
-    d = _core.SceneDescription()
-    grey = (0.2, 0.2, 0.2)
-    material = (
-        d.add_material(base_color=grey)
-        if roughness is None
-        else d.add_material(
-            _core.MaterialKind.GLOSSY, base_color=grey, specular=(0.3,) * 3, roughness=roughness
-        )
-    )
-    d.add_mesh(np.array(corners, np.float32), np.array(triangles, np.uint32), material=material)
+def hall(roughness: float | None) -> vc.Scene:
+    """A grey floor, diffuse or with a lobe, below lamps of very different power."""
     rng = np.random.default_rng(7)
-    for k in range(lamps):
-        place = (rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5), rng.uniform(0.8, 2.5))
-        d.add_point_light(place, (4.0 ** (k % 4),) * 3)
-    d.add_camera((0.1, -0.2, 0.45), (0.1, 0.1, 0), up=(0, 1, 0), fov_deg=60)
-    return vc.Scene.from_description(d)
+    lamps = [
+        ((rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5), rng.uniform(0.8, 2.5)), 4.0 ** (k % 4))
+        for k in range(64)
+    ]
+    look: dict[str, Any] = {"base_color": (0.2, 0.2, 0.2)}
+    if roughness is not None:
+        lobe = {"specular": (0.3,) * 3, "roughness": roughness}
+        look |= {"kind": _core.MaterialKind.GLOSSY, **lobe}
+    return slats(lamps, **look)
 
 
 def checked(scene: vc.Scene) -> tuple[Floats, Floats, Floats]:

@@ -69,7 +69,7 @@ SETTINGS: dict[str, Any] = {
     "exact": vc.Exact(),
     "quantized": vc.Aqvc(c_e=6, exact_groups=()),
     "quantized pairs": vc.Aqvc(c_e=6, exact_groups=(), paper=vc.PaperForm(form="pairs")),
-    "shadow maps": vc.ShadowMap(resolution=64),
+    "shadow maps": vc.ShadowMap(resolution=16),
     "NEE++": vc.NeePlusPlus(n_voxels=8),
     "own": Traced(),
 }

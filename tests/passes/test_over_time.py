@@ -80,15 +80,10 @@ def test_a_gain_is_error_times_time_over_that_of_another(room: vc.Scene) -> None
     assert gain(ds, "exact") == 1.0
 
 
-def test_errors_do_not_depend_on_threads_and_progress_counts_passes(room: vc.Scene) -> None:
+def test_progress_counts_passes(room: vc.Scene) -> None:
     seen: list[tuple[int, int]] = []
     given: dict[str, Any] = {"passes": 2, "reference": 1, "size": SIZE}
-    one = vc.passes_over_time(
-        room, WHITTED, **given, threads=1, progress=lambda *at: seen.append(at)
-    )
-    two = vc.passes_over_time(room, WHITTED, **given, threads=2)
-    for name in ("nmse", "rel_mse", "rel_l1_reflected", "energy", "rays"):
-        assert np.array_equal(one[name].values, two[name].values)
+    vc.passes_over_time(room, WHITTED, **given, progress=lambda *at: seen.append(at))
     assert seen == [(n, 8) for n in range(1, 9)]
 
 

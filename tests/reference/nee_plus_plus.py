@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from reference.aqvc import octahedron
+
 Floats = npt.NDArray[np.floating[Any]]
 Whole = npt.NDArray[np.int64]
 
@@ -24,12 +26,7 @@ def voxel(points: Floats, low: Floats, high: Floats, n: int) -> Whole:
 
 def direction_cell(directions: Floats, n: int) -> Whole:
     """Number of the cell of n² over the octahedral square."""
-    d = np.asarray(directions, np.float64)
-    d = d / np.abs(d).sum(axis=-1, keepdims=True)
-    x, y, z = d[..., 0], d[..., 1], d[..., 2]
-    u = np.where(z < 0, (1 - np.abs(y)) * np.where(x < 0, -1, 1), x)
-    v = np.where(z < 0, (1 - np.abs(x)) * np.where(y < 0, -1, 1), y)
-    column, row = (np.clip(((c + 1) / 2 * n).astype(np.int64), 0, n - 1) for c in (u, v))
+    column, row = np.clip((octahedron(directions) * n).astype(np.int64), 0, n - 1).T
     return column + n * row
 
 

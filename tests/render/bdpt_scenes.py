@@ -27,15 +27,9 @@ PLATES = replace(ROOM, parts=(WALLS, WIDE, BLOCK, PLATE))
 METAL = replace(BLOCK, look=Look(kind="glossy", base_color=(0, 0, 0), roughness=0.3))
 GLOSSY = replace(ROOM, parts=(WALLS, LAMP, METAL, GLOBE))
 #: Interpolated normals.
-SMOOTH = replace(
-    ROOM,
-    parts=(
-        WALLS,
-        LAMP,
-        ball((-0.4, 0.5, -0.2), 0.45, 24, smooth=True),
-        ball((0.45, 0.35, 0.2), 0.35, 24, smooth=True, look=GLOBE.look),
-    ),
-)
+PEARL = ball((-0.4, 0.5, -0.2), 0.45, 24, smooth=True)
+BALL = ball((0.45, 0.35, 0.2), 0.35, 24, smooth=True, look=GLOBE.look)
+SMOOTH = replace(ROOM, parts=(WALLS, LAMP, PEARL, BALL))
 FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(base_color=(0.6, 0.5, 0.4)))
 OUTSIDE = Model((FLOOR, BLOCK, GLOBE), origin=(0.3, 1.2, 3.5), target=(0, 0.5, 0))
 #: A point light, a sun and a sky.

@@ -67,36 +67,21 @@ class Model:
     def to_viscache(self) -> vc.Scene:
         d = vc.SceneDescription()
         for part in self.parts:
-            look = part.look
-            texture = -1 if look.texture is None else d.add_image(look.texture)
-            material = d.add_material(
-                MaterialKind[look.kind.upper()],
-                base_color=look.base_color,
-                specular=look.specular,
-                roughness=look.roughness,
-                eta=look.eta,
-                two_sided=look.two_sided,
-                thin=look.thin,
-                coat=look.coat,
-                nonlinear=look.nonlinear,
-                base_texture=texture,
-            )
-            d.add_mesh(
-                part.vertices,
-                part.triangles,
-                material=material,
-                emission=part.emission,
-                uvs=part.uvs,
-                normals=part.normals,
-            )
-        for position, intensity in self.points:
-            d.add_point_light(position, intensity)
+            look = dict(vars(part.look))
+            kind, texture = MaterialKind[look.pop("kind").upper()], look.pop("texture")
+            if texture is not None:
+                look["base_texture"] = d.add_image(texture)
+            given = {name: getattr(part, name) for name in ("emission", "uvs", "normals")}
+            material = d.add_material(kind, **look)
+            d.add_mesh(part.vertices, part.triangles, material=material, **given)
+        for point in self.points:
+            d.add_point_light(*point)
         for position, intensity, axis, cone_deg in self.spots:
             d.add_point_light(position, intensity, axis=axis, cone_deg=cone_deg, falloff="angle")
-        for direction, irradiance in self.directions:
-            d.add_directional_light(direction, irradiance)
-        for center, radius, radiance in self.spheres:
-            d.add_sphere_light(center, radius, radiance)
+        for direction in self.directions:
+            d.add_directional_light(*direction)
+        for sphere in self.spheres:
+            d.add_sphere_light(*sphere)
         if isinstance(self.env, np.ndarray):
             d.set_environment((1, 1, 1), image=d.add_image(self.env))
         elif self.env is not None:
@@ -105,77 +90,44 @@ class Model:
         return vc.Scene.from_description(d)
 
     def to_mitsuba(self, mi: Any, size: tuple[int, int], folder: Path) -> Any:
-        scene: dict[str, Any] = {"type": "scene", "sensor": self._sensor(mi, size)}
+        look_at = mi.ScalarTransform4f().look_at
+        view = look_at(origin=self.origin, target=self.target, up=self.up)
+        made: list[dict[str, Any]] = [sensor(view, size, fov=self.fov_deg, fov_axis="y")]
         for i, part in enumerate(self.parts):
-            shape = {
-                "type": "ply",
-                "filename": write_ply(folder / f"{i}.ply", part),
-                "face_normals": part.normals is None,
-                "bsdf": _bsdf(mi, part.look),
-            }
+            file = write_ply(folder / f"{i}.ply", part)
+            made.append({"type": "ply", "filename": file, "bsdf": _bsdf(mi, part.look)})
+            made[-1]["face_normals"] = part.normals is None
             if max(part.emission) > 0:
-                shape["emitter"] = {"type": "area", "radiance": _rgb(part.emission)}
-            scene[f"part{i}"] = shape
-        for i, (position, intensity) in enumerate(self.points):
-            scene[f"point{i}"] = {
-                "type": "point",
-                "position": position,
-                "intensity": _rgb(intensity),
-            }
-        for i, (position, intensity, axis, cone_deg) in enumerate(self.spots):
+                made[-1]["emitter"] = {"type": "area", "radiance": _rgb(part.emission)}
+        for position, intensity in self.points:
+            made.append({"type": "point", "position": position, "intensity": _rgb(intensity)})
+        for position, intensity, axis, (inner, outer) in self.spots:
             up = (0, 0, 1) if abs(axis[2]) < 0.9 else (1, 0, 0)
-            at = np.add(position, axis).tolist()
-            scene[f"spot{i}"] = {
-                "type": "spot",
-                "to_world": mi.ScalarTransform4f().look_at(origin=position, target=at, up=up),
-                "intensity": _rgb(intensity),
-                "beam_width": cone_deg[0],
-                "cutoff_angle": cone_deg[1],
-            }
-        for i, (direction, irradiance) in enumerate(self.directions):
-            scene[f"direction{i}"] = {
-                "type": "directional",
-                "direction": [-v for v in direction],
-                "irradiance": _rgb(irradiance),
-            }
-        for i, (center, radius, radiance) in enumerate(self.spheres):
-            scene[f"sphere{i}"] = {
-                "type": "sphere",
-                "center": center,
-                "radius": radius,
-                "bsdf": {"type": "diffuse", "reflectance": 0.0},
-                "emitter": {"type": "area", "radiance": _rgb(radiance)},
-            }
+            at = look_at(origin=position, target=np.add(position, axis).tolist(), up=up)
+            cone = {"beam_width": inner, "cutoff_angle": outer}
+            made.append({"type": "spot", "to_world": at, "intensity": _rgb(intensity), **cone})
+        for direction, irradiance in self.directions:
+            made.append({"type": "directional", "irradiance": _rgb(irradiance)})
+            made[-1]["direction"] = [-v for v in direction]
+        for center, radius, radiance in self.spheres:
+            made.append({"type": "sphere", "center": center, "radius": radius})
+            made[-1]["bsdf"] = {"type": "diffuse", "reflectance": 0.0}
+            made[-1]["emitter"] = {"type": "area", "radiance": _rgb(radiance)}
         if isinstance(self.env, np.ndarray):
-            scene["env"] = {"type": "envmap", "bitmap": mi.Bitmap(self.env)}
+            made.append({"type": "envmap", "bitmap": mi.Bitmap(self.env)})
         elif self.env is not None:
-            scene["env"] = {"type": "constant", "radiance": _rgb(self.env)}
+            made.append({"type": "constant", "radiance": _rgb(self.env)})
         # Merging what is alike would order the lamps anew each time, and so change the noise
-        return mi.load_dict(scene, optimize=False)
-
-    def _sensor(self, mi: Any, size: tuple[int, int]) -> dict[str, Any]:
-        at = mi.ScalarTransform4f().look_at(origin=self.origin, target=self.target, up=self.up)
-        return sensor(at, size, fov=self.fov_deg, fov_axis="y")
+        scene = {f"part{i:03}": part for i, part in enumerate(made)}
+        return mi.load_dict({"type": "scene", **scene}, optimize=False)
 
 
 def sensor(to_world: Any, size: tuple[int, int], *, fov: float, fov_axis: str) -> dict[str, Any]:
     """A pinhole camera with a box filter."""
-    return {
-        "type": "perspective",
-        "to_world": to_world,
-        "fov": fov,
-        "fov_axis": fov_axis,
-        "near_clip": 1e-3,
-        "film": {
-            "type": "hdrfilm",
-            "width": size[0],
-            "height": size[1],
-            "rfilter": {"type": "box"},
-            "pixel_format": "rgb",
-            "component_format": "float32",
-        },
-        "sampler": {"type": "independent"},
-    }
+    film = {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}}
+    film |= {"pixel_format": "rgb", "component_format": "float32"}
+    camera = {"type": "perspective", "fov": fov, "fov_axis": fov_axis, "near_clip": 1e-3}
+    return camera | {"to_world": to_world, "film": film, "sampler": {"type": "independent"}}
 
 
 def _rgb(value: Color) -> dict[str, Any]:
@@ -187,27 +139,17 @@ def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
         case "diffuse":
             reflectance: Any = _rgb(look.base_color)
             if look.texture is not None:
-                reflectance = {
-                    "type": "bitmap",
-                    "bitmap": mi.Bitmap(look.texture * np.float32(look.base_color)),
-                    "raw": True,
-                }
+                image = mi.Bitmap(look.texture * np.float32(look.base_color))
+                reflectance = {"type": "bitmap", "bitmap": image, "raw": True}
             inner: dict[str, Any] = {"type": "diffuse", "reflectance": reflectance}
         case "glossy":
             assert max(look.base_color) == 0 and min(look.specular) == 1
             assert look.coat == CoatKind.NONE
-            inner = {
-                "type": "roughconductor",
-                "material": "none",
-                "distribution": "ggx",
-                "alpha": look.roughness,
-            }
+            inner = {"type": "roughconductor", "distribution": "ggx", "alpha": look.roughness}
+            inner["material"] = "none"
         case "mirror":
-            inner = {
-                "type": "conductor",
-                "material": "none",
-                "specular_reflectance": _rgb(look.specular),
-            }
+            inner = {"type": "conductor", "specular_reflectance": _rgb(look.specular)}
+            inner["material"] = "none"
         case "dielectric":
             kind = "thindielectric" if look.thin else "dielectric"
             return {"type": kind, "int_ior": look.eta, "ext_ior": 1.0}
@@ -218,8 +160,7 @@ def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
 
 def write_ply(path: Path, part: Part) -> str:
     """ASCII PLY with all digits; v is turned over, as Mitsuba counts rows from v = 0."""
-    columns = [part.vertices]
-    names = ["x", "y", "z"]
+    columns, names = [part.vertices], ["x", "y", "z"]
     if part.normals is not None:
         columns.append(part.normals)
         names += ["nx", "ny", "nz"]
@@ -229,12 +170,8 @@ def write_ply(path: Path, part: Part) -> str:
     rows = np.concatenate(columns, axis=1)
     lines = ["ply", "format ascii 1.0", f"element vertex {len(rows)}"]
     lines += [f"property float {n}" for n in names]
-    lines += [
-        f"element face {len(part.triangles)}",
-        "property list uchar int vertex_indices",
-        "end_header",
-    ]
-    lines += [" ".join(f"{v:.9g}" for v in row) for row in rows]
+    lines += [f"element face {len(part.triangles)}", "property list uchar int vertex_indices"]
+    lines += ["end_header", *(" ".join(f"{v:.9g}" for v in row) for row in rows)]
     lines += ["3 " + " ".join(str(i) for i in t) for t in part.triangles]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
     return str(path)
@@ -265,19 +202,27 @@ def ball(
     center: Color, radius: float, rings: int = 12, *, smooth: bool = False, **kwargs: Any
 ) -> Part:
     """Sphere of latitudes and longitudes."""
+    columns = 2 * rings + 1
     theta, phi = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij"
+        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, columns), indexing="ij"
     )
     n = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], -1)
     n = n.reshape(-1, 3).astype(np.float32)
-    columns = 2 * rings + 1
     triangles = []
     for i in range(rings):
-        for j in range(2 * rings):
-            a, b = i * columns + j, (i + 1) * columns + j
-            if i > 0:
-                triangles.append((a, a + 1, b))
-            if i < rings - 1:
-                triangles.append((a + 1, b + 1, b))
+        for a in range(i * columns, (i + 1) * columns - 1):
+            b = a + columns
+            triangles += [(a, a + 1, b)] if i > 0 else []
+            triangles += [(a + 1, b + 1, b)] if i < rings - 1 else []
     vertices = (np.asarray(center) + radius * n).astype(np.float32)
     return Part(vertices, np.array(triangles), normals=n if smooth else None, **kwargs)
+
+
+def busy_scene() -> vc.Scene:
+    """Long in work, for processes that are stopped while they render it."""
+    parts = (
+        box((-3, 0, -3), (3, 3, 3)).reversed(),
+        *(ball((x, y, z), 0.3, 24) for x in (-1, 0, 1) for y in (0.5, 1.5) for z in (-1, 0)),
+        quad((-1, 2.9, -1), (2, 0, 0), (0, 0, 2), emission=(5, 5, 5)),
+    )
+    return Model(parts, env=(0.5, 0.5, 0.5), origin=(0, 1.5, 2.8)).to_viscache()

@@ -10,23 +10,10 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache_lab.extremes.moved import description_of, moved
+from viscache_lab.extremes.moved import description_of
 from viscache_lab.extremes.scenes import lit_box
 
-__all__ = [
-    "FORMS",
-    "LOCAL",
-    "SHARED",
-    "SIZE",
-    "description_of",
-    "energy",
-    "exact",
-    "lit_box",
-    "moved",
-    "rel_l1",
-    "render",
-    "scene",
-]
+__all__ = ["description_of", "lit_box"]
 
 Image = npt.NDArray[np.float32]
 
@@ -37,9 +24,8 @@ FORMS: dict[str, dict[str, Any]] = {
     "pairs-table": {"form": "pairs", "storage": "table", "table_bytes": 64 << 20},
     "pairs-exact": {"form": "pairs", "storage": "exact"},
 }
-#: Light that is the same for all pixels, and light that every eye point samples for itself.
+#: Light that is the same for all pixels.
 SHARED = vc.Whitted(n_vpls=24, n_area=0, n_environment=0, n_brdf=0)
-LOCAL = vc.Direct(n_area=8, n_environment=4, n_brdf=4)
 
 
 def rel_l1(image: Image, reference: Image) -> float:

@@ -7,7 +7,6 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import viscache as vc
@@ -106,38 +105,15 @@ def test_the_audit_tells_the_error(spec: str) -> None:
         assert not any("interval" in text for text in said)  # 130 pixels are too few
 
 
-def test_the_audit_changes_no_byte_and_depends_on_the_frame_alone() -> None:
+def test_the_audit_depends_on_the_frame_alone() -> None:
     scene, whitted, size = vc.scenes.room(triangles=2000), vc.Whitted(n_vpls=24), (96, 64)
-    cache = vc.Aqvc(c_e=16)
-    frames = [
-        vc.render(scene, whitted, visibility=cache, size=size, spp=4, threads=n) for n in (1, 2)
-    ]
-    audit = frames[0].counters["audit"]
-    assert (
-        audit == frames[1].counters["audit"]
-        and audit["pixels"] == 24
-        and audit["rel_l1"]["value"] > 0
-    )
-    assert frames[0].warnings == frames[1].warnings
+    given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "size": size, "spp": 4}
+    audit = vc.render(scene, whitted, **given).counters["audit"]
+    assert audit["pixels"] == 24 and audit["rel_l1"]["value"] > 0
     # Another seed audits other pixels; exact answers and those of the paper's form need no audit
-    other = vc.render(scene, whitted, visibility=cache, size=size, spp=4, seed=1)
+    other = vc.render(scene, whitted, seed=1, **given)
     assert other.counters["audit"]["rel_l1"] != audit["rel_l1"]
     every = vc.Aqvc(exact_groups=("point", "vpl"))
     for visibility in (vc.Exact(), every, vc.Aqvc(preset="paper")):
         frame = vc.render(scene, whitted, visibility=visibility, size=size)
         assert "audit" not in frame.counters
-
-
-def test_audits_of_many_seeds_have_the_mean_of_the_errors() -> None:
-    """Also where strata differ in their pixels."""
-    scene, direct, size = vc.scenes.room(triangles=2000), vc.Direct(), (50, 35)
-    cache, audited, true = vc.Aqvc(c_e=8, refinement="off"), [], []
-    for seed in range(96):
-        exact = vc.render(scene, direct, size=size, seed=seed)
-        frame = vc.render(scene, direct, visibility=cache, size=size, seed=seed)
-        audited.append(frame.counters["audit"]["rel_l1"]["value"])
-        true.append(float(abs(frame.image.astype(float) - exact.image).sum() / exact.image.sum()))
-    z = (sum(audited) - sum(true)) / (np.std(np.subtract(audited, true), ddof=1) * 96**0.5)
-    assert abs(z) < 3.3
-    # An audit that loses a fifth of the error would be told
-    assert abs((0.8 * sum(audited) - sum(true)) / (sum(true) * 0.2)) > 0.5

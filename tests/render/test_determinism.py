@@ -41,27 +41,49 @@ def room() -> vc.Scene:
 
 def signature(frame: vc.Frame) -> dict[str, Any]:
     layers = {n: hashlib.sha256(p.tobytes()).hexdigest() for n, p in frame.layers.items()}
-    return {"layers": layers, "counters": frame.counters}
+    engine = frame.parameters.get("engine", {})
+    return {
+        "layers": layers,
+        "counters": frame.counters,
+        "engine": engine if "direction_rays" in engine else None,
+    }
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
-def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Scene) -> None:
+SKY = vc.Direct(environment="shared", n_environment=128, n_area=0)
+KEYED = vc.Bdpt(max_depth=4, camera_connections="keyed")
+SHOTS: dict[str, tuple[Any, dict[str, Any]]] = {
+    **{type(i).__name__: (i, {}) for i in INTEGRATORS},
+    "picks": (vc.Whitted(pick=2, n_vpls=24, n_area=0), {}),
+    "cache by the BSP": (INTEGRATORS[1], {"visibility": vc.Aqvc(c_e=8), "rays": vc.Bsp()}),
+    "shadow maps": (INTEGRATORS[1], {"visibility": vc.ShadowMap(resolution=200)}),
+    "table of paths": (KEYED, {"visibility": vc.Aqvc(table_bytes=16 << 20)}),
+    "keys of paths": (KEYED, {"visibility": vc.Aqvc(paper=vc.PaperForm(storage="exact"))}),
+    **{f"sky by {e}": (SKY, {"visibility": vc.Exact(sky_engine=e)}) for e in ("batch", "auto")},
+    "shared ambient": (
+        vc.AmbientOcclusion(n_samples=129, directions="shared", engine="batch", max_distance=0.5),
+        {},
+    ),
+    "audited pixels": (INTEGRATORS[1], {"visibility": vc.Aqvc(c_e=16), "audit": "pixels"}),
+    "audited queries": (
+        INTEGRATORS[1],
+        {"visibility": vc.Aqvc(c_e=16, exact_groups=()), "audit": vc.AuditQueries(share=0.1)},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHOTS)
+def test_any_number_of_threads_gives_the_same_bytes(name: str, room: vc.Scene) -> None:
     """16 samples per pixel make tiles of 32 pixels: 8 tiles share the work."""
-    frames = [
-        vc.render(room, integrator, size=(97, 34), spp=16, seed=3, threads=n) for n in (1, 8, 3)
-    ]
-    assert frames[0].parameters["tile_edge_px"] <= 64
+    integrator, options = SHOTS[name]
+    options = {"size": (97, 34), "spp": 16, **options}
+    frames = [vc.render(room, integrator, seed=3, threads=n, **options) for n in (1, 8, 3)]
+    assert name == "shared ambient" or frames[0].parameters["tile_edge_px"] <= 64
     assert frames[1].provenance["threads"] > 1
     for frame in frames[1:]:
         assert signature(frame) == signature(frames[0])
-
-
-def test_sha256_is_that_of_the_pixels(room: vc.Scene) -> None:
-    frame = vc.render(room, vc.Direct(), size=(16, 8))
-    digest = hashlib.sha256(frame.image.astype("<f4").tobytes()).hexdigest()
-    assert frame.counters["sha256"] == frame.sha256 == digest
-    assert vc.render(room, vc.Direct(), size=(16, 8)).sha256 == digest
-    assert vc.render(room, vc.Direct(), size=(16, 8), seed=1).sha256 != digest
+        assert frame.warnings == frames[0].warnings
+    other = vc.render(room, integrator, seed=4, **options)
+    assert signature(other) != signature(frames[0])
 
 
 def test_a_scene_built_again_gives_the_same_bytes(room: vc.Scene) -> None:
@@ -71,15 +93,27 @@ def test_a_scene_built_again_gives_the_same_bytes(room: vc.Scene) -> None:
     assert signature(a) == signature(b)
 
 
-def test_the_parts_add_up_to_the_image(room: vc.Scene) -> None:
-    frame = vc.render(room, INTEGRATORS[1], size=(40, 30), spp=2)
-    groups = ["emitted", "point", "directional", "area", "environment", "vpl"]
-    total = sum(frame.layers[g].astype(np.float64) for g in groups)
-    np.testing.assert_allclose(frame.image, total, rtol=1e-5, atol=1e-6)
-    assert set(groups) < set(frame.layers)
+@pytest.mark.parametrize(
+    ("integrator", "groups"),
+    [
+        (INTEGRATORS[1], {"point", "directional", "area", "environment", "vpl"}),
+        (
+            INTEGRATORS[3],
+            {"point", "directional", "area", "environment", "connection", "camera"},
+        ),
+    ],
+    ids=["whitted", "bdpt"],
+)
+def test_the_parts_add_up_to_the_image(integrator: Any, groups: set[str], room: vc.Scene) -> None:
+    frame = vc.render(room, integrator, size=(40, 30), spp=4)
+    total = sum(frame.layers[g].astype(np.float64) for g in ("emitted", *groups))
+    np.testing.assert_allclose(frame.image, total, rtol=1e-4, atol=1e-6)
     counters = frame.counters
+    assert set(counters["groups"]) == groups and counters["sha256"] == frame.sha256
     for name in ("queries", "rays", "occluded"):
         assert sum(g[name] for g in counters["groups"].values()) == counters[name]
+    for group in counters["groups"].values():
+        assert 0 < group["occluded"] <= group["queries"] == group["rays"]
 
 
 def test_pixels_of_one_seed_share_no_samples() -> None:

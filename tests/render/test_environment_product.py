@@ -15,8 +15,8 @@ from core import testing
 from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
-from viscache.metrics.variance import variance_ratio
 from viscache.settings.integrators import eye_settings
+from viscache.shot.shot import frame_settings
 from vismap.worlds import dilations
 
 SIZE = (20, 12)
@@ -40,15 +40,22 @@ def direct(**given: Any) -> vc.Direct:
     return vc.Direct(**{"n_environment": 8, "environment": "product", "n_area": 2} | given)
 
 
-def images(n: int, layer: str, *args: Any, seed: int = 0, **kwargs: Any) -> Images:
-    frames = (vc.render(*args, size=SIZE, seed=seed + i, **kwargs) for i in range(n))
-    return np.stack([f.layers[layer] for f in frames]).astype(np.float64)
+def shown(scene: vc.Scene, integrator: Any = None, maps: Any = None, **more: Any) -> vc.Frame:
+    given: dict[str, Any] = {"size": SIZE} | more
+    return vc.render(scene, integrator or direct(), visibility=maps, **given)
+
+
+def images(
+    n: int, scene: vc.Scene, integrator: Any = None, maps: Any = None, *, seed: int = 0
+) -> Images:
+    frames = (shown(scene, integrator, maps, seed=seed + i) for i in range(n))
+    return np.stack([f.layers["environment"] for f in frames]).astype(np.float64)
 
 
 @pytest.fixture(scope="module")
 def usual(scene: vc.Scene) -> Images:
     """By product sampling without maps."""
-    return images(40, "environment", scene, direct(), seed=500)
+    return images(40, scene, seed=500)
 
 
 MAPS = [
@@ -64,9 +71,9 @@ MAPS = [
 def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
     scene: vc.Scene,
 ) -> None:
-    usual = images(48, "environment", scene, vc.Direct(n_environment=16, n_brdf=16), seed=500)
+    usual = images(48, scene, vc.Direct(n_environment=16, n_brdf=16), seed=500)
     for points in ("even", "independent"):
-        ours = images(48, "environment", scene, direct(points=points))
+        ours = images(48, scene, direct(points=points))
         result = compare(ours, usual)
         assert result.same, str(result)
         assert not compare(ours * 1.03, usual).same, "three hundredths more light must show"
@@ -76,9 +83,7 @@ def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
 @pytest.mark.stat
 @pytest.mark.parametrize("maps", MAPS, ids=lambda m: f"{m['alpha']}-{m['sampling']}")
 def test_maps_do_not_change_the_mean(scene: vc.Scene, usual: Images, maps: dict[str, Any]) -> None:
-    ours = images(
-        40, "environment", scene, direct(passes=2), visibility=vc.VisMaps(n_startup=60, **maps)
-    )
+    ours = images(40, scene, direct(passes=2), vc.VisMaps(n_startup=60, **maps))
     result = compare(ours, usual)
     assert result.same, str(result)
     assert not compare(ours * 1.03, usual).same
@@ -98,20 +103,20 @@ def test_whatever_the_maps_hold_the_mean_stays(scene: vc.Scene, usual: Images, k
 
 
 def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
-    frame = _core.FrameSettings()
-    frame.width, frame.height, frame.seed, frame.threads = *SIZE, seed, 1
-    integrator = direct(passes=2)
-    settings = vc.VisMaps(sampling="guided").estimate()
-    core, caster = eye_settings(integrator), scene.caster()
-    given = testing.given_maps(settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
+    caster = scene.caster()
     made = _core.render_frame(
         scene._core,
         caster,
         scene.cameras[0],
-        core,
-        frame,
+        eye_settings(direct(passes=2)),
+        frame_settings(SIZE, 1, seed, 1),
         _core.ExactSource(scene._core, caster),
-        maps=given,
+        maps=testing.given_maps(
+            vc.VisMaps(sampling="guided").estimate(),
+            maps,
+            np.full(3, 1 / 3, np.float32),
+            dilations(maps),
+        ),
     )
     return made["layers"]["environment"]
 
@@ -123,40 +128,32 @@ def test_an_empty_cache_reports_its_own_settings(scene: vc.Scene) -> None:
 
 
 def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Scene) -> None:
-    plain = vc.render(scene, direct(), size=SIZE)
-    empty = vc.VisibilityMapCache(scene)
-    nothing = vc.VisMaps(cache=empty, update=False)
+    plain, empty = shown(scene).image, vc.VisibilityMapCache(scene)
     zero = vc.VisMaps(n_startup=60, alpha="zero", sampling="product")
-    for maps in (nothing, zero):
-        frame = vc.render(scene, direct(), visibility=maps, size=SIZE)
-        np.testing.assert_array_equal(frame.image, plain.image)
+    for maps in (vc.VisMaps(cache=empty, update=False), zero):
+        np.testing.assert_array_equal(shown(scene, maps=maps).image, plain)
     assert len(empty) == 0
     one = vc.VisMaps(n_startup=60, alpha="one", sampling="product")
     floor = replace(one, sampling="guided", eta=1.0)
-    a, b = (vc.render(scene, direct(), visibility=v, size=SIZE) for v in (one, floor))
-    np.testing.assert_array_equal(a.image, b.image)
-    assert not np.array_equal(a.image, plain.image)
+    a, b = (shown(scene, maps=v).image for v in (one, floor))
+    np.testing.assert_array_equal(a, b)
+    assert not np.array_equal(a, plain)
 
 
-def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene: vc.Scene) -> None:
+@pytest.mark.parametrize("first", ["pilot", "one"])
+def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene: vc.Scene, first: Any) -> None:
     given: dict[str, Any] = {"n_startup": 60, "sampling": "product"}
-    pilot, one = (
-        vc.render(scene, direct(), visibility=vc.VisMaps(first_alpha=f, **given), size=SIZE)
-        for f in ("pilot", "one")
-    )
-    for frame, alpha in ((pilot, pilot.counters["pilot_alpha"]), (one, "one")):
-        same = vc.VisMaps(alpha=alpha, **given)
-        expected = vc.render(scene, direct(), visibility=same, size=SIZE)
-        np.testing.assert_array_equal(frame.image, expected.image)
-    assert not np.array_equal(pilot.image, one.image)
+    frame = shown(scene, maps=vc.VisMaps(first_alpha=first, **given))
+    pilot = frame.counters["pilot_alpha"] if first == "pilot" else None
+    for alpha, same in ((pilot or "one", True), (0.3, False)):
+        other = shown(scene, maps=vc.VisMaps(alpha=alpha, **given))
+        assert np.array_equal(frame.image, other.image) == same
 
 
 def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
-    plain = vc.render(scene, vc.Direct(), size=SIZE)
+    plain = shown(scene, vc.Direct())
     for use in ("correct", "replace"):
-        frame = vc.render(
-            scene, direct(n_area=16), visibility=vc.VisMaps(n_startup=60), use=use, size=SIZE
-        )
+        frame = shown(scene, direct(n_area=16), vc.VisMaps(n_startup=60), use=use)
         np.testing.assert_array_equal(frame.layers["point"], plain.layers["point"])
         assert frame.counters["groups"]["point"] == plain.counters["groups"]["point"]
 
@@ -169,44 +166,41 @@ def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene: 
         return [np.asarray(v).tobytes() for v in dataclasses.asdict(cache.records()).values()]
 
     before, rays, records = state(), cache.rays, len(cache)
-    kept = vc.render(scene, direct(), visibility=vc.VisMaps(cache=cache), size=SIZE)
+    kept = shown(scene, maps=vc.VisMaps(cache=cache))
     assert state() == before and cache.rays == rays and kept.counters["records_inserted"] == 0
     assert kept.parameters["visibility"]["update"] is False
-    asked = vc.VisMaps(cache=cache, update=True)
-    grown = vc.render(scene, direct(), visibility=asked, size=SIZE)
+    grown = shown(scene, maps=vc.VisMaps(cache=cache, update=True))
     assert len(cache) == records + grown.counters["records_inserted"] > records
-    counted = vc.VisMaps(cache=cache, count_misses=True)
-    vc.render(scene, direct(), visibility=counted, size=SIZE)
+    shown(scene, maps=vc.VisMaps(cache=cache, count_misses=True))
     assert cache.records().rays.any()
-    fresh = vc.render(scene, direct(), visibility=vc.VisMaps(n_startup=60), size=SIZE)
+    fresh = shown(scene, maps=vc.VisMaps(n_startup=60))
     assert fresh.counters["records_inserted"] > 0 and fresh.parameters["visibility"]["update"]
 
 
 def test_replacing_traces_no_ray_and_comes_near(scene: vc.Scene) -> None:
-    cache = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6))
-    maps = vc.VisMaps(cache=cache, update=True)
-    shown = vc.render(scene, direct(), visibility=maps, use="replace", size=(48, 32))
-    assert shown.counters["groups"]["environment"]["rays"] == 0
-    assert shown.counters["records"] == len(cache) > 100
+    cache, size = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6)), (48, 32)
+    given: dict[str, Any] = {"maps": vc.VisMaps(cache=cache, update=True), "size": size}
+    frame = shown(scene, use="replace", **given)
+    assert frame.counters["groups"]["environment"]["rays"] == 0
+    assert frame.counters["records"] == len(cache) > 100
     before = cache.rays
-    again = vc.render(scene, direct(), visibility=maps, use="replace", size=(48, 32), seed=9)
-    assert cache.rays == before and again.counters["records_inserted"] == 0
-    truth = vc.render(scene, direct(n_environment=512), size=(48, 32), spp=4)
-    a, b = shown.layers["environment"], truth.layers["environment"]
-    assert abs(a - b).sum() / b.sum() < 0.15
+    again = shown(scene, use="replace", seed=9, **given)
+    assert again.counters["records_inserted"] == 0
     # Another light, no ray: the records know nothing of it
-    turned = {"env": np.roll(sky(), 16, axis=1), "size": (48, 32)}
-    other = vc.render(scene, direct(), visibility=maps, use="replace", **turned)
+    turned: dict[str, Any] = {"env": np.roll(sky(), 16, axis=1)}
+    other = shown(scene, use="replace", **given, **turned)
     assert cache.rays == before
-    truth = vc.render(scene, direct(n_environment=512), spp=4, **turned)
-    c, d = other.layers["environment"], truth.layers["environment"]
-    assert abs(c - d).sum() / d.sum() < 0.15 and abs(c - a).sum() / a.sum() > 0.03
+    light = []
+    for made, env in ((frame, {}), (other, turned)):
+        truth = shown(scene, direct(n_environment=512), size=size, spp=4, **env)
+        a, b = (f.layers["environment"] for f in (made, truth))
+        assert abs(a - b).sum() / b.sum() < 0.15
+        light.append(a)
+    assert abs(light[1] - light[0]).sum() / light[0].sum() > 0.03
 
 
 def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
-    frame = vc.render(
-        scene, direct(passes=3), visibility=vc.VisMaps(n_startup=60, sampling="guided"), size=SIZE
-    )
+    frame = shown(scene, direct(passes=3), vc.VisMaps(n_startup=60, sampling="guided"))
     c, t = frame.counters, frame.timings
     parts = ("product_guided", "product_without_record", "product_dark")
     assert c["product_points"] == sum(c[name] for name in parts)
@@ -222,37 +216,22 @@ def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
 
 
 def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
-    """One record a point: one comparison a ray. What has moved shows, threads do not."""
-    counted = []
+    """One record a point: one comparison a ray, for any number of threads."""
+    counted, at = [], {"size": (40, 24)}
     for threads in (1, 3):
         cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_best=1))
-        cache.update(size=(40, 24))
+        cache.update(**at)
         maps = vc.VisMaps(cache=cache, update=False, count_misses=True, sampling="product")
-        frame = vc.render(
-            scene, direct(passes=2, centred=True), visibility=maps, size=(40, 24), threads=threads
-        )
-        records, c = cache.records(), frame.counters
+        given = direct(passes=2, centred=True)
+        c = shown(scene, given, maps, threads=threads, **at).counters
+        records = cache.records()
         rays = c["groups"]["environment"]["rays"] - c["pilot_rays"]
         assert c["product_without_record"] == 0 and records.rays.sum() == rays > 0
         assert 0 < records.misses.sum() < 0.2 * rays
         counted.append((records.rays, records.misses))
     np.testing.assert_array_equal(counted[0], counted[1])
-    silent = vc.VisMaps(cache=cache, update=False)
-    vc.render(scene, direct(), visibility=silent, size=(40, 24))
+    shown(scene, maps=vc.VisMaps(cache=cache, update=False), **at)
     assert cache.records().rays.sum() == counted[1][0].sum()
-    # The cube has gone: what the records say of it is wrong now
-    bare = vc.scenes.cube_on_plane(size=0.01).with_environment(sky())
-    cache.update(scene=bare, size=(40, 24))
-    cache.reset_errors()
-    vc.render(
-        bare,
-        direct(),
-        visibility=vc.VisMaps(cache=cache, update=False, count_misses=True),
-        size=(40, 24),
-    )
-    after = cache.records()
-    before = counted[0][1].sum() / counted[0][0].sum()
-    assert after.misses.sum() / after.rays.sum() > 1.5 * before
 
 
 def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
@@ -265,12 +244,11 @@ def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
     for sampling, threads in (("product", 1), ("guided", 1), ("guided", 3)):
         maps = vc.VisMaps(cache=cache, update=False, count_misses=True, sampling=sampling)
         cache.reset_errors()
-        frame = vc.render(room, given, visibility=maps, threads=threads, **at)
-        records, c = cache.records(), frame.counters
+        c = shown(room, given, maps, threads=threads, **at).counters
+        records = cache.records()
         rays = c["groups"]["environment"]["rays"] - c["pilot_rays"]
-        assert records.rays.sum() == pytest.approx(
-            rays, rel=1e-12 if sampling == "product" else 0.03
-        )
+        rel = 1e-12 if sampling == "product" else 0.03
+        assert records.rays.sum() == pytest.approx(rays, rel=rel)
         assert (records.misses <= records.rays).all()
         shares[sampling] = records.misses.sum() / records.rays.sum()
         counted.append((records.rays, records.misses))
@@ -279,43 +257,18 @@ def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
     assert shares["guided"] == pytest.approx(shares["product"], rel=0.25)
 
 
-@pytest.mark.slow
-@pytest.mark.stat
-def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
-    garage = vc.scenes.garage(triangles=60_000)
-    cache = vc.VisibilityMapCache(garage)
-    cache.update(size=(48, 30))
-    given = direct(n_environment=10, centred=True, n_area=0)
-    at = {"size": (48, 30)}
-    base = [vc.render(garage, given, seed=s, **at).layers["environment"] for s in range(12)]
-    ratios = {}
-    for sampling in ("product", "auto"):
-        maps = vc.VisMaps(cache=cache, update=False, sampling=sampling)
-        frames = [
-            vc.render(garage, given, visibility=maps, size=(48, 30), seed=90 + s) for s in range(12)
-        ]
-        ours = [f.layers["environment"] for f in frames]
-        ratios[sampling] = variance_ratio(ours, base).ratio
-        assert frames[0].counters["pilot_guided"]
-    assert ratios["product"] < 0.7 and ratios["auto"] < 0.8 * ratios["product"]
-    open_air = vc.scenes.cube_on_plane().with_environment(0.8)
-    frame = vc.render(open_air, direct(), visibility=vc.VisMaps(n_startup=100), size=(48, 30))
-    assert not frame.counters["pilot_guided"] and frame.counters["product_guided"] == 0
-
-
 @pytest.mark.stat
 @pytest.mark.parametrize("sampling", ["product", "guided"])
 def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampling: Any) -> None:
-    look = Look(base_color=(1, 1, 1))
-    furnace = Model((ball((0, 0, 0), 1, look=look),), env=(1, 1, 1), target=(0, 0, 0)).to_viscache()
+    globe = ball((0, 0, 0), 1, look=Look(base_color=(1, 1, 1)))
+    furnace = Model((globe,), env=(1, 1, 1), target=(0, 0, 0)).to_viscache()
     cache = vc.VisibilityMapCache(furnace, vc.MapSettings(n_startup=200))
     cache.update(size=SIZE)
     maps = vc.VisMaps(cache=cache, update=False, sampling=sampling)
     given = direct(passes=2, centred=True)
-    ours = images(40, "environment", furnace, given, visibility=maps)
-    inside = vc.render(furnace, given, size=SIZE).layers["coverage"][..., 0] == 1
+    inside = shown(furnace, given).layers["coverage"][..., 0] == 1
     assert inside.sum() > 20
-    means = ours.mean(axis=-1)[:, inside]
+    means = images(40, furnace, given, maps).mean(axis=-1)[:, inside]
     error = means.std(axis=0, ddof=1) / np.sqrt(len(means)) + 1e-6
     assert np.abs((means.mean(axis=0) - 1) / error).max() < 5
     image = means.mean(axis=1)
@@ -326,52 +279,38 @@ def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampli
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean() -> None:
-    for scene, guided in (
-        (vc.scenes.window_room(), True),
-        (vc.scenes.garden(triangles=60_000), False),
-    ):
-        cache = vc.VisibilityMapCache(scene)
-        cache.update(size=(48, 36))
-        maps = vc.VisMaps(cache=cache, update=False)
-        for seed in range(4):
-            tried = vc.render(
-                scene, direct(n_environment=1), visibility=maps, size=(64, 48), seed=seed
-            )
-            assert tried.counters["pilot_guided"] == guided
-        many = direct(n_environment=1024, centred=True)
-        usual = images(20, "environment", scene, many, seed=500).mean(axis=(1, 2, 3))
-        few = direct(n_environment=32, centred=True)
-        ours = images(60, "environment", scene, few, visibility=maps).mean(axis=(1, 2, 3))
-        sigma = np.hypot(*(m.std(ddof=1) / np.sqrt(len(m)) for m in (ours, usual)))
-        assert abs(ours.mean() - usual.mean()) < 3.5 * sigma
-        assert 0.05 * usual.mean() > 5 * sigma, "a twentieth more light would show"
+@pytest.mark.parametrize("guided", [True, False], ids=["room", "garden"])
+def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean(guided: bool) -> None:
+    scene = vc.scenes.window_room() if guided else vc.scenes.garden(triangles=60_000)
+    cache = vc.VisibilityMapCache(scene)
+    cache.update(size=(48, 36))
+    maps = vc.VisMaps(cache=cache, update=False)
+    for seed in range(4):
+        tried = shown(scene, direct(n_environment=1), maps, size=(64, 48), seed=seed)
+        assert tried.counters["pilot_guided"] == guided
+    many, few = (direct(n_environment=n, centred=True) for n in (1024, 32))
+    usual = images(20, scene, many, seed=500).mean(axis=(1, 2, 3))
+    ours = images(60, scene, few, maps).mean(axis=(1, 2, 3))
+    sigma = np.hypot(*(m.std(ddof=1) / np.sqrt(len(m)) for m in (ours, usual)))
+    assert abs(ours.mean() - usual.mean()) < 3.5 * sigma
+    assert 0.05 * usual.mean() > 5 * sigma, "a twentieth more light would show"
 
 
+BARE = vc.scenes.cube_on_plane()
+ANOTHER = vc.VisibilityMapCache(BARE, vc.MapSettings(n_startup=10))
+BARE = vc.scenes.cube_on_plane()
+ANOTHER = vc.VisibilityMapCache(BARE, vc.MapSettings(n_startup=10))
 BAD: list[tuple[dict[str, Any], str]] = [
-    ({"visibility": vc.VisMaps(), "integrator": vc.AmbientOcclusion()}, "integrator must be"),
-    ({"visibility": vc.VisMaps(), "integrator": direct(n_environment=0)}, "n_environment >= 1"),
-    ({"visibility": vc.VisMaps(alpha="loo"), "integrator": direct()}, "points must be"),
-    ({"visibility": vc.Aqvc(), "integrator": direct()}, "visibility must be"),
-    ({"visibility": vc.Aqvc(), "integrator": vc.Direct(), "use": "repair"}, "use must be"),
-    ({"integrator": vc.Direct(passes=2)}, "passes must be 1"),
+    ({"maps": vc.Aqvc(), "integrator": vc.Direct(), "use": "repair"}, "use must be"),
+    ({"scene": BARE, "integrator": vc.Direct()}, "scene must have an environment light"),
+    (
+        {"scene": vc.scenes.room(triangles=5000), "env": 1.0, "maps": vc.VisMaps(cache=ANOTHER)},
+        "cache must be of the scene",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("given", "message"), BAD)
 def test_what_cannot_be_is_refused(scene: vc.Scene, given: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        vc.render(scene, given.pop("integrator", direct()), size=SIZE, **given)
-
-
-def test_a_scene_without_environment_is_refused() -> None:
-    bare = vc.scenes.cube_on_plane()
-    with pytest.raises(ValueError, match="scene must have an environment light"):
-        vc.render(bare, vc.Direct(), visibility=vc.VisMaps(), size=SIZE)
-
-
-def test_a_cache_of_another_scene_is_refused(scene: vc.Scene) -> None:
-    other = vc.VisibilityMapCache(vc.scenes.cube_on_plane(), vc.MapSettings(n_startup=10))
-    garage_like = vc.scenes.room(triangles=5000).with_environment(1.0)
-    with pytest.raises(ValueError, match="cache must be of the scene"):
-        vc.render(garage_like, direct(), visibility=vc.VisMaps(cache=other), size=SIZE)
+        shown(**{"scene": scene, "maps": vc.VisMaps(), **given})

@@ -90,21 +90,19 @@ def test_few_are_up_to_eight(lights: int) -> None:
 @pytest.mark.parametrize("lights", [32, 33])
 def test_few_are_up_to_32_with_corrections(lights: int) -> None:
     """The answers of each of few lights would be checked often; the frame tells what it did."""
-    room = q.scene("room", triangles=2000, lights=lights)
-    frame = render(room, vc.Aqvc(), vc.Direct(n_area=2), use="correct")
-    exact = render(room, vc.Exact(), vc.Direct(n_area=2))
-    groups = frame.counters["groups"]
-    own = groups["area"]["queries"] if "area" in groups else 0
+    room, direct = q.scene("room", triangles=2000, lights=lights), vc.Direct(n_area=2)
+    found = render(room, vc.Aqvc(), direct, use="correct")
+    exact = render(room, vc.Exact(), direct)
+    own = found.counters["groups"].get("area", {"queries": 0})["queries"]
+    queries, asked = exact.counters["queries"], found.counters["exact_queries"]
     if lights == 32:
-        assert frame.sha256 == exact.sha256 and frame.counters["corrections"] == 0
-        assert frame.counters["exact_queries"] == exact.counters["queries"]
+        assert found.sha256 == exact.sha256 and found.counters["corrections"] == 0
+        assert asked == queries
     else:
-        assert frame.counters["exact_queries"] == own < frame.counters["queries"]
-        assert frame.counters["corrections"] > 0
-    every = render(room, vc.Aqvc(exact_groups=()), vc.Direct(), use="correct").counters
-    assert every["exact_queries"] == 0 < every["corrections"]
-    paper = render(room, vc.Aqvc(preset="paper"), vc.Direct(), use="correct").counters
-    assert paper["exact_queries"] == 0 < paper["corrections"]
+        assert asked == own < queries and found.counters["corrections"] > 0
+    for cache in (vc.Aqvc(exact_groups=()), vc.Aqvc(preset="paper")):
+        counters = render(room, cache, vc.Direct(), use="correct").counters
+        assert counters["exact_queries"] == 0 < counters["corrections"]
 
 
 @pytest.mark.parametrize("n_vpls", [135, 134])
@@ -154,21 +152,17 @@ def test_the_paper_form_caches_every_group_unless_one_is_named(
 
 
 def test_a_kept_table_holds_no_bits_of_named_groups(scene: vc.Scene) -> None:
-    found = {}
-    for named in ((), ("point", "area")):
+    def second(**named: Any) -> Any:
+        """Counts of a frame that finds the table of the one before."""
         table = vc.AqvcTable(table_bytes=1 << 24)
-        cache = vc.Aqvc(c_e=8, refinement="off", exact_groups=named)
-        frames = [render(scene, cache, keep=table) for _ in range(2)]
-        found[named] = frames[1].counters["groups"]
-    exact = render(scene, vc.Exact()).counters["groups"]
-    assert found[()]["point"]["rays"] == found["point", "area"]["vpl"]["rays"] == 0
-    for group in ("point", "area"):
-        assert found["point", "area"][group] == exact[group]
+        cache = vc.Aqvc(c_e=8, refinement="off", **named)
+        return [render(scene, cache, keep=table) for _ in range(2)][1].counters
+
+    exact, named = ("point", "area"), second(exact_groups=("point", "area"))["groups"]
+    truth = render(scene, vc.Exact()).counters["groups"]
+    assert all(named[group] == truth[group] for group in exact) and named["vpl"]["rays"] == 0
     # By default everything is kept
-    table = vc.AqvcTable(table_bytes=1 << 24)
-    cache = vc.Aqvc(c_e=8, refinement="off")
-    frames = [render(scene, cache, keep=table) for _ in range(2)]
-    assert frames[1].counters["rays"] == 0
+    assert second()["rays"] == second(exact_groups=())["rays"] == 0
 
 
 def test_bidirectional_paths_fill_the_table_unless_a_group_is_named() -> None:
@@ -202,16 +196,6 @@ def test_the_log_of_queries_says_that_exact_groups_are_exact(
         clusters = queries["cluster"].values[exact]
     assert exact.any() and not wrong[exact].any() and wrong[~exact].any()
     assert len(np.unique(clusters)) == len(clusters)
-
-
-def test_answers_to_connections_and_corrected_frames_are_those_of_the_renderer(
-    scene: vc.Scene,
-) -> None:
-    conn = vc.connections(scene, MIXED, size=SIZE)
-    for cache in (vc.Aqvc(c_e=8), vc.Aqvc(c_e=8, exact_groups=("vpl", "area"))):
-        assert conn.frame(conn.answers(cache)).sha256 == render(scene, cache).sha256
-        corrected = render(scene, cache, use=vc.Correct(share=1))
-        np.testing.assert_allclose(corrected.image, render(scene, vc.Exact()).image, atol=1e-5)
 
 
 def test_sets_are_kept_in_the_order_of_the_groups_and_others_are_refused() -> None:

@@ -11,6 +11,8 @@ import pytest
 import viscache as vc
 from render.mitsuba_scene import Look, Model, ball, box, quad
 from viscache import _core
+from viscache.settings.integrators import eye_settings
+from viscache.shot.shot import frame_settings
 
 FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0))
 VIEW: dict[str, Any] = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
@@ -19,13 +21,12 @@ VIEW: dict[str, Any] = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
 def eye_points(
     scene: vc.Scene, integrator: Any, size: tuple[int, int], spp: int = 1
 ) -> dict[str, Any]:
-    frame = _core.FrameSettings()
-    frame.width, frame.height, frame.spp, frame.seed = size[0], size[1], spp, 3
-    from viscache.settings.integrators import eye_settings
+    core, settings = eye_settings(integrator), frame_settings(size, spp, 3, 1)
+    return _core.trace_eye_points(scene._core, scene.caster(), scene.cameras[0], core, settings)
 
-    return _core.trace_eye_points(
-        scene._core, scene.caster(), scene.cameras[0], eye_settings(integrator), frame
-    )
+
+def rendered(model: Model, integrator: Any = None, edge: int = 8) -> vc.Frame:
+    return vc.render(model.to_viscache(), integrator or vc.Direct(), size=(edge, edge))
 
 
 @pytest.mark.parametrize("spp", [1, 4, 9])
@@ -33,16 +34,15 @@ def test_one_over_the_density_adds_up_to_the_area_in_view(spp: int) -> None:
     """Each eye point stands for 1/D_e of surface: on a floor in full view, the view's trapezoid."""
     scene = Model((FLOOR,), **VIEW).to_viscache()
     found = eye_points(scene, vc.Direct(), (60, 40), spp)
-    half_y, half_x = np.tan(np.radians(20)), 1.5 * np.tan(np.radians(20))
-    camera = scene.cameras[0]
+    half, camera = np.tan(np.radians(20)), scene.cameras[0]
+    origin, forward, right, up = (
+        np.array(getattr(camera, name)) for name in ("origin", "forward", "right", "up")
+    )
     corners = [
-        np.array(camera.forward)
-        + sx * half_x * np.array(camera.right)
-        + sy * half_y * np.array(camera.up)
+        forward + sx * 1.5 * half * right + sy * half * up
         for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     ]
-    ground = [np.array(camera.origin) - d * camera.origin[1] / d[1] for d in corners]
-    x, z = np.array(ground)[:, 0], np.array(ground)[:, 2]
+    x, _, z = np.array([origin - d * origin[1] / d[1] for d in corners]).T
     area = 0.5 * abs(np.dot(x, np.roll(z, 1)) - np.dot(z, np.roll(x, 1)))
     assert len(found["density"]) == 60 * 40 * spp
     assert np.sum(1 / found["density"]) == pytest.approx(area, rel=0.01)
@@ -109,17 +109,11 @@ def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> Non
 def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
     look = Look(base_color=(0.1, 0.2, 0.3))
     wall = quad((-9, -9, -2), (18, 0, 0), (0, 18, 0), look=look)
-    frame = vc.render(
-        Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)).to_viscache(), vc.Direct(), size=(9, 9)
-    )
-    np.testing.assert_allclose(frame.layers["depth"][4, 4], 3, rtol=1e-2)
-    np.testing.assert_allclose(
-        frame.layers["normal"], np.broadcast_to([0, 0, 1], (9, 9, 3)), atol=1e-6
-    )
-    np.testing.assert_allclose(
-        frame.layers["albedo"], np.broadcast_to(look.base_color, (9, 9, 3)), rtol=1e-6
-    )
-    assert (frame.layers["depth"][0, 0] > frame.layers["depth"][4, 4]).all()
+    layers = rendered(Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)), edge=9).layers
+    np.testing.assert_allclose(layers["depth"][4, 4], 3, rtol=1e-2)
+    np.testing.assert_allclose(layers["normal"] - [0, 0, 1], 0, atol=1e-6)
+    np.testing.assert_allclose(layers["albedo"] / look.base_color, 1, rtol=1e-6)
+    assert (layers["depth"][0, 0] > layers["depth"][4, 4]).all()
 
 
 @pytest.mark.parametrize("spec", ["room?triangles=2000", "courtyard?triangles=5000"])
@@ -132,20 +126,11 @@ def test_packets_of_primary_rays_find_what_single_rays_find(spec: str) -> None:
     up = np.tan(0.5 * camera.fov_rad)
     x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
     forward, right, top = (np.asarray(v) for v in (camera.forward, camera.right, camera.up))
-    directions = (
-        forward
-        + (2 * x - 1)[..., None] * right * (up * width / height)
-        + (1 - 2 * y)[..., None] * top * up
-    )
-    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
-    single = (
-        scene.caster()
-        .bare_intersect(
-            np.broadcast_to(np.float32(camera.origin), directions.shape).reshape(-1, 3).copy(),
-            directions.reshape(-1, 3).astype(np.float32),
-        )
-        .reshape(height, width)
-    )
+    across = (2 * x - 1)[..., None] * right * (up * width / height)
+    ways = (forward + across + (1 - 2 * y)[..., None] * top * up).reshape(-1, 3)
+    ways = (ways / np.linalg.norm(ways, axis=-1, keepdims=True)).astype(np.float32)
+    origins = np.broadcast_to(np.float32(camera.origin), ways.shape).copy()
+    single = scene.caster().bare_intersect(origins, ways).reshape(height, width)
     frame = vc.render(scene, vc.Direct(centred=True), size=(width, height))
     hit = np.isfinite(single)
     assert hit.mean() > 0.5
@@ -181,41 +166,32 @@ def test_first_hits_are_means_over_the_samples_that_hit_and_zero_where_none_did(
 
 
 def test_right_is_right_and_up_is_up() -> None:
+    """A red square to the upper right, a green one to the lower left, and nothing else."""
     parts = (
         quad((0.5, 0.5, 0), (1, 0, 0), (0, 1, 0), emission=(1, 0, 0)),
         quad((-1.5, -1.5, 0), (1, 0, 0), (0, 1, 0), emission=(0, 1, 0)),
     )
     model = Model(parts, origin=(0, 0, 4), target=(0, 0, 0), fov_deg=45)
-    image = vc.render(model.to_viscache(), vc.Direct(), size=(32, 32)).layers["emitted"]
-    assert (
-        image[:16, 16:, 0].sum() > 10
-        and image[16:, :, 0].sum() == 0
-        and image[:, :16, 0].sum() == 0
-    )
-    assert (
-        image[16:, :16, 1].sum() > 10
-        and image[:16, :, 1].sum() == 0
-        and image[:, 16:, 1].sum() == 0
-    )
+    red, green, _ = np.moveaxis(rendered(model, edge=32).layers["emitted"], 2, 0)
+    assert red[:16, 16:].sum() == red.sum() > 10
+    assert green[16:, :16].sum() == green.sum() > 10
 
 
 @pytest.mark.parametrize(
     ("origin", "target", "fov"),
     [
         ((0, 0, 0), (0, 0, 0), 45.0),
-        ((np.nan, 0, 0), (0, 0, 1), 45.0),
-        ((0, 0, np.inf), (0, 0, 1), 45.0),
-        ((0, 0, 2e16), (0, 0, 1), 45.0),
+        *(((0, 0, bad), (0, 0, 1), 45.0) for bad in (np.nan, np.inf, 2e16)),
         ((0, 0, 0), (np.nan, 0, 1), 45.0),
-        ((0, 0, 0), (0, 0, 1), 0.0),
-        ((0, 0, 0), (0, 0, 1), 180.0),
-        ((0, 0, 0), (0, 0, 1), np.nan),
-        ((0, 0, 0), (0, 0, 1), -30.0),
+        *(((0, 0, 0), (0, 0, 1), fov) for fov in (0.0, 180.0, np.nan, -30.0)),
     ],
 )
 def test_cameras_that_cannot_look_are_refused(origin: Any, target: Any, fov: float) -> None:
     with pytest.raises(ValueError, match=r"camera 'camera': |fov_deg must be in"):
         vc.look_at(origin, target, (0, 1, 0), fov)
+
+
+def test_a_camera_that_was_broken_later_is_refused() -> None:
     scene = Model((FLOOR,), **VIEW).to_viscache()
     broken = scene.cameras[0]
     broken.fov_rad = float("nan")
@@ -258,35 +234,49 @@ def test_scenes_with_little_in_them_render(integrator: Any) -> None:
 
 
 def test_a_scene_without_light_is_black_and_says_so() -> None:
-    frame = vc.render(Model((FLOOR,), **VIEW).to_viscache(), vc.Whitted(n_vpls=16), size=(8, 8))
+    frame = rendered(Model((FLOOR,), **VIEW), vc.Whitted(n_vpls=16))
     assert not frame.image.any() and any("no light" in w for w in frame.warnings)
     assert frame.counters["rays"] == 0
 
 
 def test_a_camera_inside_a_body_sees_its_inner_side() -> None:
     inside = Model(
-        (ball((0, 0, 0), 1),),
-        points=(((0, 0.2, 0), (1, 1, 1)),),
-        origin=(0, 0, 0.1),
+        (ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), origin=(0, 0, 0.1),
         target=(0, 0, -1),
-    )
-    two_sided = vc.render(inside.to_viscache(), vc.Direct(), size=(8, 8))
-    assert (two_sided.image > 0).all()
+    )  # fmt: skip
+    assert (rendered(inside).image > 0).all()
     part = replace(inside.parts[0], look=Look(two_sided=False))
-    one_sided = vc.render(replace(inside, parts=(part,)).to_viscache(), vc.Direct(), size=(8, 8))
-    assert not one_sided.image.any()
+    assert not rendered(replace(inside, parts=(part,))).image.any()
 
 
-def test_direct_shows_light_after_one_bounce_only_and_whitted_after_all() -> None:
-    """Two mirrors face to face with the sky above: Direct follows one bounce."""
+def test_direct_shows_light_after_one_bounce_only() -> None:
+    """Two mirrors face to face with the sky above, which is many bounces away, or one."""
     mirror = Look(kind="mirror", specular=(0.5, 0.5, 0.5))
-    walls = (
-        quad((0, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror),
-        quad((1, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror),
-    )
+    walls = tuple(quad((x, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror) for x in (0.0, 1.0))
     model = Model(walls, env=(1, 1, 1), origin=(0.5, 0, 0), target=(1, 0.2, 0), fov_deg=5)
-    shallow = vc.render(model.to_viscache(), vc.Direct(), size=(4, 4)).image
-    assert not shallow.any(), "the sky is many bounces away"
+    assert not rendered(model, edge=4).image.any()
     steep = replace(model, target=(1, 40, 0), fov_deg=0.05)
-    one = vc.render(steep.to_viscache(), vc.Direct(), size=(4, 4)).image
-    np.testing.assert_allclose(one, 0.5, rtol=1e-5)
+    np.testing.assert_allclose(rendered(steep, edge=4).image, 0.5, rtol=1e-5)
+
+
+def lit_by(power: float) -> vc.Frame:
+    d = vc.SceneDescription()
+    d.add_material()
+    d.add_mesh(
+        np.array([[-4, 0, 4], [4, 0, 4], [4, 0, -4], [-4, 0, -4]], np.float32),
+        np.array([[0, 1, 2], [0, 2, 3]], np.uint32),
+    )
+    d.add_point_light((0, 0.1, 0), (power,) * 3)
+    d.add_camera((0, 0.4, 0.4), (0, 0, 0))
+    return vc.render(vc.Scene.from_description(d), vc.Direct(), size=(16, 10))
+
+
+@pytest.mark.extreme
+def test_pixels_that_are_not_finite_are_counted_and_warned_of() -> None:
+    for power, finite in ((1e38, False), (1.0, True)):
+        made = lit_by(power)
+        count = int((~np.isfinite(made.image).all(axis=2)).sum())
+        assert (count == 0) == finite and made.counters["non_finite_pixels"] == count
+        assert made.counters["non_finite"] == 0 if finite else made.counters["non_finite"] >= count
+        warned = [w for w in made.warnings if "not finite" in w]
+        assert not warned if finite else f"{count} pixels are not finite" in warned[0]

@@ -7,7 +7,7 @@ is direct light. Both sides use a box filter of one pixel.
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,143 +16,44 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.mitsuba_frames import SIZE, Images, assert_same, ours, theirs
-from render.mitsuba_scene import Look, Model, Part, ball, box, quad, sensor
-from render.ztest import compare
+from render.mitsuba_frames import SIZE, assert_same, ours, theirs
+from render.mitsuba_scene import Look, Model, ball, box, quad, sensor
+from render.ztest import ROUNDING, compare
 from viscache import _core
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
 
 
-def without(model: Model, field: str, index: int) -> Model:
-    lights = getattr(model, field)
-    return replace(model, **{field: lights[:index] + lights[index + 1 :]})
+def test_the_cornell_box_has_mitsubas_direct_light(mi: Any) -> None:
+    path = Path(os.environ.get("VISCACHE_SCENES", "../shared/scenes")) / "cornell-box" / "scene.xml"
+    if not path.exists():
+        pytest.skip(f"there is no {path}")
+    to_world = mi.ScalarTransform4f([[-1, 0, 0, 0], [0, 1, 0, 1], [0, 0, -1, 6.8], [0, 0, 0, 1]])
+    view = mi.load_dict(sensor(to_world, SIZE, fov=19.5, fov_axis="x"))
+    reference = theirs(mi, mi.load_file(str(path)), sensor=view, seeds=40)
+    scene = vc.load_scene(path)
+    assert_same(ours(scene, seeds=40), reference)
+    # Its light turned around, as by a cosine with the wrong sign: it shines at the ceiling
+    d, materials = vc.SceneDescription(), _core.scene_materials(scene._core)
+    for mesh in scene.meshes():
+        d.add_mesh(
+            mesh["vertices"],
+            mesh["triangles"][:, [2, 1, 0] if max(mesh["emission"]) > 0 else [0, 1, 2]],
+            material=d.add_material(base_color=materials[mesh["material"]]["base_color"]),
+            emission=mesh["emission"],
+        )
+    camera = scene.cameras[0]
+    view = {"up": camera.up, "fov_deg": np.degrees(camera.fov_rad)}
+    target = np.add(camera.origin, camera.forward)
+    d.add_camera(camera.origin, target, horizontal=camera.fov_is_horizontal, **view)
+    assert not compare(ours(vc.Scene.from_description(d), seeds=4), reference).same
 
 
 GREY = Look(base_color=(0.6, 0.5, 0.4))
 FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=GREY)
 BLOCK = box((-0.9, 0, -0.5), (-0.3, 0.9, 0.2), look=Look(base_color=(0.2, 0.5, 0.7)))
 GLOBE = ball((0.6, 0.5, 0.2), 0.5, look=Look(base_color=(0.8, 0.3, 0.2)))
-
-
-#: Of seeds, on both sides, where one percent of the light shows in single blocks and pixels.
-FEW: dict[str, int] = {"seeds": 24}
-
-
-# Three scenes for comparison
-
-
-@pytest.fixture(scope="module")
-def cornell() -> Path:
-    path = Path(os.environ.get("VISCACHE_SCENES", "../shared/scenes")) / "cornell-box" / "scene.xml"
-    if not path.exists():
-        pytest.skip(f"there is no {path}")
-    return path
-
-
-@pytest.fixture(scope="module")
-def cornell_reference(mi: Any, cornell: Path) -> Images:
-    to_world = mi.ScalarTransform4f([[-1, 0, 0, 0], [0, 1, 0, 1], [0, 0, -1, 6.8], [0, 0, 0, 1]])
-    camera = mi.load_dict(sensor(to_world, SIZE, fov=19.5, fov_axis="x"))
-    return theirs(mi, mi.load_file(str(cornell)), sensor=camera)
-
-
-def test_the_cornell_box_has_mitsubas_direct_light(
-    cornell: Path, cornell_reference: Images
-) -> None:
-    assert_same(ours(vc.load_scene(cornell)), cornell_reference)
-
-
-def test_the_cornell_box_with_its_light_turned_around_is_told_apart(
-    cornell: Path, cornell_reference: Images
-) -> None:
-    """A light's cosine with the wrong sign: it shines at the ceiling."""
-    scene = vc.load_scene(cornell)
-    description, materials = vc.SceneDescription(), _core.scene_materials(scene._core)
-    for mesh in scene.meshes():
-        order = [2, 1, 0] if max(mesh["emission"]) > 0 else [0, 1, 2]
-        material = description.add_material(base_color=materials[mesh["material"]]["base_color"])
-        description.add_mesh(
-            mesh["vertices"],
-            mesh["triangles"][:, order],
-            material=material,
-            emission=mesh["emission"],
-        )
-    camera = scene.cameras[0]
-    target = np.add(camera.origin, camera.forward)
-    description.add_camera(
-        camera.origin,
-        target,
-        up=camera.up,
-        fov_deg=np.degrees(camera.fov_rad),
-        horizontal=camera.fov_is_horizontal,
-    )
-    turned = vc.Scene.from_description(description)
-    assert not compare(ours(turned, seeds=4), cornell_reference).same
-
-
-POINTS = Model(
-    (FLOOR, BLOCK, GLOBE),
-    points=(
-        ((1.5, 2.0, 1.5), (8, 6, 4)),
-        ((-2, 2.5, 0.5), (2, 4, 9)),
-        ((0, 1.2, 1.0), (0.5, 0.5, 0.5)),
-    ),
-    directions=(((0.48, 0.6, 0.64), (0.4, 0.5, 0.3)),),
-)
-
-
-@pytest.fixture(scope="module")
-def point_reference(mi: Any, tmp_path_factory: pytest.TempPathFactory) -> Images:
-    return theirs(mi, POINTS.to_mitsuba(mi, SIZE, tmp_path_factory.mktemp("points")))
-
-
-def test_point_and_directional_light_is_mitsubas(point_reference: Images) -> None:
-    assert_same(ours(POINTS.to_viscache()), point_reference)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        pytest.param(without(POINTS, "points", 2), id="the weakest point light dropped"),
-        pytest.param(without(POINTS, "directions", 0), id="the directional light dropped"),
-        pytest.param(
-            replace(
-                POINTS,
-                parts=(
-                    FLOOR,
-                    BLOCK,
-                    replace(GLOBE, look=replace(GLOBE.look, two_sided=False)).reversed(),
-                ),
-            ),
-            id="one body's cosine flipped",
-        ),
-        pytest.param(replace(POINTS, parts=(FLOOR, BLOCK)), id="one body missing"),
-    ],
-)
-def test_wrong_point_lit_scenes_are_told_apart(wrong: Model, point_reference: Images) -> None:
-    assert not compare(ours(wrong.to_viscache(), seeds=4), point_reference).same
-
-
-SKY = Model((FLOOR, BLOCK, GLOBE), env=(0.5, 0.8, 1.3))
-
-
-@pytest.fixture(scope="module")
-def sky_reference(mi: Any, tmp_path_factory: pytest.TempPathFactory) -> Images:
-    return theirs(mi, SKY.to_mitsuba(mi, SIZE, tmp_path_factory.mktemp("sky")), spp=24, **FEW)
-
-
-@pytest.mark.parametrize(("light", "brdf"), [(16, 16), (32, 0), (0, 32)])
-def test_a_constant_sky_is_mitsubas_by_every_split_of_samples(
-    light: int, brdf: int, sky_reference: Images
-) -> None:
-    split = vc.Direct(n_environment=light, n_brdf=brdf)
-    assert_same(ours(SKY.to_viscache(), split, **FEW), sky_reference)
-
-
-def test_a_sky_without_one_body_is_told_apart(sky_reference: Images) -> None:
-    wrong = replace(SKY, parts=(FLOOR, GLOBE))
-    assert not compare(ours(wrong.to_viscache(), seeds=4), sky_reference).same
+BODIES = (FLOOR, BLOCK, GLOBE)
 
 
 def smooth_map(width: int = 1024) -> npt.NDArray[np.float32]:
@@ -173,183 +74,201 @@ def smooth_map(width: int = 1024) -> npt.NDArray[np.float32]:
     return np.stack([sun + sky, 0.8 * sun + sky, 0.5 * sun + 1.5 * sky], -1).astype(np.float32)
 
 
-@pytest.mark.slow
-def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
-    """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
-    model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
-    image = ours(model.to_viscache())
-    assert_same(image, reference)
-    turned = replace(model, env=np.ascontiguousarray(np.roll(smooth_map(), 128, axis=1)))
-    assert not compare(ours(turned.to_viscache(), seeds=4), reference).same, (
-        "45° of rotation are not seen"
-    )
+@dataclass(frozen=True)
+class Case:
+    """A model, integrators that give it Mitsuba's light, and models and integrators that do not."""
+
+    model: Model
+    wrong: tuple[Any, ...] = ()
+    right: tuple[Any, ...] = (vc.Direct(),)
+    theirs: dict[str, Any] = field(default_factory=dict)
+    ours: dict[str, Any] = field(default_factory=dict)
+    edge: int = 1
+    tolerance: float = ROUNDING
+    slow: bool = False
 
 
-# Lights
+#: Of seeds, on both sides, where one percent of the light shows in single blocks and pixels.
+FEW: dict[str, Any] = {"seeds": 24}
+BOTH: dict[str, Any] = {"theirs": FEW, "ours": FEW}
+POINTS = Model(
+    BODIES,
+    points=(
+        ((1.5, 2.0, 1.5), (8, 6, 4)),
+        ((-2, 2.5, 0.5), (2, 4, 9)),
+        ((0, 1.2, 1.0), (0.5, 0.5, 0.5)),
+    ),
+    directions=(((0.48, 0.6, 0.64), (0.4, 0.5, 0.3)),),
+)
+FLIPPED = replace(GLOBE, look=replace(GLOBE.look, two_sided=False)).reversed()
+SKY = Model(BODIES, env=(0.5, 0.8, 1.3))
+#: The camera looks down: the map's texels, which we resample, are seen by their light alone.
+MAP = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
+LAMPS = (
+    quad((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), emission=(6, 5, 4)),
+    quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
+)
+#: Out of sight: seen directly, a tessellated silhouette differs.
+SPHERES = Model(
+    BODIES,
+    spheres=(((0.5, 2.6, 0.5), 0.3, (9, 8, 7)), ((-2.6, 0.4, 1.8), 0.2, (3, 6, 9))),
+    origin=(0.3, 1.6, 3.0),
+    target=(0, 0.2, 0),
+)
+AREA = vc.Direct(n_area=32)
 
 
-def test_area_lights_of_two_colours_and_sizes_are_mitsubas(mi: Any, tmp_path: Path) -> None:
-    lamps = (
-        quad((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), emission=(6, 5, 4)),
-        quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
-    )
-    model = Model((FLOOR, BLOCK, GLOBE, *lamps))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
-    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference, edge=4)
-    for wrong in (lamps[:1], (lamps[0], lamps[1].reversed())):
-        image = ours(replace(model, parts=(FLOOR, BLOCK, GLOBE, *wrong)).to_viscache(), seeds=4)
-        assert not compare(image, reference).same
+def metal(roughness: float) -> Model:
+    look = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
+    parts = tuple(replace(part, look=look) for part in (FLOOR, GLOBE))
+    return Model(parts, points=(((0.5, 2.5, 0.5), (4, 4, 4)),), env=(0.4, 0.5, 0.6))
 
 
-@pytest.mark.slow
-def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
-    """Out of sight: seen directly, a tessellated silhouette differs."""
-    model = Model(
-        (FLOOR, BLOCK, GLOBE),
-        spheres=(((0.5, 2.6, 0.5), 0.3, (9, 8, 7)), ((-2.6, 0.4, 1.8), 0.2, (3, 6, 9))),
-        origin=(0.3, 1.6, 3.0),
-        target=(0, 0.2, 0),
-    )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
-    assert_same(ours(model.to_viscache(), vc.Direct(n_area=32), spp=8), reference, edge=4)
-    assert not compare(ours(without(model, "spheres", 1).to_viscache(), seeds=4), reference).same
+#: Asymmetric: a swapped or turned axis shows.
+PATTERN = np.random.default_rng(3).uniform(0.1, 0.9, (5, 7, 3)).astype(np.float32)
 
 
-# Materials
+def textured(pattern: Any) -> Model:
+    look = Look(base_color=(1, 0.8, 0.6), texture=np.ascontiguousarray(pattern))
+    floor = replace(FLOOR, look=look)
+    return Model((floor, BLOCK), points=(((0.5, 2.5, 1.5), (8, 8, 8)),))
 
 
-@pytest.mark.parametrize("roughness", [0.15, pytest.param(0.5, marks=pytest.mark.slow)])
-def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_path: Path) -> None:
-    metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
-    model = Model(
-        (replace(FLOOR, look=metal), replace(GLOBE, look=metal)),
-        points=(((0.5, 2.5, 0.5), (4, 4, 4)),),
-        env=(0.4, 0.5, 0.6),
-    )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), **FEW)
-    both = vc.Direct(n_environment=16, n_brdf=16)
-    assert_same(ours(model.to_viscache(), both, spp=8, **FEW), reference)
-    rougher = replace(metal, roughness=roughness * 1.2)
-    wrong = replace(model, parts=tuple(replace(p, look=rougher) for p in model.parts))
-    assert not compare(ours(wrong.to_viscache(), seeds=4), reference).same
-
-
-def test_a_textured_floor_is_mitsubas(mi: Any, tmp_path: Path) -> None:
-    """Asymmetric pattern: a swapped or turned axis shows."""
-    rng = np.random.default_rng(3)
-    texture = rng.uniform(0.1, 0.9, (5, 7, 3)).astype(np.float32)
-    look = Look(base_color=(1, 0.8, 0.6), texture=texture)
-    model = Model((replace(FLOOR, look=look), BLOCK), points=(((0.5, 2.5, 1.5), (8, 8, 8)),))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), **FEW)
-    assert_same(ours(model.to_viscache(), **FEW), reference)
-    upside_down = replace(look, texture=np.ascontiguousarray(texture[::-1]))
-    wrong = replace(model, parts=(replace(FLOOR, look=upside_down), BLOCK))
-    assert not compare(ours(wrong.to_viscache(), seeds=4), reference).same
-
-
-@pytest.mark.parametrize("two_sided", [True, False])
-def test_back_sides_are_mitsubas(two_sided: bool, mi: Any, tmp_path: Path) -> None:
+def cards(two_sided: bool) -> Model:
     look = Look(base_color=(0.7, 0.6, 0.5), two_sided=two_sided)
     front = quad((-1.5, 0.2, 0), (1.2, 0, 0), (0, 1.2, 0), look=look)
     back = quad((0.3, 0.2, 0), (1.2, 0, 0), (0, 1.2, 0), look=look).reversed()
-    model = Model((FLOOR, front, back), points=(((0, 2.0, 2.0), (8, 8, 8)),), env=(0.2, 0.2, 0.2))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), **FEW)
-    assert_same(ours(model.to_viscache(), **FEW), reference)
+    return Model((FLOOR, front, back), points=(((0, 2.0, 2.0), (8, 8, 8)),), env=(0.2, 0.2, 0.2))
 
 
-def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None:
+def bulb(rings: int, smooth: bool) -> Model:
     """Finely divided: a normal that looks away from the eye is bent by us, black in Mitsuba."""
-    globe = ball((0, 0.7, 0), 0.7, 40, smooth=True, look=GREY)
-    model = Model((FLOOR, globe), points=(((1.5, 2.5, 2.5), (9, 9, 9)),), target=(0, 0.5, 0))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), **FEW)
-    faceted = replace(model, parts=(FLOOR, ball((0, 0.7, 0), 0.7, 12, look=GREY)))
-    image = ours(model.to_viscache(), **FEW)
-    assert_same(image, reference)
-    assert not compare(ours(faceted.to_viscache(), seeds=4), reference).same
+    globe = ball((0, 0.7, 0), 0.7, rings, smooth=smooth, look=GREY)
+    return Model((FLOOR, globe), points=(((1.5, 2.5, 2.5), (9, 9, 9)),), target=(0, 0.5, 0))
 
 
 # Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave little
 # between diffuse surfaces for Mitsuba to find: 1/2000 is tolerated.
-
-SPECULAR_TOLERANCE = 5e-4
 DIM = Look(base_color=(1e-3, 1e-3, 8e-4))
+DARK = replace(FLOOR, look=DIM)
 BARE = vc.Whitted(n_vpls=0, n_area=32)
+MIRROR = Look(kind="mirror", specular=(0.9, 0.7, 0.5))
+LIT: dict[str, Any] = {"points": (((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),), "env": (0.3, 0.6, 0.9)}
+MIRRORS = Model(
+    (
+        DARK,
+        box((-1.2, 0, -0.2), (-0.5, 0.8, 0.4), look=DIM),
+        quad((-1.5, 0, -0.8), (3, 0, 0.4), (0, 1.8, 0), look=MIRROR),
+        quad((1.4, 0, 1.4), (0, 1.5, 0), (-0.3, 0, -2.0), look=MIRROR),
+    ),
+    points=(((0.3, 2.0, 1.0), (8e3, 8e3, 8e3)),),
+    env=(0.3, 0.4, 0.5),
+)
 
 
-@pytest.mark.slow
-def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None:
-    mirror = Look(kind="mirror", specular=(0.9, 0.7, 0.5))
-    model = Model(
-        (
-            replace(FLOOR, look=DIM),
-            box((-1.2, 0, -0.2), (-0.5, 0.8, 0.4), look=DIM),
-            quad((-1.5, 0, -0.8), (3, 0, 0.4), (0, 1.8, 0), look=mirror),
-            quad((1.4, 0, 1.4), (0, 1.5, 0), (-0.3, 0, -2.0), look=mirror),
-        ),
-        points=(((0.3, 2.0, 1.0), (8e3, 8e3, 8e3)),),
-        env=(0.3, 0.4, 0.5),
-    )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=6, spp=24)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=4))
-    assert_same(image, reference, SPECULAR_TOLERANCE)
-    shallow = ours(model.to_viscache(), replace(BARE, max_depth=1), spp=16, seeds=4)
-    assert not compare(shallow, reference, tolerance=SPECULAR_TOLERANCE).same, (
-        "mirrors in mirrors are not seen"
-    )
+def glass(eta: float) -> Model:
+    look = Look(kind="dielectric", eta=eta)
+    block = box((-0.4, 0.05, -0.4), (0.5, 0.9, 0.3), look=look)
+    return Model((DARK, block, ball((-0.9, 0.5, -0.1), 0.4, 20, smooth=True, look=look)), **LIT)
 
 
-@pytest.mark.parametrize("eta", [1.5, pytest.param(1 / 1.3, marks=pytest.mark.slow)])
-def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path: Path) -> None:
-    glass = Look(kind="dielectric", eta=eta)
-    model = Model(
-        (
-            replace(FLOOR, look=DIM),
-            box((-0.4, 0.05, -0.4), (0.5, 0.9, 0.3), look=glass),
-            ball((-0.9, 0.5, -0.1), 0.4, 20, smooth=True, look=glass),
-        ),
-        points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
-        env=(0.3, 0.6, 0.9),
-    )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=24)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=12))
-    assert_same(image, reference, SPECULAR_TOLERANCE)
-    denser = replace(glass, eta=eta * 1.1)
-    wrong = replace(
-        model, parts=(model.parts[0], *(replace(p, look=denser) for p in model.parts[1:]))
-    )
-    image = ours(wrong.to_viscache(), replace(BARE, max_depth=12), seeds=4)
-    assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
-
-
-@pytest.mark.slow
-def test_thin_plates_show_what_mitsuba_sees_through_and_in_them(mi: Any, tmp_path: Path) -> None:
+def plates(eta: float = 1.7, thin: bool = True) -> Model:
     """Two plates behind each other, and a box of them, from both sides."""
-    plate = Look(kind="dielectric", eta=1.7, thin=True)
-    model = Model(
-        (
-            replace(FLOOR, look=DIM),
-            quad((-1.5, 0, -0.6), (3, 0, 0.4), (0, 1.6, 0), look=plate),
-            quad((-1.2, 0, 0.6), (1.8, 0, 0.3), (0, 1.2, 0.1), look=plate),
-            box((0.3, 0.05, 0.1), (0.9, 0.7, 0.6), look=plate),
+    look = Look(kind="dielectric", eta=eta, thin=thin)
+    first = quad((-1.5, 0, -0.6), (3, 0, 0.4), (0, 1.6, 0), look=look)
+    second = quad((-1.2, 0, 0.6), (1.8, 0, 0.3), (0, 1.2, 0.1), look=look)
+    return Model((DARK, first, second, box((0.3, 0.05, 0.1), (0.9, 0.7, 0.6), look=look)), **LIT)
+
+
+THROUGH: dict[str, Any] = {
+    "right": (replace(BARE, max_depth=12),),
+    "theirs": {"depth": 14, "spp": 24},
+    "tolerance": 5e-4,
+}
+CASES = {
+    "points and a sun": Case(
+        POINTS,
+        wrong=(
+            replace(POINTS, points=POINTS.points[:2]),  # the weakest one dropped
+            replace(POINTS, directions=()),
+            replace(POINTS, parts=(FLOOR, BLOCK, FLIPPED)),
+            replace(POINTS, parts=(FLOOR, BLOCK)),
         ),
-        points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
-        env=(0.3, 0.6, 0.9),
-    )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=24)
-    image = ours(model.to_viscache(), replace(BARE, max_depth=12))
-    assert_same(image, reference, SPECULAR_TOLERANCE)
-    for other in (replace(plate, eta=2.0), replace(plate, thin=False)):
-        wrong = tuple(replace(p, look=other) for p in model.parts[1:])
-        changed = replace(model, parts=(model.parts[0], *wrong)).to_viscache()
-        image = ours(changed, replace(BARE, max_depth=12), seeds=4)
-        assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
+    ),
+    "a constant sky by every split of samples": Case(
+        SKY,
+        wrong=(replace(SKY, parts=(FLOOR, GLOBE)),),
+        right=tuple(vc.Direct(n_environment=e, n_brdf=b) for e, b in ((16, 16), (32, 0), (0, 32))),
+        theirs=FEW | {"spp": 24},
+        ours=FEW,
+    ),
+    "a smooth map": Case(MAP, (replace(MAP, env=np.roll(smooth_map(), 128, axis=1)),), slow=True),
+    "area lights of two colours and sizes": Case(
+        Model((*BODIES, *LAMPS)),
+        wrong=tuple(Model((*BODIES, *w)) for w in (LAMPS[:1], (LAMPS[0], LAMPS[1].reversed()))),
+        right=(AREA,),
+        edge=4,
+    ),
+    "sphere lights": Case(
+        SPHERES,
+        wrong=(replace(SPHERES, spheres=SPHERES.spheres[:1]),),
+        right=(AREA,),
+        ours={"spp": 8},
+        edge=4,
+        slow=True,
+    ),
+    **{
+        f"rough conductors, {r}": Case(
+            metal(r),
+            wrong=(metal(1.2 * r),),
+            right=(vc.Direct(n_environment=16, n_brdf=16),),
+            theirs=FEW,
+            ours=FEW | {"spp": 8},
+            slow=r == 0.5,
+        )
+        for r in (0.15, 0.5)
+    },
+    "a textured floor": Case(textured(PATTERN), (textured(PATTERN[::-1]),), **BOTH),
+    "cards of two sides": Case(cards(True), **BOTH),
+    "cards of one side": Case(cards(False), **BOTH),
+    "interpolated normals": Case(bulb(40, True), (bulb(12, False),), **BOTH),
+    "mirrors in mirrors": Case(
+        MIRRORS,
+        wrong=(replace(BARE, max_depth=1),),
+        right=(replace(BARE, max_depth=4),),
+        theirs={"depth": 6, "spp": 24},
+        tolerance=5e-4,
+        slow=True,
+    ),
+    "glass": Case(glass(1.5), (glass(1.65),), **THROUGH),
+    "thinner glass": Case(glass(1 / 1.3), (glass(1.1 / 1.3),), slow=True, **THROUGH),
+    "thin plates": Case(plates(), (plates(2.0), plates(thin=False)), slow=True, **THROUGH),
+}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if c.slow else n for n, c in CASES.items()]
+)
+def test_frames_are_mitsubas_and_wrong_ones_are_told_apart(
+    name: str, mi: Any, tmp_path: Path
+) -> None:
+    case = CASES[name]
+    reference = theirs(mi, case.model.to_mitsuba(mi, SIZE, tmp_path), **case.theirs)
+    scene = case.model.to_viscache()
+    for integrator in case.right:
+        made = ours(scene, integrator, **case.ours)
+        assert_same(made, reference, case.tolerance, edge=case.edge)
+    for wrong in case.wrong:
+        if isinstance(wrong, Model):
+            made = ours(wrong.to_viscache(), case.right[0], seeds=4)
+        else:
+            made = ours(scene, wrong, seeds=4)
+        assert not compare(made, reference, tolerance=case.tolerance).same
 
 
 def test_parts_are_what_they_say() -> None:
     """The helper's own fronts look outwards; else two-sidedness above would prove nothing."""
     for part in (box((0, 0, 0), (1, 1, 1)), ball((0.5, 0.5, 0.5), 0.5)):
-        assert isinstance(part, Part)
         a, b, c = (part.vertices[part.triangles[:, i]] for i in range(3))
         outwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), (a + b + c) / 3 - 0.5)
         assert (outwards > 0).all()

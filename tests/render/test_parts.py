@@ -1,7 +1,8 @@
-"""A frame in parts is the frame in one piece, byte for byte and count for count."""
+"""Frames in parts have the bytes of one piece; tiles are small and follow from the frame alone."""
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cache
 from typing import Any
@@ -120,25 +121,51 @@ def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
     assert 0 < shares[0] < shares[1] < shares[2] == (frame.layers["coverage"] > 0).mean()
 
 
-@pytest.mark.parametrize(
-    ("integrator", "visibility", "says"),
-    [
-        (vc.Bdpt(), None, "must not be Bdpt"),
-        (vc.AmbientOcclusion(n_samples=33, directions="shared"), None, "nor share directions"),
-        (vc.Direct(), vc.VisMaps(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
-        (vc.Direct(), vc.ShadowMap(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
-    ],
-)
-def test_a_frame_whose_tiles_depend_on_more_than_themselves_is_refused(
-    scene: vc.Scene, integrator: Any, visibility: Any, says: str
-) -> None:
-    with pytest.raises(ValueError, match=says):
-        tiles.render(scene, integrator, visibility=visibility, parts=2, size=(8, 8))
-
-
 def test_a_part_out_of_range_is_refused(scene: vc.Scene) -> None:
     for part in ((2, 2), (-1, 2), (0, 0), (0, True)):
         with pytest.raises(ValueError, match=r"parts? must be in"):
             render_part(BareShot(scene, vc.Direct(), size=(8, 8)), part)
     with pytest.raises(ValueError, match="parts must be in"):
         tiles.render(scene, vc.Direct(), parts=-1, size=(8, 8))
+    with pytest.raises(ValueError, match="must not be Bdpt"):
+        tiles.render(scene, vc.Bdpt(), parts=2, size=(8, 8))
+
+
+OWN_SKY = vc.Direct(n_area=0, n_environment=1, n_brdf=0)
+SHARED_SKY = vc.Direct(n_area=0, environment="shared", n_environment=16)
+FEW_DIRECTIONS = vc.Direct(n_area=0, environment="shared", n_environment=8)
+
+
+@pytest.fixture(scope="module")
+def cube() -> vc.Scene:
+    return vc.scenes.build("cube_on_plane").with_environment(1.0)
+
+
+def edge(cube: vc.Scene, size: tuple[int, int], spp: int = 1, **options: Any) -> int:
+    frame = vc.render(cube, options.pop("integrator", OWN_SKY), size=size, spp=spp, **options)
+    return int(frame.parameters["tile_edge_px"])
+
+
+@pytest.mark.parametrize(
+    ("size", "spp", "pixels"),
+    [((512, 512), 1, 64), ((511, 448), 1, 32), ((192, 192), 1, 32), ((128, 128), 16, 16)],
+)
+def test_a_tile_has_64_squared_eye_samples_in_frames_of_64_tiles_or_more(
+    cube: vc.Scene, size: tuple[int, int], spp: int, pixels: int
+) -> None:
+    assert edge(cube, size, spp) == pixels
+    assert math.prod(math.ceil(n / pixels) for n in size) >= 36
+
+
+def test_tiles_of_many_shared_directions_are_larger(cube: vc.Scene) -> None:
+    """The aligned batch sorts triangles once for all points of a tile."""
+    sizes = ((256, 256), (512, 512), (1024, 1024))
+    assert [edge(cube, size, integrator=SHARED_SKY) for size in sizes] == [64, 128, 256]
+    assert edge(cube, (512, 512), integrator=FEW_DIRECTIONS) == 64
+
+
+def test_tiles_depend_on_no_oracle_and_no_threads(cube: vc.Scene) -> None:
+    for visibility in ("exact", vc.Aqvc(exact_groups=()), vc.Exact(sky_engine="batch")):
+        for threads in (1, 3):
+            options = {"visibility": visibility, "threads": threads, "integrator": SHARED_SKY}
+            assert edge(cube, (512, 512), **options) == 128

@@ -1,5 +1,7 @@
 """The eye points of a pixel share the sequences of their samples and picks, over all passes."""
 
+from __future__ import annotations
+
 from functools import cache
 from typing import Any
 
@@ -7,6 +9,9 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from render.skies import gradient, with_sets
+from render.test_sky_lobes import PLASTIC, shared
+from render.test_sky_lobes import scene as lobes_on
 
 SIZE = (40, 30)
 #: Of frames whose samples are dear.
@@ -29,30 +34,26 @@ def lamps() -> vc.Scene:
 @cache
 def made(kind: str) -> tuple[vc.Scene, Any, Any]:
     """A scene, its camera, and an integrator with samples of each eye point's own."""
-    scene, box = vc.scenes.cube_on_plane(), vc.scenes.cornell_box()
+    if kind == "lobes":
+        scene = lobes_on(PLASTIC)
+        return scene, scene.cameras[0], shared(1)
+    if kind == "area":
+        scene = vc.scenes.cornell_box()
+        return scene, scene.cameras[0], vc.Direct(n_area=4)
+    scene = vc.scenes.cube_on_plane()
     camera = scene.cameras[0]
     sky = np.full((16, 32, 3), 0.2, np.float32)
     sky[3:5, 6:9] = 20
-    return {
-        "ambient": (scene, camera, vc.AmbientOcclusion(n_samples=4, max_distance=None)),
-        "sky": (
-            scene.with_environment(sky),
-            camera,
-            vc.Direct(n_area=0, n_environment=2, n_brdf=2),
-        ),
-        "even sky": (
-            scene.with_environment(1.0),
-            camera,
-            vc.Direct(n_area=0, n_environment=4, n_brdf=0),
-        ),
-        "product": (
-            scene.with_environment(sky),
-            camera,
-            vc.Direct(n_area=0, environment="product", n_environment=4, passes=2),
-        ),
-        "area": (box, box.cameras[0], vc.Direct(n_area=4)),
-        "picks": (lamps(), camera, vc.Direct(pick=8)),
+    none = {"n_area": 0, "n_brdf": 0, "n_environment": 4}
+    lit, integrator = {
+        "ambient": (scene, vc.AmbientOcclusion(n_samples=4, max_distance=None)),
+        "sky": (sky, vc.Direct(n_area=0, n_environment=2, n_brdf=2)),
+        "even sky": (1.0, vc.Direct(**none)),
+        "product": (sky, vc.Direct(environment="product", passes=2, **none)),
+        "sets": (gradient(), with_sets(128, SPP)),
+        "picks": (lamps(), vc.Direct(pick=8)),
     }[kind]
+    return lit if isinstance(lit, vc.Scene) else scene.with_environment(lit), camera, integrator
 
 
 KINDS = ("ambient", "sky", "even sky", "product", "area", "picks")
@@ -70,7 +71,7 @@ def passes(kind: str, seed: int) -> Any:
     return np.mean([picture(kind, 1, seed, first) for first in range(SPP)], axis=0)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*KINDS, "sets", "lobes"])
 def test_frames_that_go_on_have_the_samples_of_one_frame(kind: str) -> None:
     together, apart = picture(kind, SPP, 5), passes(kind, 5)
     np.testing.assert_allclose(apart, together, rtol=1e-5, atol=1e-6)
@@ -85,10 +86,10 @@ def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_
         options = {"size": SIZE, "camera": camera, "spp": spp, "first_sample": first_sample}
         return vc.render(scene, product, visibility=visibility, **options).image
 
-    for visibility, shared in ((vc.Exact(), True), (vc.VisMaps(), False)):
+    for visibility, continues in ((vc.Exact(), True), (vc.VisMaps(), False)):
         apart = (frame(visibility, 1) + frame(visibility, 1, 1)) / 2
         away = np.abs(apart - frame(visibility, 2)).max()
-        assert (away < 1e-5) == shared
+        assert (away < 1e-5) == continues
 
 
 @pytest.mark.parametrize("kind", KINDS)

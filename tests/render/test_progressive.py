@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import cli
-from viscache.base.formats import FormatError
-from viscache.passes import progressive_state
+from render.test_progressive_oracles import LITTLE_ROOM
 from viscache.passes.progressive_state import Sums
 
 SIZE = (48, 32)
@@ -19,19 +17,9 @@ ROOM = "room?triangles=3000"
 LIGHTS = vc.Whitted(n_vpls=64)
 
 
-@pytest.fixture(scope="module")
-def room() -> vc.Scene:
-    scene: vc.Scene = vc.scenes.build(ROOM)
-    return scene
-
-
 def picture(scene: vc.Scene, **options: Any) -> vc.Progressive:
     given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=12), "size": SIZE} | options
     return vc.Progressive(scene, LIGHTS, **given)
-
-
-def sha(frame: vc.Frame) -> str:
-    return frame.sha256
 
 
 def test_passes_of_exact_visibility_are_frames_of_more_samples(room: vc.Scene) -> None:
@@ -68,50 +56,6 @@ def test_what_rows_answer_is_the_cache_of_all_passes(room: vc.Scene) -> None:
     assert first.counters["rays"] > 0
     # What the first frame's finest cells learnt may settle cells that were unknown before
     assert np.abs(second.image - first.image).sum() < 0.02 * first.image.sum()
-
-
-@pytest.mark.parametrize("use", ["correct", "replace"])
-def test_bytes_depend_on_neither_threads_nor_stops(
-    room: vc.Scene, tmp_path: Path, use: str
-) -> None:
-    whole = picture(room, use=use, threads=1)
-    want = sha(whole.passes(5))
-    parts = picture(room, use=use, threads=3)
-    parts.passes(2)
-    parts.save(tmp_path / "state.npz")
-    resumed = picture(room, use=use, threads=2)
-    resumed.load(tmp_path / "state.npz")
-    assert resumed.n_passes == 2
-    assert sha(resumed.passes(3)) == want
-    assert sha(parts.passes(3)) == want
-    np.testing.assert_array_equal(resumed.frame.layers["variance"], whole.frame.layers["variance"])
-    assert resumed.error() == parts.error() == whole.error() > 0
-
-
-def test_an_interrupted_pass_leaves_nothing(room: vc.Scene) -> None:
-    stopped, calls = picture(room, size=(96, 64)), 0
-    want = sha(picture(room, size=(96, 64)).passes(3))
-    stopped.passes(1)
-
-    def interrupt(done: int, total: int) -> None:
-        nonlocal calls
-        calls += 1
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        vc.render(
-            room,
-            LIGHTS,
-            visibility=stopped.visibility,
-            use="correct",
-            size=(96, 64),
-            first_sample=1,
-            keep=stopped.rows,
-            progress=interrupt,
-        )
-    assert calls
-    assert stopped.n_passes == 1
-    assert sha(stopped.passes(2)) == want
 
 
 def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
@@ -169,7 +113,7 @@ def test_passes_whose_lights_are_all_exact_cost_nothing_more(
     want = made(few, "exact").passes(3)
     for p in (corrected, resumed):
         frame = p.passes(2)
-        assert sha(frame) == sha(want)
+        assert frame.sha256 == want.sha256
         assert frame.counters["exact_queries"] == frame.counters["queries"]
         assert frame.counters["rays"] == want.counters["rays"]
     for p in (made(many), made(few, renew=2), made(few, use="replace")):
@@ -182,9 +126,6 @@ def test_lights_are_renewed(room: vc.Scene) -> None:
     rays = np.diff([0, *(renewed.passes(1).counters["rays"] for _ in range(4))])
     assert rays[1] < 0.9 * rays[0]
     assert rays[2] > 1.5 * rays[1]
-
-
-LITTLE_ROOM: dict[str, Any] = {"size": (256, 160), "max_bytes": 1 << 20}
 
 
 def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
@@ -208,39 +149,6 @@ def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
     assert kept <= saved[0] / saved[1] < 1.3 * kept
     tiles = [{tile for tile, _, _ in p.rows._state()} for p in (small, whole) if p.rows]
     assert len(tiles[1] - tiles[0]) == small.frame.counters["tiles_not_kept"]
-
-
-def test_little_room_changes_no_byte_by_threads_or_stops(room: vc.Scene, tmp_path: Path) -> None:
-    """The same tiles keep their rows, whoever comes first; what has no room is traced."""
-    options = LITTLE_ROOM | {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",))}
-    one, three = (picture(room, threads=n, **options) for n in (1, 3))
-    want = sha(one.passes(3))
-    three.passes(1)
-    three.save(tmp_path / "state.npz")
-    resumed = picture(room, threads=2, **options)
-    resumed.load(tmp_path / "state.npz")
-    assert sha(three.passes(2)) == sha(resumed.passes(2)) == want
-    for p in (three, resumed):
-        assert p.frame.counters["tiles_not_kept"] == one.frame.counters["tiles_not_kept"] > 0
-        assert p.frame.counters["rays"] == one.frame.counters["rays"]
-        assert p.rows is not None
-        assert one.rows is not None
-        assert p.rows.bytes == one.rows.bytes > 0
-
-
-@pytest.mark.stat
-def test_corrected_passes_converge_to_exact_visibility(room: vc.Scene) -> None:
-    """Half a percent of the light would show, and so does the bias of the cache alone."""
-
-    def passes(**options: Any) -> list[vc.Frame]:
-        return [vc.render(room, LIGHTS, size=SIZE, first_sample=i, **options) for i in range(16)]
-
-    exact, cache = passes(), vc.Aqvc(c_e=24)
-    corrected = passes(visibility=cache, use="correct", keep=vc.AqvcRows())
-    assert vc.testing.assert_unbiased(corrected, exact, energy=0.005).paired
-    with pytest.raises(AssertionError, match="the frames are biased"):
-        replaced = passes(visibility=cache, keep=vc.AqvcRows())
-        vc.testing.assert_unbiased(replaced, exact)
 
 
 @pytest.mark.stat
@@ -320,28 +228,6 @@ def test_until_stops_by_seconds_or_passes(room: vc.Scene) -> None:
     assert quick.n_passes == 3
 
 
-def test_bdpt_has_new_paths_in_every_pass() -> None:
-    p = vc.Progressive("cornell_box", vc.Bdpt(max_depth=3), visibility="exact", size=(16, 16))
-    frame = p.passes(3)
-    assert p.rows is None
-    assert (frame.layers["variance"] > 0).any()
-
-
-def test_the_command_line_goes_on_from_a_state(tmp_path: Path) -> None:
-    def render(out: str, passes: int, *more: str) -> str:
-        given = ["render", ROOM, "-o", str(tmp_path / out), "--visibility", "aqvc"]
-        given += ["--size", "48x32", "--set", "n_vpls=64", "--passes", str(passes), *more]
-        assert cli.main(given) == 0
-        return vc.Frame.load(tmp_path / out).sha256
-
-    state = ["--state", str(tmp_path / "state.npz")]
-    first = render("a.exr", 2, *state)
-    assert render("b.exr", 1, *state) == render("c.exr", 3) != first
-    wrong = ["render", ROOM, "-o", str(tmp_path / "d.exr"), *state]
-    assert cli.main(wrong) != 0
-    assert not (tmp_path / "d.exr").exists()
-
-
 def test_notebooks_show_the_picture_while_it_gets_better(
     room: vc.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -378,11 +264,6 @@ def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:
             picture(room, **{option: value})
     with pytest.raises(ValueError, match="first_sample must be a multiple of spp"):
         vc.render(room, LIGHTS, size=SIZE, spp=2, first_sample=1)
-    with pytest.raises(ValueError, match="first_sample must be 0 with Bdpt"):
-        vc.render(room, vc.Bdpt(), size=SIZE, first_sample=1)
-    pairs = vc.Aqvc(preset="paper")
-    with pytest.raises(ValueError, match='form must be "waves"'):
-        vc.render(room, LIGHTS, size=SIZE, visibility=pairs, keep=vc.AqvcRows())
 
 
 def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) -> None:
@@ -398,11 +279,9 @@ def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) ->
     another: vc.Scene = vc.scenes.cube_on_plane()
     with pytest.raises(ValueError, match="scene must be"):
         picture(another).load(file)
-    whole = file.read_bytes()
-    for damaged in (whole[: len(whole) // 2], b"", b"PK\x03\x04" + whole[4:200]):
-        file.write_bytes(damaged)
-        with pytest.raises(ValueError, match="must be a saved state"):
-            p.load(file)
+    file.write_bytes(file.read_bytes()[:999])
+    with pytest.raises(ValueError, match="must be a saved state"):
+        p.load(file)
     assert p.n_passes == 1
 
 
@@ -414,29 +293,3 @@ def test_numbers_of_numpy_are_saved(room: vc.Scene, tmp_path: Path) -> None:
     same = picture(room, visibility="exact", **dict.fromkeys(numbers, 2))
     same.load(tmp_path / "state.npz")
     assert same.frame.sha256 == p.frame.sha256
-
-
-def test_a_state_that_does_not_fit_changes_nothing(room: vc.Scene, tmp_path: Path) -> None:
-    """Neither its rows nor its sums are taken, even where its hash fits."""
-    file = tmp_path / "state.npz"
-    p = picture(room)
-    p.passes(2)
-    p.save(file)
-    fields, arrays = progressive_state.FORMAT.read_npz(file)
-    other = picture(room)
-    want = other.passes(1).sha256
-    assert other.rows is not None
-    cells = other.rows.cells
-    small = {n: a[:16] if a.ndim == 3 else a for n, a in arrays.items()}
-    lacks = {n: v for n, v in fields.items() if n != "row_tiles"}
-    for says, some, given in (
-        ("layer color must be float64", fields, arrays | {"layer color": np.ones(3)}),
-        ("squares must be float64", fields, arrays | {"squares": np.zeros((32, 48, 3), "f4")}),
-        (r"pictures of shape \(16, 48, 3\), not \(32, 48, 3\)", fields, small),
-        ("part 1", fields, {n: a for n, a in arrays.items() if n != "part 1"}),
-        ("row_tiles", lacks, arrays),
-    ):
-        progressive_state.FORMAT.write_npz(file, some, given)
-        with pytest.raises(FormatError, match=says):
-            other.load(file)
-        assert (other.n_passes, other.frame.sha256, other.rows.cells) == (1, want, cells)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 import viscache as vc
 from render import quantized as q
+from viscache_lab.extremes.scenes import floor, table, with_parts
 
 pytestmark = pytest.mark.extreme
 
 DIRECT = vc.Direct()
-FORMS = [q.FORMS["waves"], q.FORMS["pairs-table"]]
-QUAD = np.uint32([[0, 1, 2], [0, 2, 3]])
 
 
 def check(scene, integrator=DIRECT, size=q.SIZE, **options):
@@ -33,29 +30,6 @@ def exact_in_the_limit(scene, integrator=DIRECT, **options):
     return check(scene, integrator, c_e=1e-3, **options)[0].sha256 == (
         q.exact(scene, integrator).sha256
     )
-
-
-def with_parts(*parts, lights=(((2.2, 3.0, 1.2), (12, 12, 12)),), camera=None):
-    """Grey two-sided meshes (vertices, triangles) and point lights."""
-    description = vc.SceneDescription()
-    grey = description.add_material(base_color=(0.5, 0.5, 0.5))
-    for vertices, triangles in parts:
-        description.add_mesh(vertices, triangles, material=grey)
-    for position, intensity in lights:
-        description.add_point_light(position, intensity)
-    origin, target, fov = camera or ((-1.2, 2.6, 4.2), (0, 0.35, 0), 38)
-    description.add_camera(origin, target, fov_deg=fov)
-    return vc.Scene.from_description(description)
-
-
-def floor(width=4.0, height=0.0):
-    w = width
-    return np.array([[-w, height, w], [w, height, w], [w, height, -w], [-w, height, -w]]), QUAD
-
-
-def table():
-    """A square above the floor."""
-    return np.array([[-0.5, 0.6, 0.5], [0.5, 0.6, 0.5], [0.5, 0.6, -0.5], [-0.5, 0.6, -0.5]]), QUAD
 
 
 # Place and size of the scene
@@ -78,20 +52,6 @@ def test_a_huge_ground_plane_does_not_coarsen_the_cells():
 # Parameters
 
 
-def test_extreme_c_e_of_local_samples_is_finite():
-    """Area, environment and ambient samples; light cells do not shrink with C_E."""
-    scene = q.lit_box().with_environment(0.5)
-    tiny, _ = check(scene, q.LOCAL, c_e=1e-9)
-    assert tiny.sha256 == check(scene, q.LOCAL, c_e=1e-3)[0].sha256
-    huge, _ = check(scene, q.LOCAL, c_e=1e9)
-    for group in ("area", "environment"):
-        small, large = (f.counters["groups"][group] for f in (tiny, huge))
-        assert 0.5 * small["queries"] < small["rays"] < small["queries"]
-        assert large["rays"] < 0.05 * large["queries"]
-    for c_e in (1e-9, 1e9):
-        check(scene, vc.AmbientOcclusion(n_samples=8, max_distance=None), c_e=c_e)
-
-
 @pytest.mark.parametrize("mode", ["round", "floor"])
 def test_odd_c_n_works_but_costs_rays_on_axis_aligned_walls(mode):
     """One bin edge lies on the axes: oblique grids cut the walls; the frame warns."""
@@ -106,44 +66,7 @@ def test_odd_c_n_works_but_costs_rays_on_axis_aligned_walls(mode):
     assert warned == {1: True, 2: False, 3: True, 8: False, 64: False}
 
 
-@pytest.mark.parametrize("storage", [{"digest_bits": 1}, {"table_bytes": 4}], ids=str)
-def test_tiny_digests_and_tables_stay_within_what_the_lights_give(storage):
-    """A table of one slot keeps the last key; digests of one bit cause errors, and are counted."""
-    options = {**q.FORMS["pairs-table"], **storage, "c_e": 1e-3}
-    frame, exact = check(q.lit_box(), q.SHARED, **options)
-    counts = frame.counters
-    if "table_bytes" in storage:
-        assert frame.sha256 == exact.sha256
-        edge = frame.parameters["tile_edge_px"]
-        tiles = math.prod(math.ceil(pixels / edge) for pixels in q.SIZE)
-        assert (
-            counts["evictions"] == counts["table_writes"] - tiles
-        )  # each begins with an empty slot
-        assert counts["table_slots"] == tiles
-        assert counts["expected_false_hits"] < 1e-3
-        return
-    assert 0 < counts["queries"] - counts["rays"] < 3 * counts["expected_false_hits"]
-    both, _ = check(q.lit_box(), q.SHARED, **{**options, "table_bytes": 4})
-    assert both.counters["rays"] < 0.1 * counts["rays"]
-    assert q.rel_l1(both.image, exact.image) > q.rel_l1(frame.image, exact.image)
-
-
 # Geometry
-
-
-@pytest.mark.parametrize("noise", [1e-7, 1e-5])
-def test_noise_on_the_normals_of_axis_aligned_walls_costs_nothing_with_rounding(noise):
-    """The printed floor has its bin edges on the axes: rays more than double."""
-    shaken = q.moved(q.lit_box(), noise=noise)
-    rays = {
-        mode: [
-            check(scene, size=(160, 100), normal_mode=mode, refinement="off")[0].counters["rays"]
-            for scene in (q.lit_box(), shaken)
-        ]
-        for mode in ("round", "floor")
-    }
-    assert rays["round"][1] == pytest.approx(rays["round"][0], rel=0.02)
-    assert rays["floor"][1] > 1.8 * rays["floor"][0]
 
 
 @pytest.mark.parametrize("form", q.FORMS)

@@ -2,32 +2,34 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 import pytest
-from scipy.ndimage import distance_transform_edt
 
 import viscache as vc
+from render import bdpt_scenes
 from render import quantized as q
 
 DIRECT = vc.Direct()
 LARGE = (160, 100)
 
 
+@cache
+def every_light():
+    return bdpt_scenes.LIGHTS.to_viscache()
+
+
 def errors(scene, c_e_list, grids, integrator=DIRECT, size=q.SIZE, **options):
     """rel_l1 of every C_E (rows) and grid seed (columns)."""
     exact = q.exact(scene, integrator, size).image
-    return np.array(
-        [
-            [
-                q.rel_l1(
-                    q.render(scene, integrator, size=size, c_e=c, grid_seed=s, **options).image,
-                    exact,
-                )
-                for s in range(grids)
-            ]
-            for c in c_e_list
-        ]
-    )
+
+    def error(c_e, seed):
+        given = {"size": size, "c_e": c_e, "grid_seed": seed, **options}
+        return q.rel_l1(q.render(scene, integrator, **given).image, exact)
+
+    return np.array([[error(c_e, seed) for seed in range(grids)] for c_e in c_e_list])
 
 
 def energies(scene, grids=32, size=LARGE, **options):
@@ -46,18 +48,49 @@ def z_of_mean(values):
 # The exact limit, and costs of a query
 
 
-@pytest.mark.parametrize("form", q.FORMS)
-def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
-    """Point, directional and VPL light, bit for bit."""
-    exact = q.exact(q.lit_box())
-    frame = q.render(q.lit_box(), c_e=1e-3, **q.FORMS[form])
-    for group in ("point", "directional", "vpl"):
-        assert exact.layers[group].max() > 0 and exact.counters["groups"][group]["occluded"] > 0
-        np.testing.assert_array_equal(frame.layers[group], exact.layers[group])
-        counts = frame.counters["groups"][group]
-        assert counts["rays"] == counts["queries"] == exact.counters["groups"][group]["queries"]
-    assert frame.sha256 == exact.sha256 and frame.counters["ray_reduction"] == 1
-    assert q.render(q.lit_box(), c_e=4, **q.FORMS[form]).sha256 != exact.sha256
+SHARED_GROUPS = ("point", "directional", "vpl")
+PATHS = {c: vc.Bdpt(max_depth=4, camera_connections=c) for c in ("bypass", "keyed")}
+#: Integrator, the groups that it must light, C_E, and settings of the cache.
+LIMIT: dict[str, tuple[Any, tuple[str, ...], float, dict[str, Any]]] = {
+    **{form: (q.SHARED, SHARED_GROUPS, 1e-3, given) for form, given in q.FORMS.items()},
+    **{
+        f"tables of {n} threads": (
+            q.SHARED,
+            SHARED_GROUPS,
+            1e-3,
+            {"form": "pairs", "storage": "paper_tiles", "threads": n},
+        )
+        for n in (1, 3)
+    },
+    **{
+        f"{camera} paths, {storage}": (
+            paths,
+            ("point", "area", "environment", "connection", "camera"),
+            1e-4,
+            {"storage": storage, "table_bytes": 16 << 20},
+        )
+        for camera, paths in PATHS.items()
+        for storage in ("table", "exact", "shared")
+    },
+}
+
+
+@pytest.mark.parametrize("name", LIMIT)
+def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(name: str) -> None:
+    """All kinds of light, mirrors of the key included, bit for bit."""
+    integrator, lit, c_e, given = LIMIT[name]
+    scene = q.lit_box() if integrator is q.SHARED else every_light()
+    exact = q.exact(scene, integrator)
+    frame = q.render(scene, integrator, c_e=c_e, **given)
+    for layer, pixels in exact.layers.items():
+        np.testing.assert_array_equal(frame.layers[layer], pixels, err_msg=layer)
+    for group in lit:
+        counts, want = (f.counters["groups"][group] for f in (frame, exact))
+        assert exact.layers[group].max() > 0 and want["occluded"] > 0
+        assert counts["rays"] == counts["queries"] == want["queries"]
+        assert counts["occluded"] == want["occluded"]
+    assert frame.counters["ray_reduction"] == 1
+    assert q.render(scene, integrator, **given | {"c_e": 4}).sha256 != exact.sha256
 
 
 @pytest.mark.parametrize("form", q.FORMS)
@@ -124,14 +157,6 @@ def test_one_fixed_order_does_not_average_out_over_grids():
 
 
 @pytest.mark.stat
-@pytest.mark.parametrize("options", [{"form": "waves"}, {"preset": "paper"}], ids=str)
-def test_refinement_brightens_thin_shadows(options):
-    """A property of Alg. 2: a lone dark cell is noticed, a small shadow missed is not."""
-    values = energies(q.scene("slats"), 8, size=q.SIZE, c_e=8, refinement="on", **options)
-    assert z_of_mean(values) > 5
-
-
-@pytest.mark.stat
 def test_waves_err_like_pairs():
     """Mean rel_l1 of four grids within 25 %; an eighth of the C_E is told apart."""
     for scene, integrator in ((q.lit_box(), q.SHARED), (q.scene("stairs"), DIRECT)):
@@ -140,100 +165,3 @@ def test_waves_err_like_pairs():
         other, fine = errors(scene, (12, 1.5), 4, integrator, size, form="pairs").mean(axis=1)
         assert other == pytest.approx(waves, rel=0.25)
         assert fine != pytest.approx(waves, rel=0.25)
-
-
-# Units and determinism
-
-
-# Order, environment, walls
-
-
-def shadow_shift(image, exact):
-    """How far (right, down) in pixels the image is off: least squares on the gradients."""
-    a, b = image.mean(axis=2, dtype=float), exact.mean(axis=2, dtype=float)
-    down, right = np.gradient(b)
-    slopes = np.stack([right.ravel(), down.ravel()], axis=1)
-    return -np.linalg.lstsq(slopes, (a - b).ravel(), rcond=None)[0]
-
-
-@pytest.mark.stat
-@pytest.mark.figure
-def test_scan_order_shifts_shadows_to_the_lower_right_and_halton_morton_less():
-    """Mean over eight image sizes, each with its own early pixels, and two grids."""
-    scene = q.scene("cube_on_plane")
-    exact = q.exact(scene, DIRECT, LARGE).image
-    assert shadow_shift(np.roll(exact, 1, axis=1), exact) == pytest.approx([1, 0], abs=0.05)
-
-    def shifts(order):
-        options = {"form": "pairs", "batch": 1, "c_e": 8, "refinement": "off", "order": order}
-        found = []
-        for width in range(136, 200, 8):
-            size = (width, 5 * width // 8)
-            exact = q.exact(scene, DIRECT, size).image
-            frames = (
-                q.render(scene, DIRECT, size=size, grid_seed=s, **options).image for s in range(2)
-            )
-            found.append(np.mean([shadow_shift(image, exact) for image in frames], axis=0))
-        return np.array(found)
-
-    scanline, halton = shifts("scanline"), shifts("hm")
-    assert (scanline.mean(axis=0) > 0.04).all()
-    assert z_of_mean(scanline[:, 0]) > 3 and z_of_mean(scanline[:, 1]) > 3
-    assert z_of_mean(scanline.sum(axis=1) - halton.sum(axis=1)) > 3
-    assert np.linalg.norm(halton.mean(axis=0)) < 0.5 * np.linalg.norm(scanline.mean(axis=0))
-
-
-def environment_errors(rule):
-    """rel_l1 of sky light at 4, 32 and 256 samples per eye point."""
-    scene = q.scene("cube_on_plane").with_environment(1.0)
-    found = []
-    for n in (4, 32, 256):
-        sky = vc.Direct(n_environment=n, n_brdf=0, n_area=0)
-        exact = q.exact(scene, sky, (48, 30)).layers["environment"]
-        frame = q.render(scene, sky, size=(48, 30), c_e=2, env_rule=rule)
-        found.append(q.rel_l1(frame.layers["environment"], exact))
-    return found
-
-
-def test_the_derived_environment_rule_converges_with_samples_and_the_printed_does_not():
-    """Eq. 9."""
-    derived, printed = environment_errors("derived"), environment_errors("printed")
-    assert derived[1] < 0.75 * derived[0] and derived[2] < 0.75 * derived[1]
-    assert printed[2] > 0.75 * printed[0] and printed[2] > 4 * derived[2]
-
-
-def lit_far_inside_shadow(scene, exact, reach_px, **options):
-    """Pixels lit by the cache although no lit pixel of the exact image is within reach."""
-    frame = q.render(scene, DIRECT, size=LARGE, **options)
-    lit = exact.layers["point"].sum(axis=2) > 0
-    far = distance_transform_edt(~lit) > reach_px
-    assert far.sum() > 100
-    return int((far & (frame.layers["point"].sum(axis=2) > 0)).sum())
-
-
-@pytest.mark.parametrize("form", q.FORMS)
-def test_a_thin_wall_does_not_leak(form):
-    """Its front stays black with the light behind; on the floor, light creeps one cell."""
-    scene = q.scene("thin_wall")
-    exact = q.exact(scene, DIRECT, LARGE)
-    front = exact.layers["normal"][..., 2] > 0.9
-    assert front.sum() > 1000
-    for c_e in (4, 16):
-        frame = q.render(scene, DIRECT, size=LARGE, c_e=c_e, **q.FORMS[form])
-        assert not frame.layers["point"][front].any()
-        assert frame.layers["point"].any()
-    assert lit_far_inside_shadow(scene, exact, 10, c_e=3, **q.FORMS[form]) == 0
-    if form == "pairs-table":
-        # Control: digests of one bit in a full table confuse far clusters
-        broken = {**q.FORMS[form], "digest_bits": 1, "table_bytes": 400}
-        assert lit_far_inside_shadow(scene, exact, 10, c_e=3, **broken) > 10
-
-
-@pytest.mark.figure
-@pytest.mark.parametrize("options", [{"c_finest": "log2", "level_step": 2}, {}], ids=str)
-def test_refinement_halves_the_error_of_hard_shadows(options):
-    """Fig. 3 in small: stairs in the sun, C_E = 16; the default stops at 4 eye samples."""
-    scene, size = q.scene("stairs"), (400, 250)
-    plain = errors(scene, (16,), 2, size=size, refinement="off").mean()
-    refined = errors(scene, (16,), 2, size=size, **options).mean()
-    assert refined < (0.5 if options else 0.65) * plain

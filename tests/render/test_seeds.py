@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
+from render.test_progressive_oracles import HalfBlind
 from viscache.shot.render import seed_of
 
-SEEDS, PASSES = 32, 4
+SEEDS, PASSES = 20, 4
 SIZE = (24, 16)
 LIGHTS = vc.Whitted(n_vpls=64)
-
-
-@dataclass(frozen=True)
-class HalfBlind:
-    """Sees nothing of every third lamp."""
-
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
-        seen = wanted.copy()
-        seen[:, ::3] = False
-        return seen
 
 
 CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {

@@ -1,67 +1,151 @@
-"""Light from directions all eye points share: right on average, the same by every engine."""
+"""Directions that all eye points share, or those of a pixel in turns: the light of any engine."""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
+from render.skies import gradient, light, with_sets
 from viscache import _core
 
-SKY = vc.Direct(environment="shared", n_environment=128, n_area=0)
-SPHERES = vc.scenes.bumpy_spheres(triangles=2000)
-
-
-def gradient() -> Any:
-    """A sky brighter on one side."""
-    rows, columns = np.mgrid[0:32, 0:64]
-    return np.stack([1 + columns / 16, 2 - rows / 32, 0 * rows + 0.5], -1).astype(np.float32)
+SETS = 8
+WHOLE, SKY = with_sets(128, 1), with_sets(128, SETS)
+SPHERES = vc.scenes.bumpy_spheres(triangles=2000).with_environment(gradient())
+#: The same for means over many seeds.
+SMALL: dict[str, Any] = {"size": (24, 18)}
 
 
 def frame_of(
-    scene: vc.Scene = SPHERES, engine: Any = "embree", integrator: Any = SKY, **m: Any
-) -> Any:
-    more: dict[str, Any] = {"size": (64, 48), "env": gradient()} | m
-    return vc.render(scene, integrator, visibility=vc.Exact(sky_engine=engine), **more)
+    integrator: Any = SKY, visibility: Any = None, scene: vc.Scene = SPHERES, **more: Any
+) -> vc.Frame:
+    given: dict[str, Any] = {"size": (40, 30), "spp": SETS} | more
+    return vc.render(scene, integrator, visibility=visibility, **given)
 
 
-def test_means_over_seeds_are_those_of_samples_of_each_points_own() -> None:
-    """z-test over independent frames of mean pixel values; the control is 2 % brighter."""
-    common: dict[str, Any] = {"size": (24, 18)}
-    shared = np.array(
-        [frame_of(seed=s, **common).layers["environment"].mean((0, 1)) for s in range(64)]
-    )
-    truth = (
-        frame_of(integrator=vc.Direct(n_environment=512, n_brdf=512, n_area=0), **common, spp=4)
-        .layers["environment"]
-        .mean((0, 1))
-    )
-    error = shared.std(0, ddof=1) / np.sqrt(len(shared))
-    assert (np.abs(shared.mean(0) - truth) < 3.5 * error).all()
-    assert (error < 0.004 * truth).all()
-    assert (np.abs(1.02 * shared.mean(0) - truth) > 3.5 * error).all()
+def by(engine: Any) -> vc.Exact:
+    return vc.Exact(sky_engine=engine)
 
 
-def test_an_open_plane_under_a_constant_sky_has_no_noise_between_pixels() -> None:
-    quad = np.float32([[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]])
-    scene = vc.Scene.from_arrays(quad, [[0, 2, 1], [0, 3, 2]], env=1.0)
-    image = vc.render(
-        scene, SKY, size=(16, 16), camera=_core.look_at((0, 4, 0), (0, 0, 0.1), (0, 0, 1), 40)
-    )
-    values = image.layers["environment"][..., 0]
-    assert values.max() == values.min() == pytest.approx(0.5, rel=0.03)
+def queries(frame: vc.Frame) -> int:
+    return int(frame.counters["groups"]["environment"]["queries"])
+
+
+@pytest.fixture(scope="module")
+def energy() -> float:
+    """Of samples of each eye point's own."""
+    own = vc.Direct(n_environment=512, n_brdf=512, n_area=0)
+    return float(light(frame_of(own, spp=16, **SMALL)).mean())
 
 
 @pytest.mark.parametrize(
-    "scene", [SPHERES, vc.scenes.courtyard(triangles=8000)], ids=["spheres", "masks"]
+    ("integrator", "spp", "power"),
+    [
+        (WHOLE, 1, 0.02),
+        (SKY, 1, 0.05),
+        (SKY, 3, 0.05),
+        (with_sets(100, 7), 2, 0.05),
+        (with_sets(256, 4, pick=8), 2, 0.05),
+    ],
+    ids=["no sets", "one set", "three sets", "unequal sets", "picks in sets"],
 )
-def test_engines_agree_but_for_rounding(scene: vc.Scene) -> None:
-    base, batch = (frame_of(scene, engine, spp=2) for engine in ("embree", "batch"))
-    assert (
-        base.sha256 == frame_of(scene, spp=2, threads=1).sha256 and "engine" not in base.parameters
-    )
+def test_means_over_seeds_are_those_of_samples_of_each_points_own(
+    integrator: vc.Direct, spp: int, power: float, energy: float
+) -> None:
+    """z-test over independent frames of the mean of the picture, and its power."""
+    frames = [frame_of(integrator, seed=s, spp=spp, **SMALL) for s in range(160)]
+    means = np.array([light(frame).mean() for frame in frames])
+    error = means.std(ddof=1) / np.sqrt(len(means))
+    assert abs(means.mean() - energy) < 3.5 * error
+    assert abs((1 + power) * means.mean() - energy) > 3.5 * error
+
+
+def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once() -> None:
+    """On an open plane under a constant sky, where no eye point differs from another."""
+    quad = np.float32([[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]])
+    scene = vc.Scene.from_arrays(quad, [[0, 2, 1], [0, 3, 2]], env=1.0)
+    camera = _core.look_at((0, 4, 0), (0, 0, 0.1), (0, 0, 1), 40)
+
+    def values(sets: int, spp: int) -> Any:
+        at: dict[str, Any] = {"size": (8, 8), "spp": spp, "camera": camera}
+        return light(vc.render(scene, with_sets(128, sets), **at))[..., 0]
+
+    whole = values(1, 1)
+    assert whole.max() == whole.min() == pytest.approx(0.5, rel=0.03)
+    np.testing.assert_allclose(values(SETS, SETS), whole, rtol=1e-5)
+    np.testing.assert_allclose(values(SETS, 2 * SETS), whole, rtol=1e-5)
+    assert np.abs(values(SETS, 1) / whole - 1).max() > 1e-3  # one set is not all of them
+
+
+def test_each_eye_point_asks_its_share_of_the_directions() -> None:
+    asked, all_asked = queries(frame_of()), queries(frame_of(WHOLE))
+    assert asked == pytest.approx(all_asked / SETS, rel=0.05)
+    assert queries(frame_of(with_sets(256, SETS, pick=4))) < asked / 2
+
+
+@pytest.mark.parametrize(("n", "sets"), [(100, 7), (130, 3), (300, 4)])
+def test_unequal_sets_are_each_asked_by_one_eye_point_of_a_pixel(n: int, sets: int) -> None:
+    """Sets end within words of bits and beyond them; rays through centres, so that all is equal."""
+
+    def asked(integrator: vc.Direct, spp: int) -> int:
+        return queries(frame_of(dataclasses.replace(integrator, centred=True), spp=spp))
+
+    assert asked(with_sets(n, sets), sets) == asked(with_sets(n, 1), 1)
+    assert asked(with_sets(n, sets), 1) < asked(with_sets(n, 1), 1) / 2
+
+
+def squared_error(integrator: vc.Direct, truth: Any) -> float:
+    frames = [light(frame_of(integrator, seed=s)) for s in range(1, 5)]
+    return float(np.mean([np.square(f - truth).mean() for f in frames]))
+
+
+def test_sets_have_a_smaller_error_than_the_same_directions_for_all() -> None:
+    """As many rays: eight sets of sixteen directions, or sixteen for all eye points."""
+    truth = light(frame_of(vc.Direct(n_environment=64, n_brdf=64, n_area=0), spp=64, seed=99))
+    few = squared_error(with_sets(16, 1), truth)
+    assert squared_error(SKY, truth) < few / 4
+    # It is the number of directions that helps: sixteen in four sets have no such gain
+    assert squared_error(with_sets(16, 4), truth) > few / 4
+
+
+@pytest.mark.parametrize(
+    ("integrator", "visibility"),
+    [
+        (SKY, vc.Exact(order="by_light")),
+        (SKY, vc.Exact(order="by_pixel")),
+        (SKY, by("auto")),
+        (SKY, vc.Aqvc(c_e=1e-3)),
+        (WHOLE, vc.Aqvc(c_e=1e-3)),
+    ],
+    ids=["by light", "by pixel", "auto", "small cells", "small cells, no sets"],
+)
+def test_every_way_to_the_exact_answer_gives_the_same_bytes(
+    integrator: vc.Direct, visibility: Any
+) -> None:
+    base = frame_of(integrator, threads=1, size=(90, 70))
+    other = frame_of(integrator, visibility, threads=3, size=(90, 70))
+    np.testing.assert_array_equal(other.layers["environment"], base.layers["environment"])
+
+
+@pytest.mark.parametrize("integrator", [WHOLE, SKY], ids=["no sets", "sets"])
+def test_the_cache_answers_them_with_fewer_rays_at_a_small_error(integrator: vc.Direct) -> None:
+    exact, cached = (frame_of(integrator, v, size=(160, 120)) for v in (vc.Exact(), vc.Aqvc(c_e=8)))
+    assert cached.counters["ray_reduction"] > 1.2
+    assert vc.metrics.rel_l1(cached.image, exact.image) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator"),
+    [(SPHERES, WHOLE), (SPHERES, SKY), (vc.scenes.courtyard(triangles=8000), WHOLE)],
+    ids=["spheres", "sets", "masks"],
+)
+def test_engines_agree_but_for_rounding(scene: vc.Scene, integrator: Any) -> None:
+    given: dict[str, Any] = {"scene": scene, "size": (64, 48), "spp": 2, "env": gradient()}
+    base, batch = (frame_of(integrator, by(engine), **given) for engine in ("embree", "batch"))
+    assert "engine" not in base.parameters
     engine = batch.parameters["engine"]
     assert engine["name"] == "batch" and engine["batch_rays"] == engine["direction_rays"] > 0
     groups = base.counters["groups"], batch.counters["groups"]
@@ -72,25 +156,20 @@ def test_engines_agree_but_for_rounding(scene: vc.Scene) -> None:
     assert np.abs(base.image - batch.image).mean() < 1e-4 * base.image.mean()
 
 
-@pytest.mark.parametrize("engine", ["batch", "auto"])
-def test_threads_change_no_byte(engine: str) -> None:
-    base = frame_of(engine=engine, threads=1, size=(150, 140), spp=4)
-    for threads in (2, 5):
-        again = frame_of(engine=engine, threads=threads, size=(150, 140), spp=4)
-        assert again.sha256 == base.sha256 and again.counters == base.counters
-        assert again.parameters["engine"] == base.parameters["engine"]
-
-
 def test_the_engine_is_chosen_by_predicted_cost() -> None:
     """Few points before many triangles go to Embree, a frame of points before few to the batch."""
-    large = vc.scenes.bumpy_spheres(triangles=100_000)
-    few = frame_of(large, "auto", size=(40, 40)).parameters["engine"]
+
+    def asked(triangles: int, edge: int) -> Any:
+        scene = vc.scenes.bumpy_spheres(triangles=triangles)
+        given: dict[str, Any] = {"size": (edge, edge), "spp": 1, "env": gradient()}
+        return frame_of(WHOLE, by("auto"), scene, **given).parameters["engine"]
+
+    few = asked(100_000, 40)
     assert few["name"] == "embree" and few["batch_rays"] == 0
-    medium = vc.scenes.bumpy_spheres(triangles=50_000)
-    asked = frame_of(medium, "auto", size=(100, 100)).parameters["engine"]
-    assert asked["batch_ns"] > 0.9 * asked["embree_ns"] > 0 and asked["name"] == "embree"
+    medium = asked(50_000, 100)
+    assert medium["batch_ns"] > 0.9 * medium["embree_ns"] > 0 and medium["name"] == "embree"
     if _core.active_isa() == "avx512":
-        many = frame_of(engine="auto", size=(512, 512)).parameters["engine"]
+        many = asked(2000, 512)
         assert many["batch_rays"] > 0.9 * many["direction_rays"]
         assert many["batch_ns"] < 0.9 * many["embree_ns"]
 
@@ -102,42 +181,23 @@ def test_directional_lights_and_whitted_go_the_same_way() -> None:
         d.add_directional_light(tuple(w), (1.0, 1.0, 1.0))
     scene = vc.Scene.from_description(d)
     both = vc.Whitted(environment="shared", n_vpls=16, n_environment=64)
-    base, batch = (frame_of(scene, e, both) for e in ("embree", "batch"))
-    assert (base.layers["directional"] != batch.layers["directional"]).any(-1).mean() < 5e-3
-    assert (base.layers["environment"] != batch.layers["environment"]).any(-1).mean() < 5e-3
+    given: dict[str, Any] = {"scene": scene, "size": (64, 48), "spp": 1, "env": gradient()}
+    base, batch = (frame_of(both, by(e), **given) for e in ("embree", "batch"))
+    for group in ("directional", "environment"):
+        assert (base.layers[group] != batch.layers[group]).any(-1).mean() < 5e-3
     np.testing.assert_array_equal(base.layers["vpl"], batch.layers["vpl"])
-    rays = base.counters["groups"]
-    assert batch.parameters["engine"]["batch_rays"] == (
-        rays["directional"]["rays"] + rays["environment"]["rays"]
-    )
+    rays = [base.counters["groups"][group]["rays"] for group in ("directional", "environment")]
+    assert batch.parameters["engine"]["batch_rays"] == sum(rays)
 
 
-def test_the_quantized_cache_with_small_cells_gives_the_exact_sky() -> None:
-    """Fixed sky directions are a shared group of the cache too (level waves)."""
-    exact = frame_of(size=(40, 30))
-    cached = vc.render(SPHERES, SKY, visibility=vc.Aqvc(c_e=1e-3), size=(40, 30), env=gradient())
-    np.testing.assert_array_equal(cached.layers["environment"], exact.layers["environment"])
-    coarse = vc.render(SPHERES, SKY, visibility=vc.Aqvc(c_e=8), size=(160, 120), env=gradient())
-    assert coarse.counters["ray_reduction"] > 1.2
+def test_whitted_and_passes_take_sets() -> None:
+    both = vc.Whitted(environment="shared", n_environment=64, interleave=4, n_vpls=8, n_area=0)
+    passes = vc.Progressive(SPHERES, both, visibility=vc.Exact(), size=(40, 30))
+    together = light(frame_of(both, spp=4))
+    np.testing.assert_allclose(light(passes.passes(4)), together, rtol=1e-5, atol=1e-6)
 
 
 def test_without_shared_directions_nothing_is_chosen_or_built() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=500)
-    frame = frame_of(scene, "batch", vc.Direct(n_environment=4, n_brdf=4))
+    frame = frame_of(vc.Direct(n_environment=4, n_brdf=4), by("batch"), scene, env=gradient())
     assert "engine" not in frame.parameters and "aligned_batch" not in scene._made
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"rays": vc.Bsp()}, r'rays must be vc.Embree\(\) with sky_engine="batch"'),
-        ({"integrator": vc.AmbientOcclusion()}, "integrator must be .* with sky_engine"),
-        ({"integrator": vc.Bdpt()}, "integrator must be .* with sky_engine"),
-        ({"visibility": vc.VisMaps()}, 'environment must not be "shared" with visibility maps'),
-        ({"integrator": vc.Direct(environment="shared", passes=2)}, "passes must be 1"),
-    ],
-)
-def test_what_does_not_fit_is_refused(arguments: dict[str, Any], message: str) -> None:
-    given: dict[str, Any] = {"integrator": SKY, "visibility": vc.Exact(sky_engine="batch")}
-    with pytest.raises(ValueError, match=message):
-        vc.render(SPHERES, **(given | arguments), size=(8, 8))

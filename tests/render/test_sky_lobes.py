@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 
 import viscache as vc
 from render.mitsuba_scene import Look, Model, box, quad
+from render.skies import gradient, light
 from viscache._core import CoatKind
 from viscache.frame.audit_result import QueryErrors
 
@@ -26,14 +26,6 @@ LOOKS = {
 }
 
 
-def sky() -> Any:
-    """Brighter on one side, with one bright patch that lobes may miss."""
-    rows, columns = np.mgrid[0:32, 0:64]
-    made = np.stack([1 + columns / 16, 2 - rows / 32, 0 * rows + 0.5], -1).astype(np.float32)
-    made[8:10, 20:23] = 30
-    return made
-
-
 @cache
 def scene(look: Look) -> vc.Scene:
     """Two boxes on a floor, all of one material."""
@@ -43,7 +35,7 @@ def scene(look: Look) -> vc.Scene:
         box((0.3, 0, -0.9), (1.1, 0.6, 0.2), look=look),
     )
     model = Model(parts, origin=(0, 2, 4), target=(0, 0.3, 0), fov_deg=40)
-    return model.to_viscache().with_environment(sky())
+    return model.to_viscache().with_environment(gradient())
 
 
 def shared(lobes: int, sets: int = SETS, n: int = 64, **more: Any) -> vc.Direct:
@@ -57,10 +49,6 @@ def frame_of(
 ) -> vc.Frame:
     given: dict[str, Any] = {"size": SIZE, "spp": SETS} | more
     return vc.render(scene(look), integrator, visibility=visibility, **given)
-
-
-def light(frame: vc.Frame) -> Any:
-    return np.asarray(frame.layers["environment"], np.float64)
 
 
 @cache
@@ -133,27 +121,13 @@ def test_each_eye_point_with_a_lobe_asks_for_its_samples() -> None:
 
 @pytest.mark.parametrize(
     "visibility",
-    [
-        lambda: vc.Exact(order="by_light"),
-        lambda: vc.Exact(order="by_pixel"),
-        lambda: vc.Aqvc(c_e=1e-3),
-    ],
+    [vc.Exact(order="by_light"), vc.Exact(order="by_pixel"), vc.Aqvc(c_e=1e-3)],
     ids=["by light", "by pixel", "cache with small cells"],
 )
-def test_every_way_to_the_exact_answer_gives_the_same_bytes(
-    visibility: Callable[[], Any],
-) -> None:
+def test_every_way_to_the_exact_answer_gives_the_same_bytes(visibility: Any) -> None:
     base = frame_of(shared(2), threads=1, size=(90, 70))
-    other = frame_of(shared(2), visibility=visibility(), threads=3, size=(90, 70))
+    other = frame_of(shared(2), visibility=visibility, threads=3, size=(90, 70))
     np.testing.assert_array_equal(light(other), light(base))
-
-
-def test_frames_that_go_on_draw_the_next_samples() -> None:
-    together = light(frame_of(shared(1)))
-    apart = np.mean(
-        [light(frame_of(shared(1), spp=1, first_sample=s)) for s in range(SETS)], axis=0
-    )
-    np.testing.assert_allclose(apart, together, rtol=1e-5, atol=1e-6)
 
 
 def test_the_cache_answers_lobes_and_corrections_undo_its_errors() -> None:

@@ -35,11 +35,6 @@ def test_probabilities_are_the_shares_of_the_weights(weights: np.ndarray) -> Non
     assert distribution.total == pytest.approx(weights.sum())
 
 
-def test_the_last_number_finds_the_last_weight_that_is_not_zero() -> None:
-    index, _, _ = Distribution(np.array([0.0, 1.0, 2.0, 0.0, 0.0])).sample(np.array([0.0, LAST]))
-    assert index.tolist() == [1, 2]
-
-
 @pytest.mark.extreme
 @pytest.mark.parametrize("n", [3, 7, 49, 1000])
 def test_numbers_beside_a_boundary_find_their_side_of_it(n: int) -> None:

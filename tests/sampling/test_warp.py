@@ -56,15 +56,12 @@ def test_a_wrong_density_is_found() -> None:
 
 
 @pytest.mark.stat
-def test_the_disk_is_uniform() -> None:
+def test_the_disk_is_uniform_around_the_middle_of_the_square() -> None:
     x, y = testing.square_to_disk_concentric(uniforms(N, 2)).T.astype(float)
     r2 = x * x + y * y
     assert r2.max() <= 1 + 1e-6
     counts = np.histogram2d(r2, np.arctan2(y, x), (16, 32), [(0, 1 + 1e-6), (-np.pi, np.pi)])[0]
     assert p_value(counts, np.full(counts.shape, N / counts.size)) >= 1e-3
-
-
-def test_the_disk_has_its_centre_in_the_middle_of_the_square() -> None:
     assert testing.square_to_disk_concentric(np.array([[0.5, 0.5]])).tolist() == [[0, 0]]
 
 
@@ -96,31 +93,6 @@ def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[
     d = p.astype(float) - origin
     distance = np.linalg.norm(d, axis=1)
     return d / distance[:, None], distance
-
-
-@pytest.mark.slow
-@pytest.mark.stat
-@pytest.mark.parametrize("distance", [1.05, 2.0, 30.0])
-def test_the_visible_part_of_a_sphere_is_uniform_in_solid_angle(distance: float) -> None:
-    axis = np.array([2.0, -1.0, 2.0]) / 3
-    center, origin = np.array([0.3, -0.2, 0.5]), np.array([0.3, -0.2, 0.5]) - distance * axis
-    p, n, pdf, pdf_area = testing.sample_sphere_light(center, 1.0, origin, uniforms(N, 2))
-    w, d = facing(origin, p)
-    # On the sphere, facing the origin
-    assert np.linalg.norm(p - center, axis=1) == pytest.approx(1, abs=1e-5)
-    cos_light = -(w * n).sum(1)
-    assert cos_light.min() > -1e-3
-    # Uniform over the cone: (cosine, azimuth) in a frame around the axis
-    cos_max = np.sqrt(1 - 1 / distance**2)
-    assert pdf == pytest.approx(1 / (2 * np.pi * (1 - cos_max)), rel=1e-5)
-    side = np.cross(axis, [0, 1, 0]) / np.linalg.norm(np.cross(axis, [0, 1, 0]))
-    azimuth = np.arctan2(w @ np.cross(axis, side), w @ side)
-    rise = np.clip((1 - w @ axis) / (1 - cos_max), 0, 1)
-    counts = np.histogram2d(rise, azimuth, (16, 32), [(0, 1), (-np.pi, np.pi)])[0]
-    assert p_value(counts, np.full(counts.shape, N / counts.size)) >= 1e-3
-    # One density in two measures; points at the limb lose digits
-    inner = cos_light > 0.05
-    assert pdf_area[inner] == pytest.approx((pdf * cos_light / d**2)[inner], rel=2e-3)
 
 
 def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
@@ -201,19 +173,18 @@ def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos
 @pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.1])
 def test_visible_normals_follow_their_density(alpha: float, cos_o: float) -> None:
     wo = (np.sqrt(1 - cos_o**2) * 0.8, np.sqrt(1 - cos_o**2) * 0.6, cos_o)
-    sampled = testing.sample_ggx_vndf(wo, alpha, uniforms(N, 2)).astype(float)
-    assert np.linalg.norm(sampled, axis=1) == pytest.approx(1, abs=1e-6)
-    s2 = (sampled[:, 0] ** 2 + sampled[:, 1] ** 2) / sampled[:, 2] ** 2 / alpha**2
-    azimuth = np.arctan2(sampled[:, 1], sampled[:, 0]) % (2 * np.pi)
-    counts = np.histogram2d((1 + s2) ** -0.5, azimuth, (16, 32), [(0, 1), (0, 2 * np.pi)])[0]
+    x, y, z = testing.sample_ggx_vndf(wo, alpha, uniforms(N, 2)).astype(float).T
+    assert x * x + y * y + z * z == pytest.approx(1, abs=1e-6)
+    v, azimuth = (1 + (x * x + y * y) / z**2 / alpha**2) ** -0.5, np.arctan2(y, x) % (2 * np.pi)
+    counts = np.histogram2d(v, azimuth, (16, 32), [(0, 1), (0, 2 * np.pi)])[0]
     h, dw = stretched(alpha, bins=16, sub=64)
-    mass = (testing.pdf_ggx_vndf(wo, h, alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
-    assert p_value(counts, N * mass) >= 1e-3
-    # Negative control: 10 % rougher
-    if alpha < 1:
-        h, dw = stretched(alpha, bins=16, sub=64)
-        wrong = (testing.pdf_ggx_vndf(wo, h, 1.1 * alpha) * dw).reshape(16, 64, 32, 16).sum((1, 3))
-        assert p_value(counts, N * wrong) < 1e-6
+
+    def p(assumed: float) -> float:
+        mass = (testing.pdf_ggx_vndf(wo, h, assumed) * dw).reshape(16, 64, 32, 16).sum((1, 3))
+        return p_value(counts, N * mass)
+
+    assert p(alpha) >= 1e-3
+    assert alpha == 1 or p(1.1 * alpha) < 1e-6
 
 
 def test_smith_masking_has_its_limits() -> None:
@@ -248,18 +219,6 @@ def test_the_fresnel_term_has_its_limits() -> None:
     assert testing.fresnel_dielectric(np.array([1.0, -1.0]), 1.5) == pytest.approx(0.04)
     assert testing.fresnel_dielectric(np.array([0.0, -0.0, -0.1, -0.74]), 1.5).tolist() == [1] * 4
     assert testing.fresnel_dielectric(np.array([-0.75]), 1.5)[0] < 1
-
-
-@pytest.mark.mitsuba
-def test_the_fresnel_term_is_mitsubas() -> None:
-    mi = pytest.importorskip("mitsuba")
-    mi.set_variant("scalar_rgb")
-    for cos_i in np.linspace(-1, 1, 41):
-        for eta in (1.5, 0.7, 2.0):
-            expected = mi.fresnel(float(cos_i), eta)[0]
-            assert testing.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(
-                expected, abs=2e-5
-            )
 
 
 @pytest.mark.parametrize("eta", [1.5, 0.7])

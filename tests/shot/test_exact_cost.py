@@ -22,14 +22,8 @@ def said(group: str, rays: float, parameters: Any = None, queries: int = 10**6) 
 
 @pytest.mark.parametrize(
     ("group", "cost"),
-    [
-        ("point", SHARED_LIGHTS),
-        ("vpl", SHARED_LIGHTS),
-        ("directional", SHARED_LIGHTS),
-        ("area", OWN_SAMPLES),
-        ("ambient", OWN_SAMPLES),
-        ("environment", OWN_SAMPLES),
-    ],
+    [(group, SHARED_LIGHTS) for group in ("point", "vpl", "directional")]
+    + [(group, OWN_SAMPLES) for group in ("area", "ambient", "environment")],
 )
 def test_a_group_is_named_where_its_rays_cost_more_than_exact_ones(
     group: str, cost: exact_cost.Cost

@@ -99,7 +99,7 @@ class Own:
     keep: Any
 
     def block(self, eyes, lamps, wanted):
-        return wanted
+        return wanted if self.table in {"x", "y", "z", 3.5} else ~wanted
 """
 
 
@@ -114,16 +114,13 @@ def test_keys_and_states_are_the_same_in_another_process_and_folder(tmp_path: Pa
         path = os.pathsep.join([str(folder), str(Path(vc.__file__).parents[1])])
         env = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": str(len(name))}
         command = [sys.executable, "-c", ELSEWHERE, str(sky), str(tmp_path / "state.npz"), how]
-        made = subprocess.run(
-            command, env=env, cwd=folder, capture_output=True, text=True, check=False
-        )
+        made = subprocess.run(command, env=env, cwd=folder, capture_output=True, text=True)
         assert made.returncode == 0, made.stderr
         found.append(json.loads(made.stdout))
     assert found[0] == found[1]
     assert len(set(found[0].values())) == len(found[0])
     given = shot(env=pixels().astype(np.float64), camera=vc.look_at(*EYE))
-    assert given.with_(scene=vc.scenes.cube_on_plane()).key == given.key
-    assert given.key == found[0]["array"]
+    assert given.with_(scene=vc.scenes.cube_on_plane()).key == given.key == found[0]["array"]
 
 
 @dataclasses.dataclass
@@ -343,9 +340,9 @@ def test_what_changes_after_a_shot_was_made_does_not_change_it() -> None:
 
 
 def test_calls_of_a_shot_are_those_of_the_package() -> None:
-    room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(48, 30), seed=3)
+    room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(32, 20), seed=3)
     given = ("room?triangles=2000", vc.Whitted(n_vpls=16))
-    usual: dict[str, Any] = {"size": (48, 30), "seed": 3}
+    usual: dict[str, Any] = {"size": (32, 20), "seed": 3}
     assert room.render().sha256 == vc.render(*given, **usual).sha256
     cached = room.render(visibility="aqvc?c_e=8", spp=2, audit="pixels")
     again = vc.render(*given, visibility=vc.Aqvc(c_e=8), spp=2, audit="pixels", **usual)
@@ -387,9 +384,3 @@ def test_none_is_the_default_of_each_call() -> None:
     swept = vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, **given)
     assert "aqvc" in swept.attrs["visibility"]
     assert vc.render("cube_on_plane", SKY, **given).parameters["visibility"]["name"] == "Exact"
-
-
-@pytest.mark.parametrize("size", [(), [], np.array([16, 10, 3]), 0])
-def test_sweeps_refuse_sizes_that_are_none(size: Any) -> None:
-    with pytest.raises(ValueError, match="size must be"):
-        vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, size=size)

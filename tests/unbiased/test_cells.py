@@ -177,15 +177,8 @@ class Cell:
         return request.is_unbiased and not exact
 
     def frame(self, seed: int) -> vc.Frame:
-        return vc.render(
-            self.scene,
-            self.settings,
-            size=SIZE,
-            seed=seed,
-            visibility=ORACLES[self.oracle],
-            use=USES[self.use],
-            threads=1,
-        )
+        asked: dict[str, Any] = {"visibility": ORACLES[self.oracle], "use": USES[self.use]}
+        return vc.render(self.scene, self.settings, size=SIZE, seed=seed, threads=1, **asked)
 
 
 CELLS = [
@@ -304,15 +297,8 @@ def roulette(*, weighted: bool) -> Callable[[vc.Scene, Any, int], Any]:
 
 def uniformly_picked(seed: int) -> Array:
     """Picks by contribution, with the weight of an even choice."""
-    every, few = (
-        vc.connections(
-            scene("points"),
-            Cell("direct", "points", "exact", "as it is", n).settings,
-            size=SIZE,
-            seed=seed,
-        )
-        for n in PICKS
-    )
+    cells = (Cell("direct", "points", "exact", "as it is", n) for n in PICKS)
+    every, few = (vc.connections(cell.scene, cell.settings, size=SIZE, seed=seed) for cell in cells)
     answers: dict[str, Any] = few.answers(vc.Exact())
     for group in few.groups:
         full, weighted = (taps.contributions(group).sum(axis=2) for taps in (every, few))
@@ -332,32 +318,25 @@ POINTS, AREAS, SKY, SHARED = (
     Cell("direct", lights, "exact", "as it is", 0)
     for lights in ("points", "areas", "product sky", "shared sky")
 )
+
+
+def replaced_maps(seed: int) -> Array:
+    maps: dict[str, Any] = {"visibility": ORACLES["vismap"], "use": "replace"}
+    return np.asarray(vc.render(SKY.scene, SKY.settings, size=SIZE, seed=seed, **maps).image)
+
+
 #: What goes wrong in each kind: the cell, and frames that are biased.
 CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
     "corrections of weight 1": (SHARED, rendered(SHARED, corrected(None, weighted=False))),
     "of even shares": (POINTS, rendered(POINTS, corrected(0.5, weighted=False))),
     "of own samples": (AREAS, rendered(AREAS, corrected(0.5, weighted=False))),
     "roulette of weight 1": (POINTS, rendered(POINTS, roulette(weighted=False))),
-    "maps in place of visibility": (
-        SKY,
-        lambda seed: (
-            vc.render(
-                SKY.scene,
-                SKY.settings,
-                size=SIZE,
-                seed=seed,
-                visibility=ORACLES["vismap"],
-                use="replace",
-            ).image
-        ),
-    ),
+    "maps in place of visibility": (SKY, replaced_maps),
     "picks of even weights": (POINTS, uniformly_picked),
     **{
         f"{name} alone": (POINTS, alone(name))
-        for name in ORACLES
-        if not combinations.Request(
-            integrator=None, rays=None, visibility=ORACLES[name]
-        ).is_unbiased
+        for name, oracle in ORACLES.items()
+        if not combinations.Request(integrator=None, rays=None, visibility=oracle).is_unbiased
     },
 }
 

@@ -20,7 +20,7 @@ def placed_scene() -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def test_every_placed_triangle_with_area_is_listed_once() -> None:
+def test_every_placed_triangle_with_area_is_listed_once_with_its_corners() -> None:
     scene = placed_scene()
     flat = testing.flat_triangles(scene._core)
     sphere = len(scene.meshes())  # its tessellation: 24 rings of 48 sectors
@@ -28,28 +28,17 @@ def test_every_placed_triangle_with_area_is_listed_once() -> None:
     expected += [(sphere, i, -1) for i in range(2 * 23 * 48)]
     expected += [(1, 0, 0), (1, 0, 1)]
     names = (flat[name].tolist() for name in ("mesh", "triangle", "instance"))
-    found = list(zip(*names, strict=True))
-    assert found == expected
+    assert list(zip(*names, strict=True)) == expected
     assert flat["degenerate"] == 3
+    mesh, corners = scene.meshes()[0], flat["corners"]
+    np.testing.assert_array_equal(corners[1], mesh["vertices"][mesh["triangles"][2]])
+    np.testing.assert_array_equal(corners[-2], [[1, 2, 3], [3, 2, 3], [1, 5, 3]])
+    np.testing.assert_array_equal(corners[-1], [[1, 2, 3], [2, 2, 3], [1, 3, 3]])
 
 
-def test_corners_are_those_of_the_mesh_transformed() -> None:
-    scene = placed_scene()
-    flat = testing.flat_triangles(scene._core)
-    mesh = scene.meshes()[0]
-    np.testing.assert_array_equal(flat["corners"][1], mesh["vertices"][mesh["triangles"][2]])
-    np.testing.assert_array_equal(flat["corners"][-2], [[1, 2, 3], [3, 2, 3], [1, 5, 3]])
-    np.testing.assert_array_equal(flat["corners"][-1], [[1, 2, 3], [2, 2, 3], [1, 3, 3]])
-
-
-def test_a_scene_without_triangles_gives_an_empty_list() -> None:
-    scene = vc.Scene.from_description(vc.SceneDescription())
-    flat = testing.flat_triangles(scene._core)
-    assert flat["corners"].shape == (0, 3, 3) and flat["degenerate"] == 0
-
-
-def test_thin_triangles_are_kept() -> None:
+def test_thin_triangles_are_kept_and_no_triangles_are_an_empty_list() -> None:
     """Area is judged in double: its square would vanish in single precision."""
     corners = [[0, 0, 0], [1, 0, 0], [0.5, 1e-20, 0]]
-    flat = testing.flat_triangles(vc.Scene.from_arrays(corners, [[0, 1, 2]])._core)
-    assert len(flat["corners"]) == 1 and flat["degenerate"] == 0
+    for faces in ([[0, 1, 2]], np.zeros((0, 3), int)):
+        flat = testing.flat_triangles(vc.Scene.from_arrays(corners, faces)._core)
+        assert flat["corners"].shape == (len(faces), 3, 3) and flat["degenerate"] == 0

@@ -13,23 +13,15 @@ from core import testing
 from reference.built import built
 from reference.isas import AVAILABLE
 from viscache.scene.queries import together
+from visibility.soup import rays, soup
 
 Array = npt.NDArray[Any]
 packed_rays, ray_order = testing.packed_rays, testing.ray_order
 BAD = (np.nan, np.inf, -np.inf, 1.0001e16, -2e18)
 
 
-def rays(n: int, seed: int = 1) -> tuple[Array, Array]:
-    r = np.random.default_rng(seed)
-    return r.uniform(-2, 2, (n, 3)).astype(np.float32), r.normal(size=(n, 3)).astype(np.float32)
-
-
-def soup(n: int = 3000) -> vc.Scene:
-    r = np.random.default_rng(5)
-    vertices = (r.uniform(-1, 1, (n, 1, 3)) + r.normal(0, 0.05, (n, 3, 3))).reshape(-1, 3)
-    return vc.Scene.from_arrays(
-        vertices.astype(np.float32), np.arange(3 * n, dtype=np.uint32).reshape(-1, 3)
-    )
+def fine() -> vc.Scene:
+    return vc.Scene.from_arrays(*soup(3000, 0.05, 5))
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
@@ -113,7 +105,7 @@ def test_sorted_rays_are_near_their_predecessors() -> None:
 
 @pytest.mark.parametrize("instanced", [False, True])
 def test_every_way_gives_the_answers_of_single_rays(instanced: bool) -> None:
-    scene = vc.scenes.courtyard(triangles=30_000) if instanced else soup()
+    scene = vc.scenes.courtyard(triangles=30_000) if instanced else fine()
     caster = scene.caster()
     o, d = rays(20_011)
     if instanced:
@@ -131,7 +123,7 @@ def test_every_way_gives_the_answers_of_single_rays(instanced: bool) -> None:
 @pytest.mark.parametrize("row", [0, 1, 70_001, 99_999])
 def test_the_first_bad_row_of_many_is_named(way: str, row: int) -> None:
     """Debian's Embree would end the process if one of them reached it."""
-    caster = soup(10).caster()
+    caster = vc.Scene.from_arrays(*soup(10)).caster()
     n = 100_000
     o, d = rays(n)
     t = np.ones(n, np.float32)
@@ -153,12 +145,14 @@ def test_rows_with_gaps_and_one_row_for_all_are_read_in_place() -> None:
     assert shape == (9000,) and all(np.shares_memory(v, wide) for v in views)
     (views, shape) = together(origins=o[0], directions=d)
     assert shape == (9000,) and views[0].strides == (0, 4)
-    scene = soup()
+    scene = fine()
     plain = scene.occluded(o.copy(), d.copy(), 1.0)
     assert 0.02 < plain.mean() < 0.98
     for p, w in ((o, d), (o[::-1][::-1], np.asfortranarray(d)), (o.astype(np.float64), d)):
         np.testing.assert_array_equal(scene.occluded(p, w, 1.0), plain)
     np.testing.assert_array_equal(scene.occluded(o[::-3], d[::-3], 1.0), plain[::-3])
+    np.testing.assert_array_equal(scene.occluded(o.tolist(), d, 1), plain)
+    assert scene.occluded(o.astype(np.float16), d, 1.0).shape == plain.shape
     one = np.repeat(o[:1], 9000, axis=0)
     np.testing.assert_array_equal(scene.occluded(o[0], d, 1.0), scene.occluded(one, d, 1.0))
     np.testing.assert_array_equal(

@@ -1,4 +1,7 @@
-"""Shafts give the bits of packets: on all scenes, at edges, ends and needles, on every CPU."""
+"""Shafts give the bits of packets: on all scenes, at edges, ends and needles, on every CPU.
+
+Blocks and frames here; matrices of the same scenes in test_shaft_matrix.py.
+"""
 
 from __future__ import annotations
 
@@ -56,6 +59,19 @@ def count_of_differences(
     return int(np.count_nonzero(packets != shafts))
 
 
+def differences(scene: vc.Scene, x: Array, y: Array, **more: Any) -> int:
+    """Number of bits of a matrix that are not those of packets."""
+    shafts = _core.ShaftScene(scene._core)
+    bits, work = _core.shaft_matrix(shafts, scene.caster(), x, y, **more)
+    assert work["shaft_queries"] == len(x) * len(y)
+    packets = scene.visible_matrix(x, y, engine="packets")
+    return int(np.unpackbits((bits ^ packets).view(np.uint8)).sum())
+
+
+def positions(points: vc.EyePoints | vc.FarEnds) -> Array:
+    return np.asarray(points.positions)
+
+
 def scene_of(corners: Array) -> vc.Scene:
     """Triangles (n, 3, 3)."""
     corners = np.asarray(corners, dtype=np.float32)
@@ -107,6 +123,7 @@ def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str)
     eyes = area_points(scene, 1500)
     for ends in (lamps(scene, 40), surfaces(scene, 70)):
         assert count_of_differences(scene, eyes, ends, Shafts(isa=isa)) == 0
+        assert differences(scene, positions(eyes), positions(ends), isa=isa) == 0
 
 
 def surfaces(scene: vc.Scene, count: int) -> vc.FarEnds:
@@ -142,6 +159,9 @@ def test_rays_through_edges_and_corners_are_those_of_packets(isa: str) -> None:
     assert np.count_nonzero((shafts != packets) & is_sure) == 0
     assert is_sure.mean() > 0.9
     assert 0.2 < packets.mean() < 0.8
+    low, high, above = (positions(grid_points(9, y, 1.0)) for y in (0.0, 1.0, 2.0))
+    for x, y in ((low, above), (above, low), (low, high), (high, high + np.float32(1e-3))):
+        assert differences(scene, x, y, isa=isa) == 0
 
 
 def test_without_bounds_rays_at_edges_differ() -> None:
@@ -150,14 +170,15 @@ def test_without_bounds_rays_at_edges_differ() -> None:
     packets, is_sure = sure_packets(scene, eyes, ends)
     shafts = visible(scene, Shafts(bounds=0.0), eyes, ends)
     assert np.count_nonzero((shafts != packets) & is_sure) > 30
+    assert differences(scene, positions(eyes), positions(grid_points(9, 2, 1)), bounds=0.0) > 30
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 def test_needles_and_triangles_without_area_are_those_of_packets(isa: str) -> None:
     scene = needles()
-    eyes = area_points(scene, 800)
-    ends = vc.FarEnds.points(np.asarray(area_points(scene, 130, seed=4).positions))
-    assert count_of_differences(scene, eyes, ends, Shafts(isa=isa)) == 0
+    eyes, others = area_points(scene, 800), positions(area_points(scene, 130, seed=4))
+    assert count_of_differences(scene, eyes, vc.FarEnds.points(others), Shafts(isa=isa)) == 0
+    assert differences(scene, positions(eyes), others, isa=isa) == 0
 
 
 def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
@@ -171,41 +192,21 @@ def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
         assert count_of_differences(scene, eyes, on_plane) == 0
 
 
-@pytest.mark.parametrize(("n_eyes", "n_lights"), [(1, 1), (1, 70), (15, 3), (17, 64), (65, 65)])
-def test_few_points_and_few_lights_are_those_of_packets(n_eyes: int, n_lights: int) -> None:
+@pytest.mark.parametrize(
+    ("n_eyes", "n_lights"), [(1, 1), (1, 70), (15, 3), (17, 64), (65, 65), (4097, 65)]
+)
+def test_any_numbers_of_points_and_lights_have_the_bits_of_packets(
+    n_eyes: int, n_lights: int
+) -> None:
     scene = built("room?triangles=3000")
-    assert count_of_differences(scene, area_points(scene, n_eyes), lamps(scene, n_lights)) == 0
-
-
-def test_lights_far_away_are_left_to_packets() -> None:
-    scene = some_of_a_grid()
-    ends = vc.FarEnds.points([[0, 1e5, 0], [1, 3, 2]])
-    assert count_of_differences(scene, grid_points(9, 0.0, 1.0), ends) == 0
-
-
-def test_a_scene_with_instances_keeps_packets() -> None:
-    d = vc.SceneDescription()
-    material = d.add_material()
-    triangles = np.random.default_rng(2).uniform(-1, 1, (40, 3, 3))
-    mesh = d.add_mesh(
-        triangles.reshape(-1, 3),
-        np.arange(120).reshape(-1, 3),
-        material=material,
-        in_world=False,
-    )
-    for shift in (0.0, 1.5):
-        to_world = np.eye(4)
-        to_world[0, 3] = shift
-        d.add_instance([mesh], to_world)
-    scene = vc.Scene.from_description(d)
-    shafts = _core.ShaftScene(scene._core)
-    assert "instances" in shafts.refusal
-    with pytest.raises(RuntimeError, match="instances"):
-        shafts.memory_bytes()
-    points = np.random.default_rng(3).uniform(-1, 2, (300, 3))
-    eyes = vc.EyePoints(points, np.broadcast_to([0.0, 1, 0], points.shape))
-    ends = vc.FarEnds.points(np.random.default_rng(4).uniform(-1, 2, (70, 3)))
+    eyes, ends = area_points(scene, n_eyes), lamps(scene, n_lights)
     assert count_of_differences(scene, eyes, ends) == 0
+    x, y = positions(eyes), positions(ends).copy()
+    y[-1] = x[0]  # a pair without length
+    assert differences(scene, x, y) == 0
+    if rest := n_lights % 64:
+        bits = scene.visible_matrix(x, y, engine="shafts")
+        assert not (bits[:, -1] >> np.uint64(rest)).any()
 
 
 def test_a_tree_beyond_the_limit_is_not_built() -> None:
@@ -217,24 +218,44 @@ def test_a_tree_beyond_the_limit_is_not_built() -> None:
 WHITTED = vc.Whitted(n_vpls=150)
 
 
-@pytest.mark.parametrize("engine", ["shafts", "auto"])
-@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize(("engine", "threads"), [("shafts", 1), ("auto", 2), ("shafts", 3)])
 def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
     scene = built("room?triangles=3000")
-    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2, visibility=PACKETS)
-    shafts = vc.render(
-        scene,
-        WHITTED,
-        size=(150, 90),
-        spp=2,
-        visibility=vc.Exact(engine=engine),
-        threads=threads,
-    )
+    given: dict[str, Any] = {"size": (150, 90), "spp": 2}
+    packets = vc.render(scene, WHITTED, visibility=PACKETS, **given)
+    exact = vc.Exact(engine=engine)
+    shafts = vc.render(scene, WHITTED, visibility=exact, threads=threads, **given)
     assert shafts.sha256 == packets.sha256
     assert shafts.counters == packets.counters
     work = shafts.parameters["engine"]
     assert work["shaft_queries"] > 0
     assert work["shaft_doubted"] + work["shaft_long_lists"] < work["shaft_queries"]
+
+
+@pytest.mark.parametrize(("engine", "threads"), [("shafts", 1), ("auto", 3)])
+def test_blocks_from_arrays_have_the_bits_of_packets(engine: Any, threads: int) -> None:
+    room = built("room?triangles=3000")
+    eyes, ends = area_points(room, 20_000), lamps(room, 100)
+    wanted = np.random.default_rng(3).random((len(eyes), len(ends))) < 0.6
+    packets = room.oracle(PACKETS).block(eyes, ends, wanted)
+    assert "shaft_queries" not in packets.engine
+    found = room.oracle(vc.Exact(engine=engine), threads=threads).block(eyes, ends, wanted)
+    np.testing.assert_array_equal(found.bits, packets.bits)
+    work = found.engine
+    assert work["shaft_queries"] + work["left_to_packets"] == wanted.sum()
+    assert work["shaft_queries"] > (0.5 if engine == "auto" else 0.99) * wanted.sum()
+    assert work["shaft_traced_packets"] < 0.5 * work["shaft_asked_packets"]
+
+
+def test_directions_and_few_lights_stay_with_packets() -> None:
+    room = built("room?triangles=3000")
+    room.shafts().memory_bytes()  # builds the tree
+    eyes = area_points(room, 3000)
+    few = room.oracle(vc.Exact(engine="auto")).block(eyes, lamps(room, 4))
+    assert few.engine["shaft_queries"] == 0 and few.engine["left_to_packets"] == 12_000
+    sky = vc.FarEnds.directions(np.random.default_rng(1).normal(size=(70, 3)))
+    found = room.oracle(vc.Exact(engine="shafts")).block(eyes, sky)
+    assert "no light is a point" in found.engine["no_shafts"]
 
 
 def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
@@ -315,9 +336,24 @@ def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
     scene = leaves(**holes)
     eyes, ends = area_points(scene, 1500), lamps(scene, 64)
     assert count_of_differences(scene, eyes, ends) == 0
+    assert differences(scene, positions(eyes), positions(ends)) == 0
     # The power of it: many answers hang on the holes
     solid = visible(leaves(), PACKETS, eyes, ends)
     assert np.count_nonzero(solid != visible(scene, PACKETS, eyes, ends)) > 1000
+
+
+def same_bytes(scene: vc.Scene, size: tuple[int, int], spp: int) -> None:
+    """Of frames; of matrices between points on surfaces and in space."""
+    cuts = vc.correlation.surface_points(scene, 3000, seed=3).positions
+    space = np.random.default_rng(2).uniform(*scene.bounds, (2000, 3)).astype(np.float32)
+    found = []
+    for engine in ("packets", "shafts"):
+        exact: Any = vc.Exact(engine=engine)
+        made = vc.render(scene, WHITTED, size=size, spp=spp, visibility=exact).sha256
+        pairs = ((cuts, positions(area_points(scene, 130))), (space, cuts[:130]))
+        matrices = [scene.visible_matrix(x, y, engine=exact.engine).tobytes() for x, y in pairs]
+        found.append((made, *matrices))
+    assert found[0] == found[1]
 
 
 @pytest.mark.slow
@@ -328,13 +364,8 @@ def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
         for n in sorted(vc.scenes.SCENES)
     ],
 )
-def test_frames_of_built_in_scenes_have_the_bytes_of_packets(name: str) -> None:
-    scene = vc.scenes.build(name)
-    frames = [
-        vc.render(scene, WHITTED, size=(128, 96), spp=2, visibility=vc.Exact(engine=e))
-        for e in ("packets", "shafts")
-    ]
-    assert frames[0].sha256 == frames[1].sha256
+def test_built_in_scenes_have_the_bytes_of_packets(name: str) -> None:
+    same_bytes(vc.scenes.build(name), (128, 96), 2)
 
 
 def shared_scenes() -> list[Path]:
@@ -349,10 +380,5 @@ def shared_scenes() -> list[Path]:
 @pytest.mark.slow
 @pytest.mark.skipif(not SCENES, reason="VISCACHE_SCENES is not set")
 @pytest.mark.parametrize("path", shared_scenes(), ids=lambda p: p.parent.name)
-def test_frames_of_shared_scenes_have_the_bytes_of_packets(path: Path) -> None:
-    scene = vc.load_scene(path, missing="skip")
-    frames = [
-        vc.render(scene, WHITTED, size=(320, 200), visibility=vc.Exact(engine=e))
-        for e in ("packets", "shafts")
-    ]
-    assert frames[0].sha256 == frames[1].sha256
+def test_shared_scenes_have_the_bytes_of_packets(path: Path) -> None:
+    same_bytes(vc.load_scene(path, missing="skip"), (320, 200), 1)

@@ -10,6 +10,7 @@ import pytest
 
 import viscache as vc
 from reference.built import built
+from viscache.oracles.points import unpack
 
 SCENE = built("room?triangles=4000")
 
@@ -17,11 +18,6 @@ SCENE = built("room?triangles=4000")
 def points(n: int, seed: int) -> npt.NDArray[np.float32]:
     low, high = SCENE.bounds
     return np.random.default_rng(seed).uniform(low, high, (n, 3)).astype(np.float32)
-
-
-def unpacked(bits: npt.NDArray[np.uint64], count: int) -> npt.NDArray[np.bool_]:
-    k = np.arange(count)
-    return (bits[:, k // 64] >> (k % 64).astype(np.uint64) & np.uint64(1)).astype(bool)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 200), (300, 1), (129, 64), (257, 65), (40, 700)])
@@ -36,10 +32,10 @@ def test_the_matrix_is_visible_for_every_pair_bit_for_bit(
     one_by_one = SCENE.visible(
         np.repeat(x, len(y), axis=0), np.tile(y, (len(x), 1)), rays=rays
     ).reshape(shape)
-    np.testing.assert_array_equal(unpacked(bits, shape[1]), one_by_one)
+    np.testing.assert_array_equal(unpack(bits, shape[1]), one_by_one)
     used = np.zeros(64 * bits.shape[1], bool)
     used[: shape[1]] = True
-    assert not unpacked(bits, len(used))[:, ~used].any(), "unused bits are 0"
+    assert not unpack(bits, len(used))[:, ~used].any(), "unused bits are 0"
     assert shape[0] < 40 or shape[1] < 64 or 0 < one_by_one.mean() < 1
 
 
@@ -50,7 +46,7 @@ def test_a_matrix_without_rows_or_columns_is_empty() -> None:
     assert SCENE.visible_matrix(points(5, 1), none).shape == (5, 0)
     empty = vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int))
     bits = empty.visible_matrix(points(3, 1), points(70, 2))
-    assert unpacked(bits, 70).all() and bits[0, 1] == (1 << 6) - 1
+    assert unpack(bits, 70).all() and bits[0, 1] == (1 << 6) - 1
 
 
 @pytest.mark.parametrize(
@@ -71,7 +67,7 @@ def test_a_field_answers_the_matrix_too() -> None:
     field = vc.VisibilityField(SCENE, 33, 16)
     x, y = points(30, 5), points(70, 6)
     np.testing.assert_array_equal(
-        unpacked(field.visible_matrix(x, y), 70), field.visible(x[:, None], y)
+        unpack(field.visible_matrix(x, y), 70), field.visible(x[:, None], y)
     )
 
 

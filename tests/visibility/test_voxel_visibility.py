@@ -16,25 +16,12 @@ LOW, HIGH = (-1.0, 0.0, 2.0), (3.0, 0.5, 4.0)
 
 
 def learn(
-    near: Any,
-    far: Any,
-    seen: Any,
-    *,
-    direction: bool = False,
-    low: Any = LOW,
-    high: Any = HIGH,
-    **settings: Any,
+    near: Any, far: Any, seen: Any, *, direction: bool = False, box: Any = (LOW, HIGH), **given: Any
 ) -> tuple[npt.NDArray[Any], ...]:
     """Cells of both ends, visibility and probability."""
-    return testing.learnt_map(
-        vc.NeePlusPlus(**settings).core(),
-        low,
-        high,
-        np.asarray(near, np.float32),
-        np.asarray(far, np.float32),
-        np.asarray(seen, bool),
-        direction=direction,
-    )
+    ends, answers = (np.asarray(v, np.float32) for v in (near, far)), np.asarray(seen, bool)
+    core = vc.NeePlusPlus(**given).core()
+    return testing.learnt_map(core, *box, *ends, answers, direction=direction)
 
 
 def connections(n: int, seed: int = 0) -> tuple[npt.NDArray[Any], ...]:
@@ -100,7 +87,7 @@ def test_points_that_are_far_off_or_no_numbers_have_a_voxel(value: float) -> Non
 @pytest.mark.extreme
 def test_a_flat_box_has_one_layer_of_voxels() -> None:
     near = np.random.default_rng(2).uniform(-1, 1, (100, 3)) * [1, 1, 0]
-    a, *_ = learn(near, near, [True] * 100, low=(-1, -1, 0), high=(1, 1, 0), n_voxels=4)
+    a, *_ = learn(near, near, [True] * 100, box=((-1, -1, 0), (1, 1, 0)), n_voxels=4)
     assert a.max() < 16 and len(np.unique(a)) > 10
 
 

@@ -11,29 +11,14 @@ import pytest
 import viscache as vc
 from viscache_lab.extremes.families.leaks import SHAPES, segments
 from viscache_lab.extremes.families.rotation import turn
+from visibility.soup import rays, soup
 
 Array = npt.NDArray[Any]
 WATERTIGHT = vc.Embree(watertight=True)
 
 
-def soup(n: int = 300, seed: int = 1) -> tuple[Array, Array]:
-    rng = np.random.default_rng(seed)
-    corners = rng.uniform(-1, 1, (n, 1, 3)) + rng.normal(size=(n, 3, 3)) * 0.3
-    return corners.reshape(-1, 3).astype(np.float32), np.arange(3 * n, dtype=np.uint32).reshape(
-        -1, 3
-    )
-
-
-def rays(n: int, seed: int = 2) -> tuple[Array, Array]:
-    rng = np.random.default_rng(seed)
-    o, d = rng.uniform(-2, 2, (n, 3)), rng.normal(size=(n, 3))
-    d[: n // 8, rng.integers(0, 3)] = 0  # along planes of the boxes
-    d[: n // 16, rng.integers(0, 3)] = 0
-    return o.astype(np.float32), d.astype(np.float32)
-
-
 def scenes() -> dict[str, vc.Scene]:
-    vertices, triangles = soup()
+    vertices, triangles = soup(300, 0.3)
     placed = vc.SceneDescription()
     mesh = placed.add_mesh(vertices, triangles, in_world=False)
     placed.add_mesh(vertices, triangles)
@@ -59,7 +44,7 @@ SCENES = scenes()
 @pytest.mark.parametrize("name", SCENES)
 def test_hits_are_those_of_the_bsp_bit_for_bit(name: str) -> None:
     scene = SCENES[name]
-    o, d = rays(20_000)
+    o, d = rays(20_000, along=True)
     low, high = scene.bounds
     o = (0.5 * (low + high) + o * 0.5 * np.max(high - low)).astype(np.float32)
     ours, bsp = (scene.intersect(o, d, rays=r) for r in (WATERTIGHT, vc.Bsp()))
@@ -73,22 +58,10 @@ def test_hits_are_those_of_the_bsp_bit_for_bit(name: str) -> None:
     )
 
 
-@pytest.mark.parametrize("length", [1e-30, 1e-12, 1e-7, 1e7, 1e14])
-def test_directions_may_have_any_length(length: float) -> None:
-    scene = SCENES["soup"]
-    o, d = rays(5_000)
-    unit = scene.intersect(o, d, rays=WATERTIGHT)
-    scaled = scene.intersect(o, (d * np.float32(length)).astype(np.float32), rays=WATERTIGHT)
-    same = unit.triangle == scaled.triangle
-    assert same.mean() > 0.999
-    hit = same & (unit.triangle >= 0)
-    np.testing.assert_allclose(scaled.t[hit].astype(float) * length, unit.t[hit], rtol=1e-5)
-
-
 @pytest.mark.parametrize("radii", [3.9, 4.1, 1e3, 1e6, 1e9])
 def test_rays_may_come_from_far_away(radii: float) -> None:
     """Aimed at points of triangles from outside, so each of them hits something nearer or that."""
-    vertices, triangles = soup()
+    vertices, triangles = soup(300, 0.3)
     scene = SCENES["soup"]
     rng = np.random.default_rng(5)
     targets = vertices[triangles[rng.integers(0, len(triangles), 2_000)]].mean(axis=1)
@@ -134,27 +107,6 @@ def test_none_of_fifty_million_rays_passes() -> None:
     assert found == dict.fromkeys(found, 0)
 
 
-@pytest.mark.parametrize("instanced", [False, True])
-def test_alpha_cuts_holes(instanced: bool) -> None:
-    """The left half of a card is cut away."""
-    alpha = np.zeros((1, 2, 4), np.float32)
-    alpha[:, 1, 3] = 1
-    d = vc.SceneDescription()
-    material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
-    card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
-    uvs = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]]
-    mesh = d.add_mesh(*card, uvs=uvs, material=material, in_world=not instanced)
-    if instanced:
-        d.add_instance([mesh], np.eye(4))
-    scene = vc.Scene.from_description(d)
-    at = np.array([[x, y, 1.0] for x in (0.05, 0.3, 0.7, 0.95) for y in (0.2, 0.8)], np.float32)
-    down = np.float32([0, 0, -1])
-    expected = np.repeat([False, False, True, True], 2)
-    np.testing.assert_array_equal(scene.occluded(at, down, rays=WATERTIGHT), expected)
-    hit = scene.intersect(at, down, rays=WATERTIGHT)
-    np.testing.assert_array_equal(hit.triangle >= 0, expected)
-
-
 def test_without_the_robust_flag_it_is_refused() -> None:
     with pytest.raises(ValueError, match="robust must be True with watertight"):
         vc.Embree(robust=False, watertight=True)
@@ -165,7 +117,7 @@ def test_without_the_robust_flag_it_is_refused() -> None:
 def test_directions_of_any_length_find_their_hit(length: float) -> None:
     scene = vc.Scene.from_arrays([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
     down = np.float32([[0, 0, -length]])
-    hit = scene.intersect([[0, 0, 1]], down, rays=vc.Embree(watertight=True))
+    hit = scene.intersect([[0, 0, 1]], down, rays=WATERTIGHT)
     assert hit.triangle[0] == 0 and hit.t[0] == pytest.approx(1 / length, rel=1e-5)
-    behind = scene.intersect([[0, 0, -1]], down, rays=vc.Embree(watertight=True))
+    behind = scene.intersect([[0, 0, -1]], down, rays=WATERTIGHT)
     assert behind.triangle[0] == -1
