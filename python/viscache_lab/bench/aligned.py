@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,6 @@ import viscache as vc
 from viscache.vlf import trace_aligned
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import turns
-from viscache_lab.experiment.trial import opened
 
 #: Scenes whose measurements set the prices of `vlf/engine_choice.cpp`: built-in specs, or files
 #: in the folder of scenes by others.
@@ -79,27 +79,24 @@ QUICK_CASES = tuple(Case(size=(64, 40), n_directions=129, distance=d) for d in (
 
 
 @BENCHES.add(
-    "aligned", "the engine chosen for aligned rays against Embree, in scenes not used to fit"
+    "aligned",
+    "the engine chosen for aligned rays against Embree, in scenes not used to fit",
+    note="one thread; Embree: packets of 16 in the order for the number of points and triangles."
+    " ours: engine=auto, with the time that the choice takes. Both include sorting the points.",
 )
 def aligned(trial: Trial) -> None:
     """Every case of the held-out scenes: engine "auto" against engine "embree"."""
-    for spec in QUICK_SCENES if trial.quick else HELD_OUT:
-        scene = opened(spec)
-        if scene is None:
-            trial.skip(spec, f"VISCACHE_SCENES holds no {spec}")
-            continue
-        points = {}
+    for spec, scene in trial.scenes(QUICK_SCENES if trial.quick else HELD_OUT):
+        points: dict[tuple[int, int], Any] = {}
         for case in QUICK_CASES if trial.quick else CASES:
             if case.size not in points:
                 points[case.size] = eye_points(scene, case.size)
-            _compare(trial, spec, scene, case, points[case.size], 2 if trial.quick else 3)
+            _compare(
+                trial, f"{spec.partition('?')[0]} {case.label}", scene, case, points[case.size]
+            )
     ratios = [f["ratio"] for f in trial.figures]
     if ratios:
         trial.figure("worst case vs embree", min(ratios), "", ratios=[min(ratios)], goal=GOAL)
-    trial.notes.append(
-        "one thread; Embree: packets of 16 in the order for the number of points and triangles."
-        " ours: engine=auto, with the time that the choice takes. Both include sorting the points."
-    )
 
 
 def eye_points(
@@ -118,20 +115,16 @@ def rays_of(scene: vc.Scene, distance: float) -> float:
 
 def _compare(
     trial: Trial,
-    spec: str,
+    label: str,
     scene: vc.Scene,
     case: Case,
     points: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
-    repeats: int,
 ) -> None:
-    t_max = rays_of(scene, case.distance)
+    t_max, n_rays = rays_of(scene, case.distance), len(points[0]) * case.n_directions
     trace = partial(trace_aligned, scene, *points, case.n_directions, t_max=t_max, threads=1)
     scene.aligned_batch(), scene.caster()
-    runs = {e: partial(trace, engine=e) for e in ("auto", "embree")}
-    found = turns(runs, repeats)
-    samples, rows = found.samples, found.answers
-    label = f"{spec.partition('?')[0]} {case.label}"
-    n_rays = len(points[0]) * case.n_directions
+    runs = {engine: partial(trace, engine=engine) for engine in ("auto", "embree")}
+    samples, rows = turns(runs, trial.repeats(3, 2))
     trial.ratio(
         f"{label} vs embree",
         samples["auto"],

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import build_scene, turns
+from viscache_lab.experiment.amounts import turns
 
 #: Arrays may cost 10 % more than a frame's own queries; a Python oracle, 10 % of a frame.
 GOAL = 0.9
@@ -26,17 +26,21 @@ class Traced:
         return eyes.trace(lamps, wanted)
 
 
-@BENCHES.add("oracle", "caches asked with arrays, and oracles written in Python, beside frames")
-def oracle(trial: Trial) -> None:
+@BENCHES.add(
+    "oracle",
+    "caches asked with arrays, and oracles written in Python, beside frames",
+    cases=("room?triangles=200000",),
+    quick_cases=("room?triangles=20000",),
+)
+def oracle(trial: Trial, _: str, scene: vc.Scene) -> None:
     """A million points × 256 lights from NumPy; a frame through Python."""
-    scene = build_scene("room?triangles=20000" if trial.quick else "room?triangles=200000")
-    arrays(scene, trial.quick, trial)
-    in_python(scene, trial.quick, trial)
+    arrays(scene, trial)
+    in_python(scene, trial)
 
 
-def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
+def arrays(scene: vc.Scene, trial: Trial) -> None:
     """The renderer's eye points and virtual lights: queried by it, and as arrays."""
-    size, light = ((96, 96), 64) if quick else ((1000, 1000), 256)
+    size, light = ((96, 96), 64) if trial.quick else ((1000, 1000), 256)
     conn = vc.connections(scene, vc.Whitted(n_vpls=light), size=size)
     ends, wanted = conn.groups["vpl"], conn.wanted("vpl")
     # Without the renderer's tiles: points in another order
@@ -53,8 +57,7 @@ def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
             "renderer": partial(ask.block, conn.eyes, ends, wanted),
             "arrays": partial(ask.block, eyes, ends, wanted[shuffled]),
         }
-        asked = turns(runs, 1 if quick else 3, warm_up=False)
-        samples, found = asked.samples, asked.answers
+        samples, found = turns(runs, trial.repeats(3), warm_up=False)
         trial.ratio(
             f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
             samples["arrays"],
@@ -64,23 +67,19 @@ def arrays(scene: vc.Scene, quick: bool, trial: Trial) -> None:
         )
         differ = np.bitwise_count(found["arrays"].bits[back] ^ found["renderer"].bits).sum()
         share = float(differ) / max(1, found["renderer"].counters["queries"])
-        trial.check(
-            f"{name}: other answers than the renderer's tiles",
-            share,
-            0.0 if name == "exact" else 0.05,
-        )
+        limit = 0.0 if name == "exact" else 0.05
+        trial.check(f"{name}: other answers than the renderer's tiles", share, limit)
 
 
-def in_python(scene: vc.Scene, quick: bool, trial: Trial) -> None:
+def in_python(scene: vc.Scene, trial: Trial) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
-    size, integrator = ((96, 64), vc.Whitted(n_vpls=64)) if quick else ((640, 400), vc.Whitted())
+    size, n_vpls = ((96, 64), 64) if trial.quick else ((640, 400), 1024)
     ways: dict[str, Any] = {"core": vc.Exact(engine="packets"), "python": Traced()}
-    whole = partial(vc.render, scene, integrator, size=size)
+    whole = partial(vc.render, scene, vc.Whitted(n_vpls=n_vpls), size=size)
     runs = {name: partial(whole, visibility=way) for name, way in ways.items()}
-    rendered = turns(runs, 1 if quick else 3)
-    samples, frames = rendered.samples, rendered.answers
+    samples, frames = turns(runs, trial.repeats(3))
     trial.ratio(
-        f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
+        f"{size[0]}x{size[1]} {n_vpls} VPLs frame in Python vs exact",
         samples["python"],
         samples["core"],
         goal=GOAL,

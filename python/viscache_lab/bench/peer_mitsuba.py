@@ -47,37 +47,7 @@ def main() -> None:
         ray.maxt = float(given["t_max"])
         return {"t": np.array(scene.ray_intersect_preliminary(ray).t)}
 
-    def lights(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
-        p, n = mi.Point3f(given["points"].T), mi.Vector3f(given["normals"].T)
-        dr.eval(p, n)
-        rays = blocked = 0
-        for position in given["lights"]:
-            d = mi.Point3f([float(v) for v in position]) - p
-            ray = mi.Ray3f(p, d)
-            ray.maxt = 0.9999
-            asked = dr.dot(n, d) > 0
-            hit = scene.ray_test(ray, asked) & asked
-            counts = dr.count(asked), dr.count(hit)
-            rays, blocked = rays + int(counts[0][0]), blocked + int(counts[1][0])
-        return {"rays": rays, "blocked": blocked}
-
-    def ambient(given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
-        p, n = mi.Point3f(given["points"].T), mi.Vector3f(given["normals"].T)
-        frame = mi.Frame3f(n)
-        pcg = mi.PCG32(size=len(given["points"]))
-        open_ = mi.Float(0)
-        samples = int(fields["samples"])
-        for _ in range(samples):
-            # Not mi.warp: its safe_sqrt needs an instruction that some LLVM cannot select
-            u, (sine, cosine) = pcg.next_float32(), dr.sincos(2 * dr.pi * pcg.next_float32())
-            r = dr.sqrt(u)
-            local = mi.Vector3f(r * cosine, r * sine, dr.sqrt(1 - u))
-            ray = mi.Ray3f(p, frame.to_world(local))
-            open_ += dr.select(scene.ray_test(ray), 0.0, 1.0)
-            dr.eval(open_, pcg)
-        return {"rays": samples * len(given["points"]), "open": np.array(open_).mean() / samples}
-
-    rays = {"any_hit": any_hit, "nearest": nearest, "lights": lights, "ambient": ambient}
+    rays = {"any_hit": any_hit, "nearest": nearest}
     serve(about, rays | lit | {"ao": pictures.ao, "points": pictures.points})
 
 

@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.experiment.amounts import Sample
@@ -61,6 +62,11 @@ def missing_scene(scene: vc.Scene) -> str | None:
     if scene.info()["instances"]:
         return "the scene has instances, which are not handed over"
     return None
+
+
+def blocked(found: npt.NDArray[Any], name: str) -> npt.NDArray[np.bool_]:
+    """Which rays hit, by the answers of a peer: embreex has 0 where one does, −1 where not."""
+    return np.asarray(found == 0 if name == "embreex" else found.astype(bool))
 
 
 class Peer:
@@ -125,6 +131,10 @@ class Peer:
             self._process.stdin.flush()
         report = self._answer()
         return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
+
+    def timed(self, job: dict[str, Any]) -> Sample:
+        """Run a job; return its time."""
+        return self.run(job)[0]
 
     def give(self, **arrays: Any) -> None:
         """Write arrays for the next jobs."""

@@ -8,7 +8,7 @@ they hold for one frame alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -17,15 +17,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.bench.errors import NOTE, error_over_time
 from viscache_lab.experiment import BENCHES, Trial
 
 Array = npt.NDArray[Any]
-
-#: The largest |z| of the energy of picks against exact frames of the same seeds.
-MOST_Z = 4.0
-#: Seeds of frames of the converged picture start here.
-FIRST_REFERENCE = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,57 +81,36 @@ QUICK = (
 )
 
 
-@BENCHES.add("picks", "error over time: exact, cached, or a few lights picked by each eye point")
-def picks(trial: Trial) -> None:
+@BENCHES.add(
+    "picks",
+    "error over time: exact, cached, or a few lights picked by each eye point",
+    cases=CASES,
+    quick_cases=QUICK,
+    note=NOTE.format("exact"),
+)
+def picks(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """MSE · CPU time of exact frames over that of picks, of cached frames, and of both."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
-        measure(trial, case, scene)
-    trial.notes.append(
-        "Ratios: mean squared error times CPU seconds, exact over the other, with the 95 % interval"
-        " of a bootstrap over seeds. Values: the same of the other, relative to the squared mean."
-        " gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
-    )
-
-
-def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
-    """Let all ways take turns, seed by seed."""
     scene.caster()
-    converged = np.stack([_render(case, scene, s)[0] for s in _reference_seeds(case)])
-    errors = Errors(converged)
-    corrected = {"visibility": vc.Aqvc(), "use": "correct"}
+    cached = {"visibility": vc.Aqvc()}
+    corrected = {**cached, "use": "correct"}
+    most = case.picks[-1]
     ways: dict[str, dict[str, Any]] = {
         "exact": {},
-        "cache": {"visibility": vc.Aqvc()},
+        "cache": cached,
         "corrected": corrected,
         **{f"{n} picks": {"pick": n} for n in case.picks},
-        f"{case.picks[-1]} picks, corrected": {"pick": case.picks[-1], **corrected},
+        f"{most} picks, corrected": {"pick": most, **corrected},
     }
-    runs: dict[str, Callable[[int], Any]] = {
-        way: partial(_render, case, scene, **options) for way, options in ways.items()
-    }
-    for run in runs.values():
-        run(0)
-    images, seconds = seed_by_seed(runs, case.seeds)
-    found = {way: errors.of(stack) for way, stack in images.items()}
-    for way, options in ways.items():
-        if way == "exact":
-            continue
-        trial.figures.append(
-            gain_figure(
-                f"{case.name}: {way} vs exact",
-                found,
-                seconds,
-                way,
-                goal=None if "use" in options else case.goals.get(options.get("pick", 0)),
-            )
-        )
-        if "pick" in options or "use" in options:
-            z = energy_z(images[way] - images["exact"])
-            trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
-
-
-def _reference_seeds(case: Case) -> range:
-    return range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
+    error_over_time(
+        trial,
+        case.name,
+        {way: partial(_render, case, scene, **options) for way, options in ways.items()},
+        partial(_render, case, scene),
+        seeds=case.seeds,
+        references=case.references,
+        goals={f"{n} picks": goal for n, goal in case.goals.items()},
+        biased=("cache",),
+    )
 
 
 def _render(

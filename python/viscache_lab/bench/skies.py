@@ -6,7 +6,6 @@ samples with other seeds; its noise is taken out of the errors.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -16,16 +15,11 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.scenes.sources import made_by_others
-from viscache_lab.bench.errors import Errors, energy_z, gain_figure, seed_by_seed
+from viscache_lab.bench.errors import NOTE, error_over_time
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.trial import opened
 
 Array = npt.NDArray[Any]
 
-#: The largest |z| of the energy of sets against own samples of the same seeds.
-MOST_Z = 4.0
-#: Seeds of frames of the converged picture start here.
-FIRST_REFERENCE = 1000
 OWN = "4 + 4 own samples"
 SETS = vc.Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
 #: Integrator and samples per pixel; the sets are those of `viscache bench peers`, chosen elsewhere.
@@ -67,42 +61,28 @@ QUICK = (
 )
 
 
-@BENCHES.add("skies", "error over time under real skies: own samples, or directions in sets")
-def skies(trial: Trial) -> None:
+@BENCHES.add(
+    "skies",
+    "error over time under real skies: own samples, or directions in sets",
+    cases=CASES,
+    quick_cases=QUICK,
+    note=NOTE.format(OWN),
+)
+def skies(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """MSE · CPU time of own samples over that of the other ways."""
-    for case in QUICK if trial.quick else CASES:
-        scene = opened(case.scene)
-        sky = made_by_others(case.sky) if isinstance(case.sky, str) else case.sky
-        if scene is None or sky is None:
-            trial.skip(case.name, "VISCACHE_SCENES has no such file")
-        else:
-            measure(trial, case, scene.with_environment(sky))
-    trial.notes.append(
-        f"Ratios: mean squared error times CPU seconds, {OWN} over the other, with the 95 %"
-        " interval of a bootstrap over seeds. Values: the same of the other, relative to the"
-        " squared mean. gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
+    sky = made_by_others(case.sky) if isinstance(case.sky, str) else case.sky
+    if sky is None:
+        trial.skip(case.name, "VISCACHE_SCENES has no such file")
+        return
+    render = partial(_render, case, scene.with_environment(sky))
+    error_over_time(
+        trial,
+        case.name,
+        {way: partial(render, integrator=light, spp=spp) for way, (light, spp) in WAYS.items()},
+        partial(render, integrator=REFERENCE, spp=case.reference_spp),
+        seeds=case.seeds,
+        references=case.references,
     )
-
-
-def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
-    """Let all ways take turns, seed by seed."""
-    converged = [
-        _render(case, scene, seed, REFERENCE, case.reference_spp)[0]
-        for seed in range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
-    ]
-    errors = Errors(np.stack(converged))
-    runs: dict[str, Callable[[int], Any]] = {
-        way: partial(_render, case, scene, integrator=light, spp=spp)
-        for way, (light, spp) in WAYS.items()
-    }
-    images, seconds = seed_by_seed(runs, case.seeds)
-    found = {way: errors.of(stack) for way, stack in images.items()}
-    for way in WAYS:
-        if way == OWN:
-            continue
-        trial.figures.append(gain_figure(f"{case.name}: {way} vs {OWN}", found, seconds, way, OWN))
-        z = energy_z(images[way] - images[OWN])
-        trial.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def _render(

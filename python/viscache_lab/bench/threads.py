@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import statistics
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any, Protocol
@@ -17,11 +15,10 @@ import viscache as vc
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
+from viscache_lab.experiment.amounts import turns
 
 #: Least speed-up with two threads.
 GOAL_OF_TWO = 1.9
-REPEATS, QUICK_REPEATS = 3, 1
 ROOM = "room?triangles=200000"
 SEGMENTS = 4_000_000
 FIELD = vc.Vlf(n_directions=129, n_tiles=64)
@@ -153,38 +150,22 @@ QUICK = (
 
 
 @BENCHES.add(
-    "threads", "wall-clock time with one thread, two, … and all cores; the bytes are the same"
+    "threads",
+    "wall-clock time with one thread, two, … and all cores; the bytes are the same",
+    cases=CASES,
+    quick_cases=QUICK,
+    note="Ratios: wall-clock time with one thread over that with more, in turns.",
 )
-def threads(trial: Trial) -> None:
-    """Each case with every number of threads, in turns."""
-    counts = thread_counts(len(os.sched_getaffinity(0)))
+def threads(trial: Trial, case: Case, scene: vc.Scene) -> None:
+    """Each case with 1, 2, 4, … and all cores, in turns."""
+    cores = len(os.sched_getaffinity(0))
+    counts = sorted({1 << k for k in range(cores.bit_length())} | {cores})
     if counts == [1]:
-        trial.skip("speed-ups", "this process may use one core only")
-    for case in QUICK if trial.quick else CASES:
-        measure(trial, case, counts, QUICK_REPEATS if trial.quick else REPEATS)
-    trial.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
-
-
-def thread_counts(cores: int) -> list[int]:
-    """1, 2, 4, … and all cores."""
-    return sorted({1 << k for k in range(cores.bit_length())} | {cores})
-
-
-def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
-    """Let all numbers of threads take turns."""
-    scene = build_scene(case.scene)
-    digests: dict[int, str] = {}
-
-    def run(n: int) -> Sample:
-        sample, answers = timed(lambda: case.work(scene, n))
-        digests[n] = hashlib.sha256(answers.tobytes()).hexdigest()
-        return sample
-
-    runs: dict[str, Callable[[], Sample]] = {str(n): partial(run, n) for n in counts}
-    samples = interleave(runs, repeats)
-    one = samples["1"]
+        trial.skip(f"{case.name}: speed-ups", "this process may use one core only")
+    samples, answers = turns({n: partial(case.work, scene, n) for n in counts}, trial.repeats(3))
+    one = samples[1]
     for n in counts[1:]:
-        mine = samples[str(n)]
+        mine = samples[n]
         pairs = list(zip(one, mine, strict=True))
         trial.figure(
             f"{case.name}: {n} threads vs one",
@@ -198,6 +179,6 @@ def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
         )
     trial.check(
         f"{case.name}: numbers of threads whose answers differ from those of one",
-        float(sum(digest != digests[1] for digest in digests.values())),
-        0.0,
+        sum(found.tobytes() != answers[1].tobytes() for found in answers.values()),
+        0,
     )

@@ -43,20 +43,17 @@ CASES = (
 QUICK = (Case(name="church", scene="church?triangles=4000", rel_l1=0.04, n_vpls=32, size=(96, 60)),)
 
 
-@BENCHES.add("tune", "errors of whole frames at the settings that vc.tune chose, on nine scenes")
-def tune_scenes(trial: Trial) -> None:
-    """Target, error of the whole frame, settings, and the speed-up over exact visibility."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
-        measure(trial, case, scene)
-    trial.notes.append(
-        "Values: error of the whole frame over the target; at most 1.3 holds. low, high: the"
-        " interval that tune gave, on pixels that no pilot saw. rays_saved: rays of C_E alone at"
-        " its own error over rays of the three parameters. speedup: CPU seconds of the exact frame"
-        " over those of this one."
-    )
-
-
-def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
+@BENCHES.add(
+    "tune",
+    "errors of whole frames at the settings that vc.tune chose, on nine scenes",
+    cases=CASES,
+    quick_cases=QUICK,
+    note="Values: error of the whole frame over the target; at most 1.3 holds. low, high: the"
+    " interval that tune gave, on pixels that no pilot saw. rays_saved: rays of C_E alone at"
+    " its own error over rays of the three parameters. speedup: CPU seconds of the exact frame"
+    " over those of this one.",
+)
+def tune_scenes(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Tune three parameters and one, then render whole frames."""
     light = vc.Whitted(n_vpls=case.n_vpls)
     given: dict[str, Any] = {"size": case.size, "threads": 1}

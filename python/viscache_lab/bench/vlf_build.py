@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.bench.ray_sets import RaySet, make_ray_set
-from viscache_lab.bench.vlf_update import compare_updates
+from viscache_lab.bench.vlf_update import QUICK_UPDATED, UPDATED, compare_updates
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import build_scene, timed, turns
+from viscache_lab.experiment.amounts import timed, turns
 
 SCENES = (
     "random_triangles?triangles=10000&edge_factor=1",
@@ -33,35 +33,34 @@ RAYS, QUICK_RAYS = 100_000, 4_000
 
 
 @BENCHES.add(
-    "vlf-build", "building visibility fields; the paper's tracers against Embree ray by ray"
+    "vlf-build",
+    "building visibility fields; the paper's tracers against Embree ray by ray",
+    cases=(*SCENES, UPDATED),
+    quick_cases=(*QUICK_SCENES, QUICK_UPDATED),
+    note="Embree ray by ray: rtcIntersect1 and rtcOccluded1, robust; Bsp: the fastest of a grid, "
+    "Wald's triangle test as in the paper. A ray of the BSP "
+    "visits the nodes counted in nodes_per_ray, one load after the other.",
 )
-def vlf_build(trial: Trial) -> None:
+def vlf_build(trial: Trial, spec: str, scene: vc.Scene) -> None:
     """Build time and memory of fields; rays per second of the paper's tracers on one thread."""
-    for spec in QUICK_SCENES if trial.quick else SCENES:
-        scene = build_scene(spec)
-        _compare_builds(
-            trial, scene, QUICK_FIELD if trial.quick else FIELD, 1 if trial.quick else 3
-        )
-        field = (QUICK_FIELD if trial.quick else FIELD).build(scene)
-        for name in ("camera", "hemi"):
-            rays = make_ray_set(scene, name, QUICK_RAYS if trial.quick else RAYS)
-            _compare_rays(trial, scene, rays, field, trial.quick)
-    compare_updates(trial, trial.quick)
-    trial.notes.append(
-        "Embree ray by ray: rtcIntersect1 and rtcOccluded1, robust; Bsp: the fastest of a grid, "
-        "Wald's triangle test as in the paper. A ray of the BSP "
-        "visits the nodes counted in nodes_per_ray, one load after the other."
-    )
+    if spec in (UPDATED, QUICK_UPDATED):
+        compare_updates(trial, scene)
+        return
+    settings = QUICK_FIELD if trial.quick else FIELD
+    _compare_builds(trial, scene, settings)
+    field = settings.build(scene)
+    for name in ("camera", "hemi"):
+        rays = make_ray_set(scene, name, QUICK_RAYS if trial.quick else RAYS)
+        _compare_rays(trial, scene, rays, field)
 
 
-def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf, repeats: int) -> None:
+def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf) -> None:
     runs: dict[str, Callable[[], Any]] = {
         "one thread": partial(settings.build, scene, 1),
         "two threads": partial(settings.build, scene, 2),
         "embree": partial(vc.Embree().build, scene, 0),
     }
-    found = turns(runs, repeats, warm_up=False)
-    samples, built = found.samples, found.answers
+    samples, built = turns(runs, trial.repeats(3), warm_up=False)
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
     trial.ratio(
@@ -76,9 +75,9 @@ def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf, repeats: in
     trial.check(f"{label}: threads change the field", float(changed), 0)
 
 
-def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: bool) -> None:
+def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any) -> None:
     caster = scene.caster()
-    trees = QUICK_TREES if quick else TREES
+    trees = QUICK_TREES if trial.quick else TREES
     bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
     rays = (r.origins, r.directions)
     jobs: dict[str, dict[str, Callable[[], npt.NDArray[Any]]]] = {
@@ -97,8 +96,7 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: b
     of_bsp = {f"{what}_per_ray": n / len(r.origins[:2000]) for what, n in steps.items()}
     of_bsp |= {name: bsp.stats[name] for name in ("max_depth", "bytes")}
     for job, tracers in jobs.items():
-        found = turns(tracers, 2 if quick else 5)
-        samples, answers = found.samples, found.answers
+        samples, answers = turns(tracers, trial.repeats(5, 2))
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
             trial.ratio(
@@ -109,12 +107,10 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any, quick: b
                 goal=GUARD if name == "bsp" else None,
                 **(of_bsp if name == "bsp" else {}),
             )
-            hit = [
-                np.isfinite(a) if a.dtype != bool else a for a in (answers[name], answers["embree"])
-            ]
-            trial.check(
-                f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])), EDGE_TOLERANCE
-            )
+            found, truth = (a if a.dtype == bool else np.isfinite(a)
+                            for a in (answers[name], answers["embree"]))  # fmt: skip
+            differing = float(np.mean(found != truth))
+            trial.check(f"{label}: share unlike embree", differing, EDGE_TOLERANCE)
 
 
 def _trial(tree: Any, r: RaySet) -> float:

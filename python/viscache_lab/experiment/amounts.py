@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -39,26 +39,25 @@ def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
 
 
 def interleave(
-    runs: Mapping[str, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
-) -> dict[str, list[Sample]]:
+    runs: Mapping[Key, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
+) -> dict[Key, list[Sample]]:
     """Let all runs take turns, `repeats` times; every other round is in reverse order."""
     names = list(runs)
     if warm_up:
         for name in names:
             runs[name]()
-    samples: dict[str, list[Sample]] = {name: [] for name in names}
+    samples: dict[Key, list[Sample]] = {name: [] for name in names}
     for i in range(repeats):
         for name in names if i % 2 == 0 else reversed(names):
             samples[name].append(runs[name]())
     return samples
 
 
-@dataclass(frozen=True, slots=True)
-class Turns:
+class Turns(NamedTuple):
     """Durations and last answers of runs that took turns."""
 
-    samples: dict[str, list[Sample]]
-    answers: dict[str, Any]
+    samples: dict[Any, list[Sample]]
+    answers: dict[Any, Any]
 
 
 def turns(
@@ -80,9 +79,9 @@ def turns(
     clock : callable, optional
         The duration of an answer, e.g. `frame_clock`; that of the call by default.
     """
-    answers: dict[str, Any] = {}
+    answers: dict[Any, Any] = {}
 
-    def run(name: str) -> Sample:
+    def run(name: Any) -> Sample:
         time, answer = timed(runs[name])
         if isinstance(answer, Sample):
             return answer
@@ -97,11 +96,21 @@ def frame_clock(frame: vc.Frame) -> Sample:
     return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
 
 
+def visibility_clock(frame: vc.Frame) -> Sample:
+    """The time of a frame's visibility."""
+    return Sample(wall_s=frame.timings["visibility_s"], cpu_s=frame.timings["visibility_cpu_s"])
+
+
+def unbuilt_clock(frame: vc.Frame) -> Sample:
+    """The duration of a frame without the build of its structures."""
+    t = frame.timings
+    return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
+
+
 def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
     """Which run takes the least CPU time, of two turns."""
-    names = {str(key): key for key in runs}
-    samples = turns({name: runs[key] for name, key in names.items()}, 2, warm_up=False).samples
-    return names[min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))]
+    samples = turns(runs, 2, warm_up=False).samples
+    return min(runs, key=lambda name: min(s.cpu_s for s in samples[name]))
 
 
 def student_t(values: Any) -> float:

@@ -25,7 +25,7 @@ class InScene(Protocol):
     def scene(self) -> str: ...
 
 
-C = TypeVar("C", bound=InScene)
+C = TypeVar("C", bound=InScene | str)
 
 
 @dataclass(kw_only=True, slots=True)
@@ -62,6 +62,10 @@ class Trial:
     """File name to what its axes show."""
     skipped: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+
+    def repeats(self, full: int, quick: int = 1) -> int:
+        """Turns of what is timed."""
+        return quick if self.quick else full
 
     def row(
         self,
@@ -109,13 +113,16 @@ class Trial:
         self.notes += other.notes
 
     def scenes(self, cases: Iterable[C]) -> Iterator[tuple[C, vc.Scene]]:
-        """Each case with its scene; those without their file are skipped."""
+        """Each case, or spec, with its scene; those without their file are skipped."""
+        kept: tuple[str, vc.Scene | None] = "", None
         for case in cases:
-            scene = opened(case.scene)
-            if scene is None:
-                self.skip(case.name, "VISCACHE_SCENES has no such file")
+            name, spec = (case, case) if isinstance(case, str) else (case.name, case.scene)
+            if spec != kept[0]:
+                kept = spec, opened(spec)  # one at a time
+            if kept[1] is None:
+                self.skip(name, "VISCACHE_SCENES has no such file")
             else:
-                yield case, scene
+                yield case, kept[1]
 
     def csv(self, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write a table; columns are in the order of their first occurrence."""
