@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from viscache_lab.bench.peer_mitsuba_kernels import MitsubaKernels
 from viscache_lab.bench.peer_mitsuba_picture import MitsubaPicture
-from viscache_lab.bench.peer_protocol import serve
+from viscache_lab.bench.peer_protocol import Fields, Pictures, serve
 
 
 def main() -> None:
@@ -29,35 +28,34 @@ def main() -> None:
     dr: Any = importlib.import_module("drjit")
 
     about = {"flags": "robust", "threads": dr.thread_count(), "version": mi.__version__}
-    lit = {"sky": MitsubaPicture(mi, Path(sys.argv[1])).sky}
+    picture = MitsubaPicture(mi, Path(sys.argv[1]))
     if variant == "scalar_rgb":
         # Single rays from Python would measure Python
-        serve(about, lit)
+        serve(about, {"sky": picture.sky})
         return
-    scene = _scene(mi)
-    pictures = MitsubaKernels(mi, dr, scene)
+    scene = _scene(mi, picture)
+    kernels = MitsubaKernels(mi, dr, scene)
 
-    def any_hit(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
+    def rays(given: Fields) -> Any:
         ray = mi.Ray3f(mi.Point3f(given["origins"].T), mi.Vector3f(given["directions"].T))
         ray.maxt = float(given["t_max"])
-        return {"occluded": np.array(scene.ray_test(ray))}
+        return ray
 
-    def nearest(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
-        ray = mi.Ray3f(mi.Point3f(given["origins"].T), mi.Vector3f(given["directions"].T))
-        ray.maxt = float(given["t_max"])
-        return {"t": np.array(scene.ray_intersect_preliminary(ray).t)}
+    def any_hit(given: Fields, _: Fields) -> dict[str, Any]:
+        return {"occluded": np.array(scene.ray_test(rays(given)))}
 
-    rays = {"any_hit": any_hit, "nearest": nearest}
-    serve(about, rays | lit | {"ao": pictures.ao, "points": pictures.points})
+    def nearest(given: Fields, _: Fields) -> dict[str, Any]:
+        return {"t": np.array(scene.ray_intersect_preliminary(rays(given)).t)}
+
+    frames = {"sky": picture.sky, "ao": kernels.ao, "points": kernels.points}
+    serve(about, {"any_hit": any_hit, "nearest": nearest, **frames})
 
 
-def _scene(mi: Any) -> Any:
-    with np.load(Path(sys.argv[1]) / "scene.npz") as file:
-        vertices, triangles = file["vertices"], file["triangles"]
-    mesh = mi.Mesh("all", len(vertices), len(triangles))
+def _scene(mi: Any, arrays: Pictures) -> Any:
+    mesh = mi.Mesh("all", len(arrays.vertices), len(arrays.triangles))
     parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = vertices.astype(np.float32).ravel()
-    parameters["faces"] = triangles.ravel()
+    parameters["vertex_positions"] = arrays.vertices.astype(np.float32).ravel()
+    parameters["faces"] = arrays.triangles.ravel()
     parameters.update()
     return mi.load_dict({"type": "scene", "embree_use_robust_intersections": True, "mesh": mesh})
 

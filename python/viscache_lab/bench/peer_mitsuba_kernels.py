@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from viscache_lab.bench.peer_protocol import Fields
 
 #: Samples of one launch, so that memory stays small.
 LAUNCH = 1 << 22
@@ -28,7 +30,7 @@ class MitsubaKernels:
     def __init__(self, mi: Any, dr: Any, scene: Any) -> None:
         self._mi, self._dr, self._scene = mi, dr, scene
 
-    def ao(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
+    def ao(self, given: Fields, fields: Fields) -> dict[str, Any]:
         """The open share of the hemisphere by `samples` cosine-distributed rays per hit.
 
         The rays of a pixel go through one R2 sequence (Roberts 2018) with a random offset.
@@ -64,7 +66,7 @@ class MitsubaKernels:
 
         return {"image": self._frame(given, fields, shade)}
 
-    def points(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
+    def points(self, given: Fields, fields: Fields) -> dict[str, Any]:
         """Light of all points of `lights` (N, 3), each of `intensity` W/sr, off a grey surface."""
         mi, dr, scene = self._mi, self._dr, self._scene
         lights = mi.Float(np.asarray(given["lights"], np.float32).ravel())
@@ -88,8 +90,8 @@ class MitsubaKernels:
 
     def _frame(
         self,
-        given: Mapping[str, Any],
-        fields: Mapping[str, Any],
+        given: Fields,
+        fields: Fields,
         shade: Callable[[Any, Any, Any], Any],
     ) -> Any:
         """Means of the pixels (side, side); `camera` (4, 3) is origin, forward, right, up."""

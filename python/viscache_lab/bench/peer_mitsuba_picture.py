@@ -2,39 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from viscache_lab.bench.peer_protocol import Fields, Pictures
 
-class MitsubaPicture:
-    """The scene of a folder, its environment of the given arrays; built at the first frame."""
+
+class MitsubaPicture(Pictures):
+    """The scene of a folder, its environment of the given arrays."""
 
     def __init__(self, mi: Any, folder: Path) -> None:
-        self._mi, self._folder = mi, folder
-        self._scene: Any = None
-        self._sky: Any = None
+        super().__init__(folder)
+        self._mi = mi
 
-    def sky(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
+    def sky(self, given: Fields, fields: Fields) -> dict[str, Any]:
         """Direct light of `sky` (H, W, 3).
 
         Its samples have one of the light and one of the surface, as many in all as are asked for:
         so its stratified sampler spreads all of a pixel's together, as ours does.
         """
-        mi = self._mi
-        if given["sky"] is not self._sky:
-            self._scene, self._sky = self._build(given, fields), given["sky"]
         spp = int(fields["spp"]) * int(fields["samples"])
-        image = mi.render(self._scene, spp=spp, seed=int(fields["seed"]))
+        image = self._mi.render(self.scene(given, fields), spp=spp, seed=int(fields["seed"]))
         return {"image": np.array(image, np.float64)[:, :, :3].mean(axis=2)}
 
-    def _build(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> Any:
+    def build(self, given: Fields, fields: Fields) -> Any:
+        """With the integrator of direct light."""
         mi, side = self._mi, int(fields["side"])
-        with np.load(self._folder / "scene.npz") as file:
-            _write_ply(self._folder / "scene.ply", file["vertices"], file["triangles"])
+        _write_ply(self.folder / "scene.ply", self.vertices, self.triangles)
         origin, forward, _, up = np.asarray(given["camera"], np.float64)
         view = mi.ScalarTransform4f().look_at(
             origin=origin.tolist(), target=(origin + forward).tolist(), up=up.tolist()
@@ -61,7 +58,7 @@ class MitsubaPicture:
                 "sky": {"type": "envmap", "bitmap": mi.Bitmap(np.array(given["sky"], np.float32))},
                 "mesh": {
                     "type": "ply",
-                    "filename": str(self._folder / "scene.ply"),
+                    "filename": str(self.folder / "scene.ply"),
                     "face_normals": True,
                     "bsdf": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": grey}},
                 },

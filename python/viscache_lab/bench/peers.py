@@ -9,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -27,8 +26,6 @@ PEERS = {
     "luxcore-cache": ("pyluxcore", "viscache_lab.bench.peer_luxcore"),
     "embreex": ("embreex", "viscache_lab.bench.peer_embreex"),
 }
-
-
 #: Starts a module of this package under an interpreter that does not have the package.
 _START = """
 import runpy, sys, types
@@ -62,6 +59,11 @@ def missing_scene(scene: vc.Scene) -> str | None:
     if scene.info()["instances"]:
         return "the scene has instances, which are not handed over"
     return None
+
+
+def time_of(peer: Peer, job: str) -> Sample:
+    """Of a job without fields."""
+    return peer.run({"job": job})[0]
 
 
 def blocked(found: npt.NDArray[Any], name: str) -> npt.NDArray[np.bool_]:
@@ -103,24 +105,13 @@ class Peer:
                 [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
             ).astype(np.uint32),
         )
-        self._process = subprocess.Popen(
-            [
-                str(python or sys.executable),
-                "-c",
-                _START,
-                str(Path(__file__).parents[1]),
-                PEERS[name][1],
-                str(self._path),
-                name,
-            ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        lab, pipe = str(Path(__file__).parents[1]), subprocess.PIPE
+        words = [python or sys.executable, "-c", _START, lab, PEERS[name][1], self._path, name]
+        self._process = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)
         try:
             self.about = self._answer()
         except BaseException:
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise
 
     def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
@@ -131,10 +122,6 @@ class Peer:
             self._process.stdin.flush()
         report = self._answer()
         return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
-
-    def timed(self, job: dict[str, Any]) -> Sample:
-        """Run a job; return its time."""
-        return self.run(job)[0]
 
     def give(self, **arrays: Any) -> None:
         """Write arrays for the next jobs."""
@@ -161,12 +148,7 @@ class Peer:
     def __enter__(self) -> Peer:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         assert self._process.stdin is not None and self._process.stdout is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
-from viscache_lab.bench.peers import Peer, blocked, missing
+from viscache_lab.bench.peers import Peer, blocked, missing, time_of
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import fastest, turns
@@ -65,7 +65,7 @@ def _compare(
     }
     for name, peer in peers.items():
         peer.give(origins=r.origins, directions=r.directions, t_max=r.t_max)
-        runs[name] = partial(peer.timed, {"job": "any_hit"})
+        runs[name] = partial(time_of, peer, "any_hit")
     samples, answers = turns(runs, trial.repeats(5, 2))
     answers |= {name: blocked(peer.result()["occluded"], name) for name, peer in peers.items()}
     for name in list(runs)[1:]:

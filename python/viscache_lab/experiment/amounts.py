@@ -7,7 +7,7 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from viscache.base.provenance import embree_version, isa
 from viscache.scenes import build
 
 Key = TypeVar("Key")
+S = TypeVar("S", bound="Sample")
 Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 
 
@@ -39,14 +40,14 @@ def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
 
 
 def interleave(
-    runs: Mapping[Key, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
-) -> dict[Key, list[Sample]]:
+    runs: Mapping[Key, Callable[[], S]], repeats: int, *, warm_up: bool = True
+) -> dict[Key, list[S]]:
     """Let all runs take turns, `repeats` times; every other round is in reverse order."""
     names = list(runs)
     if warm_up:
         for name in names:
             runs[name]()
-    samples: dict[Key, list[Sample]] = {name: [] for name in names}
+    samples: dict[Key, list[S]] = {name: [] for name in names}
     for i in range(repeats):
         for name in names if i % 2 == 0 else reversed(names):
             samples[name].append(runs[name]())
@@ -157,8 +158,8 @@ def at_most_figure(
 
 def ratio_figure(
     name: str,
-    ours: list[Sample],
-    theirs: list[Sample],
+    ours: Sequence[Sample],
+    theirs: Sequence[Sample],
     *,
     clock: Clock = "cpu_s",
     work: float | None = None,
@@ -172,13 +173,13 @@ def ratio_figure(
     """
     other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
 
-    def of(samples: list[Sample], which: Clock) -> list[float]:
+    def of(samples: Sequence[Sample], which: Clock) -> list[float]:
         return [getattr(s, which) for s in samples]
 
     def ratios(which: Clock) -> list[float]:
         return [b / a for a, b in zip(of(ours, which), of(theirs, which), strict=True)]
 
-    def value(samples: list[Sample]) -> float:
+    def value(samples: Sequence[Sample]) -> float:
         seconds = statistics.median(of(samples, clock))
         return seconds if work is None else work / seconds / 1e6
 

@@ -87,7 +87,9 @@ class Trial:
         """Record an amount that holds up to a limit; see `amounts.at_most_figure`."""
         self.figures.append(amounts.at_most_figure(name, value, unit, limit, **more))
 
-    def ratio(self, name: str, ours: list[Sample], theirs: list[Sample], **more: Any) -> None:
+    def ratio(
+        self, name: str, ours: Sequence[Sample], theirs: Sequence[Sample], **more: Any
+    ) -> None:
         """Record how many times faster ours is; see `amounts.ratio_figure`."""
         self.figures.append(amounts.ratio_figure(name, ours, theirs, **more))
 

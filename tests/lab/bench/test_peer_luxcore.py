@@ -208,7 +208,7 @@ class Building:
 def test_a_build_is_told_apart_and_not_done_again_for_more_samples():
     case = peer_cases.picture_cases(quick=True)[0]
     trial = Trial()
-    against_peers.compare_pictures(trial, case, {"building": Building(case)}, 4)
+    against_peers.compare_pictures(trial, {"building": Building(case)}, case, 4)
     (figure,) = trial.figures
     assert figure["build_s"] == pytest.approx(figure["baseline"] * 10 / 11)
     assert figure["ratio_without_build"] == pytest.approx(figure["ratio"] / 11, rel=0.01)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import sys
@@ -24,7 +25,7 @@ from viscache_lab.bench.text import text as table
 from viscache_lab.experiment import Trial, amounts
 
 
-class Fake:
+class Fake(contextlib.AbstractContextManager):
     """A peer in this process: our own frames, `factor` times as bright, `slow` times as long."""
 
     about = {"jobs": ["ao", "any_hit", "nearest"], "version": "9"}  # noqa: RUF012
@@ -56,6 +57,9 @@ class Fake:
     def result(self):
         return self.made
 
+    def __exit__(self, *_):
+        pass
+
 
 @pytest.fixture(scope="module")
 def case():
@@ -64,7 +68,7 @@ def case():
 
 def compared(case, **how):
     trial = Trial()
-    against_peers.compare_pictures(trial, case, {"fake": Fake(case, **how)}, 4)
+    against_peers.compare_pictures(trial, {"fake": Fake(case, **how)}, case, 4)
     return trial
 
 
@@ -108,7 +112,7 @@ def test_peers_may_have_another_number_of_samples_to_converge(case):
 
     fake = Counting(case)
     other = dataclasses.replace(case, peer_reference_spp=case.reference_spp + 1)
-    against_peers.compare_pictures(Trial(), other, {"fake": fake}, 2)
+    against_peers.compare_pictures(Trial(), {"fake": fake}, other, 2)
     assert fake.asked == (case.reference_spp + 1, *[case.spp] * 3)
 
 
@@ -116,7 +120,7 @@ def test_a_case_may_go_without_a_peer_by_name(case):
     trial = Trial()
     two = {"slow": Fake(case), "fake": Fake(case)}
     other = dataclasses.replace(case, without={"slow": "hours", "absent": "days"})
-    against_peers.compare_pictures(trial, other, two, 2)
+    against_peers.compare_pictures(trial, two, other, 2)
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
     assert trial.skipped == [{"what": f"{case.name} vs slow", "reason": "hours"}]
 
@@ -133,7 +137,7 @@ def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):
 
     trial = Trial()
     two = {"ending": Ending(case), "fake": Fake(case)}
-    against_peers.compare_pictures(trial, case, two, 4)
+    against_peers.compare_pictures(trial, two, case, 4)
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
     why = "the other program ended with status -6"
     assert trial.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
@@ -149,12 +153,9 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
                 raise peers.PeerError("the other program ended with status -6", "mitsuba")
             return super().run(job)
 
-        def __exit__(self, *_):
-            pass
-
     monkeypatch.setattr(against_peers, "PEERS", {"mitsuba": ("a", ""), "cycles": ("b", "")})
     monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: sys.executable)
-    made = {"mitsuba": EndsLater, "cycles": type("Whole", (Fake,), {"__exit__": lambda *_: None})}
+    made = {"mitsuba": EndsLater, "cycles": Fake}
     monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
     trial = Trial()
     against_peers._with_peers(
@@ -162,7 +163,7 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
         case.name,
         case.scene,
         None,
-        lambda found, able: against_peers.compare_pictures(found, case, able, 4),
+        lambda found, able: against_peers.compare_pictures(found, able, case, 4),
     )
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs cycles"]
     why = "the other program ended with status -6"
@@ -181,7 +182,7 @@ def test_rays_that_are_answered_otherwise_are_refused(how, holds):
     scene = amounts.build_scene("random_triangles?triangles=3000")
     trial = Trial()
     fake = Fake(scene=scene, **how)
-    against_peers.compare_rays(trial, "rays", scene, {"fake": fake}, 4000, 2)
+    against_peers.compare_rays(trial, {"fake": fake}, "rays", scene, 4000, 2)
     assert len(trial.figures) == holds
     assert trial.answers_hold == (holds == 4)
 
@@ -190,7 +191,7 @@ def test_jobs_that_a_peer_does_not_have_are_not_asked(case):
     fake = Fake(case)
     fake.about = {"jobs": []}
     trial = Trial()
-    against_peers.compare_pictures(trial, case, {"fake": fake}, 2)
+    against_peers.compare_pictures(trial, {"fake": fake}, case, 2)
     assert trial.figures == [] and trial.answers_hold
 
 
