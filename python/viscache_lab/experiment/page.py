@@ -42,17 +42,27 @@ def html(summary: Mapping[str, Any]) -> str:
     return document("Figures and tables of the papers", parts)
 
 
-def document(title: str, parts: Iterable[str]) -> str:
-    """A page with a title, which needs no other files."""
+#: A page loads nothing and sends nothing.
+_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+
+
+def document(
+    title: str, parts: Iterable[str], *, style: str = _STYLE, script: str = "", data: str = ""
+) -> str:
+    """A page with a title, which needs no other files; the script finds the JSON in `#data`."""
     lines = [
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width, initial-scale=1'>",
-        f"<title>{title}</title><link rel='icon' href='data:,'><style>{_STYLE}</style></head>",
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
+        f"<title>{title}</title><link rel='icon' href='data:,'><style>{style}</style></head>",
         f"<body><main><h1>{title}</h1>",
         *parts,
-        "</main></body></html>",
+        "</main>",
     ]
-    return "\n".join(lines)
+    if script:
+        lines.append(f'<script id="data" type="application/json">{data}</script>')
+        lines.append(f"<script>\n{script}</script>")
+    return "\n".join([*lines, "</body></html>"])
 
 
 def _head(summary: Mapping[str, Any]) -> str:
