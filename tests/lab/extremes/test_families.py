@@ -15,8 +15,8 @@ import pytest
 
 import viscache as vc
 from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment.checks import Case, checked
 from viscache_lab.extremes import families
-from viscache_lab.extremes.case import Case, checked
 from viscache_lab.extremes.families import float_modes, isa
 
 pytestmark = pytest.mark.extreme

@@ -8,9 +8,8 @@ from functools import cache, partial
 import numpy as np
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import picture
 

@@ -8,9 +8,8 @@ from functools import cache, partial
 from typing import Any
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import DIRECT, SHARED, differing, outside, picture, rel_l1
 
 #: Point and directional lights alone.

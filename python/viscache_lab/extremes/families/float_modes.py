@@ -10,9 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import DIRECT, METHODS, Method, picture
 

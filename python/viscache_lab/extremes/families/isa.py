@@ -12,10 +12,9 @@ from typing import Any
 
 import viscache as vc
 from viscache.base import provenance
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
+from viscache_lab.experiment.children import instruction_sets
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.isas import instruction_sets
 from viscache_lab.extremes.pictures import METHODS, WHITTED, picture
 
 TIMEOUT_S = 100.0

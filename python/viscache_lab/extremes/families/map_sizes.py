@@ -11,9 +11,8 @@ import numpy as np
 
 import viscache as vc
 from viscache.settings.maps import ROWS
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.tables import sky_excess
 from viscache_lab.extremes.pictures import METHODS, SIZE, picture, rel_l1
 

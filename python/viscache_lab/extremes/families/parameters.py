@@ -14,9 +14,8 @@ from viscache.settings.by_name import replaced
 from viscache.settings.maps import ROWS as MAP_ROWS
 from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.rays import BSP_ROWS, FIELD_ROWS
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.tables import sky_excess
 from viscache_lab.extremes.pictures import SHARED, bad_pixels, differing, outside, picture
 

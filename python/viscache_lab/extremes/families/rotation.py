@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.families.scales import RATIO, error_ratio
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, Method, picture, rel_l1

@@ -7,9 +7,8 @@ from functools import partial
 from typing import Any
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, Method, differing, error_of, picture, rel_l1
 

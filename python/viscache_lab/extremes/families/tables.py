@@ -10,9 +10,8 @@ import numpy as np
 
 import viscache as vc
 from viscache.settings.by_name import replaced
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import (
     METHODS,
     SHARED,
