@@ -16,7 +16,7 @@ import pytest
 import viscache as vc
 from viscache_lab.experiment import FAMILIES
 from viscache_lab.experiment.checks import Case, checked
-from viscache_lab.extremes import families
+from viscache_lab.extremes import families, pictures
 from viscache_lab.extremes.families import float_modes, isa
 
 pytestmark = pytest.mark.extreme
@@ -38,7 +38,7 @@ def cases(name: str, every: int) -> Iterator[Case]:
 
 def forget_frames() -> None:
     """Frames that families keep from case to case; those of other processes stay."""
-    for module in MODULES:
+    for module in [*MODULES, pictures]:
         for value in list(vars(module).values()):
             own = getattr(value, "__module__", "") == module.__name__
             if own and hasattr(value, "cache_clear") and value is not TOLD:

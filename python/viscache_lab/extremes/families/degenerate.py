@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache, partial
+from itertools import product
 
 import numpy as np
 
@@ -28,33 +29,40 @@ CHOSEN = (
 )
 
 
+NO_AREA = "no ray hits what has no area"
+COPIES = "equal triangles have equal hits"
+BEHIND = "a ray may start behind the copy, and is dark then"
+NARROW = "no ray meets what is so narrow; one pixel would be 1e-4"
+#: What is added, what of it is measured, and the limit with its reason.
+ROWS = (
+    ("zero-area triangles", "pixels that differ from those without", differing, 0, NO_AREA),
+    ("a line", "pixels that differ from those without", differing, 0, NO_AREA),
+    ("a point", "pixels that differ from those without", differing, 0, NO_AREA),
+    ("needles 1e-10 wide", "rel_l1 against the scene without", rel_l1, 1e-6, NARROW),
+    ("needles 1e-20 wide", "rel_l1 against the scene without", rel_l1, 1e-6, NARROW),
+    ("walls 50 times in one place", "pixels that differ from once", differing, 0, COPIES),
+    ("a copy of each wall 1e-7 away", "pixels that are not finite", None, 0, BEHIND),
+)
+
+
 @FAMILIES.add("degenerate", "triangles without area, needles, coplanar copies")
 def degenerate(full: bool) -> Iterator[Case]:
     methods = METHODS if full else {name: METHODS[name] for name in CHOSEN}
-    for name, method in methods.items():
-        for kind in ("zero-area triangles", "a line", "a point"):
-            yield Case(
-                name=f"{name}, {kind}: pixels that differ from those without",
-                measure=partial(_differing, method, kind),
-                why="no ray hits what has no area",
-            )
-        for kind in ("needles 1e-10 wide", "needles 1e-20 wide"):
-            yield Case(
-                name=f"{name}, {kind}: rel_l1 against the scene without",
-                measure=partial(_change, method, kind),
-                limit=1e-6,
-                why="no ray meets what is so narrow; one pixel would be 1e-4",
-            )
+    for (name, method), (kind, what, measure, limit, why) in product(methods.items(), ROWS):
         yield Case(
-            name=f"{name}, walls 50 times in one place: pixels that differ from once",
-            measure=partial(_differing, method, "50 copies"),
-            why="equal triangles have equal hits",
+            name=f"{name}, {kind}: {what}",
+            measure=partial(_with, kind, method, measure),
+            limit=limit,
+            why=why,
         )
-        yield Case(
-            name=f"{name}, a copy of each wall 1e-7 away: pixels that are not finite",
-            measure=partial(_bad, method),
-            why="a ray may start behind the copy, and is dark then",
-        )
+
+
+def _with(
+    kind: str, method: Method, measure: Callable[[vc.Frame, vc.Frame], float] | None
+) -> float:
+    """A measure of the frame with an addition against that without; by default bad pixels of it."""
+    frame = picture(_scene(kind), method)
+    return measure(frame, picture(_scene(), method)) if measure else bad_pixels(frame)
 
 
 def dust(kind: str) -> list[Arrays]:
@@ -75,7 +83,7 @@ def dust(kind: str) -> list[Arrays]:
         triangles = np.concatenate([ends, third[:, None]], axis=1)
         return [(t, one) for t in triangles]
     copies = [scenes.floor(), scenes.table()]
-    if kind == "50 copies":
+    if kind.startswith("walls"):
         return copies * 49
     return [(places - [0, 1e-7, 0], quads) for places, quads in copies]
 
@@ -84,15 +92,3 @@ def dust(kind: str) -> list[Arrays]:
 def _scene(kind: str = "") -> vc.Scene:
     parts = [scenes.floor(), scenes.table()]
     return scenes.with_parts(*parts, *(dust(kind) if kind else []))
-
-
-def _bad(method: Method) -> float:
-    return bad_pixels(picture(_scene("a copy 1e-7 away"), method))
-
-
-def _differing(method: Method, kind: str) -> float:
-    return differing(picture(_scene(kind), method), picture(_scene(), method))
-
-
-def _change(method: Method, kind: str) -> float:
-    return rel_l1(picture(_scene(kind), method), picture(_scene(), method))

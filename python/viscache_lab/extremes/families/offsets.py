@@ -12,7 +12,7 @@ from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.families.scales import RATIO, REDRAWN, error_ratio
 from viscache_lab.extremes.moved import moved
-from viscache_lab.extremes.pictures import METHODS, Method, picture, rel_l1
+from viscache_lab.extremes.pictures import METHODS, against_unmoved, picture, rel_l1
 
 #: The direction of the offset: no axis, no diagonal.
 AWAY = np.array([1.0, 0.7, -0.4])
@@ -50,14 +50,18 @@ def offsets(full: bool) -> Iterator[Case]:
             if method.maps and k >= 100:
                 limit, why = max(limit, 2e-3), MAP_BITS
             yield Case(
-                name=f"{words}: rel_l1", measure=partial(_change, method, k), limit=limit, why=why
+                name=f"{words}: rel_l1",
+                measure=partial(against_unmoved, rel_l1, method, shift=shift(k)),
+                limit=limit,
+                why=why,
             )
+    far = tuple(shift(FAR).tolist())
     chosen = METHODS if full else ("exact by Embree", "quantized cache", "shadow maps")
     for name in chosen:
         if not METHODS[name].noisy:
             yield Case(
                 name=f"{name}, {FAR:g} sizes from the origin, with origin= there: rel_l1",
-                measure=partial(_at_home, METHODS[name]),
+                measure=partial(against_unmoved, rel_l1, METHODS[name], shift=far, origin=far),
                 limit=2e-3 if METHODS[name].maps else AT_HOME,
                 why=HOME_WHY,
             )
@@ -74,18 +78,6 @@ def shift(sizes: float, scene: vc.Scene | None = None) -> np.ndarray:
     """The offset of so many sizes of a scene, the lit box by default."""
     bounds = (scene or scenes.lit_box()).bounds
     return AWAY * sizes * float(np.ptp(bounds, axis=0).max())
-
-
-def _change(method: Method, sizes: float) -> float:
-    box = scenes.lit_box()
-    return rel_l1(picture(moved(box, shift=shift(sizes)), method), picture(box, method))
-
-
-def _at_home(method: Method) -> float:
-    box = scenes.lit_box()
-    x, y, z = shift(FAR).tolist()
-    far = moved(box, shift=(x, y, z), origin=(x, y, z))
-    return rel_l1(picture(far, method), picture(box, method))
 
 
 def _silent(sizes: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import viscache as vc
@@ -15,9 +15,17 @@ from viscache.settings.maps import ROWS as MAP_ROWS
 from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.rays import BSP_ROWS, FIELD_ROWS
 from viscache_lab.experiment import FAMILIES, Case
-from viscache_lab.extremes import scenes
-from viscache_lab.extremes.families.tables import sky_excess
-from viscache_lab.extremes.pictures import SHARED, bad_pixels, differing, outside, picture
+from viscache_lab.extremes.families.tables import SKY, sky_excess
+from viscache_lab.extremes.pictures import (
+    BETWEEN,
+    BRIGHT,
+    SHARED,
+    bad_pixels,
+    differing,
+    one,
+    outside,
+    two,
+)
 
 #: Address space of the process: a structure that would need more must be refused.
 MOST_BYTES = 6 << 30
@@ -27,9 +35,7 @@ OPEN = 1e12
 ENOUGH_BYTES = 1 << 28
 SIZE = (24, 16)
 
-BETWEEN = "a cache of bits lies between black and the picture without shadows"
 SAME = "a structure of rays finds hits, its parameters only time"
-SKY = "a blend of maps is a share of the sky; its integral over an open sky errs by 5e-4"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,23 +134,11 @@ def _measured(table: Table, name: str, value: Any) -> float:
 def _value(table: Table, settings: Any, approximate: bool) -> float:
     if table.rows is MAP_ROWS:
         return 0.0 if settings.criterion == "ambient" else sky_excess(settings)
-    box = scenes.lit_box()
     if table.rows is AQVC_ROWS:
         given: dict[str, Any] = {"size": SIZE, "integrator": SHARED}
         if settings.paper.storage in ("shared",):
             given["integrator"] = vc.Bdpt(max_depth=3)
-        return outside(picture(box, visibility=settings, **given), _unshadowed(**given))
-    frame = picture(box, rays=settings, size=SIZE)
+        return two(outside, {"visibility": settings}, BRIGHT, **given)
     if approximate:
-        return bad_pixels(frame)
-    return differing(frame, _by(table.settings))
-
-
-@cache
-def _unshadowed(**given: Any) -> vc.Frame:
-    return picture(scenes.lit_box(), visibility=vc.Unoccluded(), **given)
-
-
-@cache
-def _by(rays: Any) -> vc.Frame:
-    return picture(scenes.lit_box(), rays=rays, size=SIZE)
+        return one(bad_pixels, rays=settings, size=SIZE)
+    return two(differing, {"rays": settings}, {"rays": table.settings}, size=SIZE)

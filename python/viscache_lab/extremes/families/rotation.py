@@ -14,7 +14,7 @@ from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.families.scales import RATIO, error_ratio
 from viscache_lab.extremes.moved import moved
-from viscache_lab.extremes.pictures import METHODS, Method, picture, rel_l1
+from viscache_lab.extremes.pictures import METHODS, Method, against_unmoved, rel_l1
 
 
 @FAMILIES.add("rotation", "the same picture after a rotation")
@@ -27,7 +27,7 @@ def rotation(full: bool) -> Iterator[Case]:
             if method.exact and not method.maps:
                 yield Case(
                     name=f"{words}: rel_l1",
-                    measure=partial(_change, method, seed),
+                    measure=partial(against_unmoved, rel_l1, method, rotation=turn(seed)),
                     limit=1e-5,
                     why="coordinates are rounded anew: measured 1e-6 in two scenes, 10 times that",
                 )
@@ -54,8 +54,3 @@ def turn(seed: int) -> npt.NDArray[np.float64]:
     """A rotation (3, 3) without a special direction."""
     q, _ = np.linalg.qr(np.random.default_rng(3 + seed).normal(size=(3, 3)))
     return np.asarray(q * np.sign(np.linalg.det(q)))
-
-
-def _change(method: Method, seed: int) -> float:
-    box = scenes.lit_box()
-    return rel_l1(picture(moved(box, rotation=turn(seed)), method), picture(box, method))

@@ -10,7 +10,14 @@ import viscache as vc
 from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.moved import moved
-from viscache_lab.extremes.pictures import METHODS, Method, differing, error_of, picture, rel_l1
+from viscache_lab.extremes.pictures import (
+    METHODS,
+    Method,
+    against_unmoved,
+    differing,
+    error_of,
+    rel_l1,
+)
 
 #: Errors of two grids or of two draws, means of three seeds: measured 0.5 … 1.4.
 RATIO = (0.4, 2.0)
@@ -26,7 +33,7 @@ def scales(full: bool) -> Iterator[Case]:
             for power in (20, -20):
                 yield Case(
                     name=f"{name}, 2^{power} times as large: pixels that differ",
-                    measure=partial(_differing, method, 2.0**power),
+                    measure=partial(against_unmoved, differing, method, scale=2.0**power),
                     why=EXACT,
                 )
     factors = (1e6, 1e-6, 1e3, 1e-3, 0.37, 2e5, 3e-5) if full else (1e6, 1e-6)
@@ -43,7 +50,7 @@ def scales(full: bool) -> Iterator[Case]:
             else:
                 yield Case(
                     name=f"{words}: rel_l1",
-                    measure=partial(_change, method, factor),
+                    measure=partial(against_unmoved, rel_l1, method, scale=factor),
                     limit=5e-6,
                     why=ROUNDED,
                 )
@@ -57,16 +64,6 @@ def scales(full: bool) -> Iterator[Case]:
 
 def _silent(scale: float) -> float:
     return float(not moved(scenes.lit_box(), scale=scale).warnings)
-
-
-def _differing(method: Method, scale: float) -> float:
-    box = scenes.lit_box()
-    return differing(picture(moved(box, scale=scale), method), picture(box, method))
-
-
-def _change(method: Method, scale: float) -> float:
-    box = scenes.lit_box()
-    return rel_l1(picture(moved(box, scale=scale), method), picture(box, method))
 
 
 def error_ratio(

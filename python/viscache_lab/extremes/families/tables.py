@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,18 +13,21 @@ from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.pictures import (
+    BETWEEN,
+    BRIGHT,
     METHODS,
     SHARED,
     WHITTED,
     bad_pixels,
     differing,
+    lit,
+    one,
     outside,
     picture,
+    two,
 )
 
-BETWEEN = "a cache of bits lies between black and the picture without shadows"
-SAME = "the structure finds hits, its size only time"
-BDPT = vc.Bdpt(max_depth=4)
+SKY = "a blend of maps is a share of the sky; its integral over an open sky errs by 5e-4"
 
 
 @FAMILIES.add("tables", "tables of one slot, maps of one record, one voxel, one texel")
@@ -36,28 +39,36 @@ def tables(full: bool) -> Iterator[Case]:
 
     yield Case(
         name="a table of one slot, vanishing cells: pixels that differ from exact ones",
-        measure=partial(_vanishing, quantized(1e-3, pairs, table_bytes=4)),
+        measure=partial(
+            two,
+            differing,
+            {"visibility": quantized(1e-3, pairs, table_bytes=4)},
+            integrator=SHARED,
+        ),
         why="a slot holds the last key, and no two keys are equal",
     )
-    small: dict[str, Any] = {
-        "a table of one slot": quantized(8, pairs, table_bytes=4),
-        "digests of one bit": quantized(8, {**pairs, "digest_bits": 1}),
-        "one slot, digests of one bit": quantized(8, {**pairs, "digest_bits": 1}, table_bytes=4),
-        "rows without room": quantized(8, {}, table_bytes=4),
-        "shadow maps of one texel": vc.ShadowMap(resolution=1),
+    lights = {"direct": {}, "virtual lights": {"integrator": WHITTED}}
+    small: dict[str, tuple[Any, dict[str, dict[str, Any]]]] = {
+        "a table of one slot": (quantized(8, pairs, table_bytes=4), lights),
+        "digests of one bit": (quantized(8, {**pairs, "digest_bits": 1}), lights),
+        "one slot, digests of one bit": (
+            quantized(8, {**pairs, "digest_bits": 1}, table_bytes=4),
+            lights,
+        ),
+        "rows without room": (quantized(8, {}, table_bytes=4), lights),
+        "shadow maps of one texel": (vc.ShadowMap(resolution=1), lights),
+        "one slot for all connections of Bdpt": (
+            vc.Aqvc(c_e=8, table_bytes=4),
+            {"": {"integrator": vc.Bdpt(max_depth=4)}},
+        ),
     }
-    for name, visibility in small.items():
-        for way, integrator in {"direct": None, "virtual lights": WHITTED}.items():
+    for name, (visibility, ways) in small.items():
+        for way, light in ways.items():
             yield Case(
-                name=f"{name}, {way}: pixels not between black and unshadowed",
-                measure=partial(_outside, visibility, integrator),
+                name=f"{name}{', ' if way else ''}{way}: pixels not between black and unshadowed",
+                measure=partial(two, outside, {"visibility": visibility}, BRIGHT, **light),
                 why=BETWEEN,
             )
-    yield Case(
-        name="one slot for all connections of Bdpt: pixels not between black and unshadowed",
-        measure=partial(_outside, vc.Aqvc(c_e=8, table_bytes=4), BDPT),
-        why=BETWEEN,
-    )
     yield Case(
         name="one slot kept over frames: pixels not between black and unshadowed",
         measure=_kept,
@@ -71,8 +82,8 @@ def tables(full: bool) -> Iterator[Case]:
     }.items():
         yield Case(
             name=f"{name}: pixels that differ from a BSP's",
-            measure=partial(_unlike_bsp, rays),
-            why=SAME,
+            measure=partial(two, differing, {"rays": rays}, {"rays": vc.Bsp()}),
+            why="the structure finds hits, its size only time",
         )
     for name, nee in {
         "one voxel": vc.NeePlusPlus(n_voxels=1),
@@ -81,7 +92,7 @@ def tables(full: bool) -> Iterator[Case]:
     }.items():
         yield Case(
             name=f"NEE++, {name}: pixels that are negative or not finite",
-            measure=partial(_bad, nee),
+            measure=partial(one, bad_pixels, integrator=WHITTED, visibility=nee),
             why="weights are at most 1 / min_probability",
         )
         yield Case(
@@ -99,40 +110,14 @@ def tables(full: bool) -> Iterator[Case]:
             name=f"maps, {name}: light above what the open sky brings",
             measure=partial(sky_excess, replaced(vc.VisMaps(), values, "visibility")),
             limit=1e-3,
-            why="a blend of maps is a share of the sky; its integral over an open sky errs by 5e-4",
+            why=SKY,
         )
-
-
-def _lit(integrator: Any, **given: Any) -> vc.Frame:
-    """The lit box; the integrator of `picture` by default."""
-    return picture(scenes.lit_box(), **given, **({"integrator": integrator} if integrator else {}))
-
-
-@cache
-def _unshadowed(integrator: Any) -> vc.Frame:
-    return _lit(integrator, visibility=vc.Unoccluded())
-
-
-def _vanishing(visibility: Any) -> float:
-    return differing(_lit(SHARED, visibility=visibility), _lit(SHARED))
-
-
-def _outside(visibility: Any, integrator: Any) -> float:
-    return outside(_lit(integrator, visibility=visibility), _unshadowed(integrator))
-
-
-def _unlike_bsp(rays: Any) -> float:
-    return differing(_lit(None, rays=rays), _lit(None, rays=vc.Bsp()))
-
-
-def _bad(nee: vc.NeePlusPlus) -> float:
-    return bad_pixels(_lit(WHITTED, visibility=nee))
 
 
 def _energy(nee: vc.NeePlusPlus) -> float:
     """How far the energy of corrected frames is from that of exact ones."""
     found, exact = (
-        sum(_lit(WHITTED, seed=s, **how).image.astype(float).sum() for s in range(3))
+        sum(lit(integrator=WHITTED, seed=s, **how).image.astype(float).sum() for s in range(3))
         for how in ({"visibility": nee, "use": "correct"}, {})
     )
     return float(abs(found / exact - 1))
@@ -148,10 +133,6 @@ def sky_excess(visibility: vc.VisMaps) -> float:
 
 def _kept() -> float:
     table = vc.AqvcTable(table_bytes=4)
-    cache_ = vc.Aqvc(c_e=8, exact_groups=())
-    found = 0.0
-    for seed in (1, 2):
-        frame = picture(scenes.lit_box(), visibility=cache_, keep=table, seed=seed)
-        bright = picture(scenes.lit_box(), visibility=vc.Unoccluded(), seed=seed)
-        found += outside(frame, bright)
-    return found
+    cached = vc.Aqvc(c_e=8, exact_groups=())
+    frames = [picture(scenes.lit_box(), visibility=cached, keep=table, seed=s) for s in (1, 2)]
+    return sum(outside(f, lit(seed=s, **BRIGHT)) for s, f in enumerate(frames, 1))

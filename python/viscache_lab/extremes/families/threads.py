@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -24,45 +24,36 @@ def threads(full: bool) -> Iterator[Case]:
         size = (160, 100) if full else (100, 60)
         yield Case(
             name=f"{name}: frames whose bytes differ",
-            measure=partial(_differing, method, (48, 32) if method.maps else size),
+            measure=partial(_frames, method, size=(48, 32) if method.maps else size),
             why=WHY,
         )
-    yield Case(name="bidirectional paths: frames whose bytes differ", measure=_paths, why=WHY)
-    yield Case(name="correlation: tables that differ", measure=_correlation, why=WHY)
-    yield Case(name="records of maps: caches that differ", measure=_records, why=WHY)
+    paths = {"integrator": vc.Bdpt(max_depth=3), "visibility": vc.Aqvc(c_e=6)}
+    for what, measure in {
+        "bidirectional paths: frames whose bytes differ": partial(_frames, None, **paths),
+        "correlation: tables that differ": partial(_others, _correlation),
+        "records of maps: caches that differ": partial(_others, _records),
+    }.items():
+        yield Case(name=what, measure=measure, why=WHY)
 
 
-def _differing(method: Method, size: tuple[int, int]) -> float:
-    return unequal([picture(scenes.lit_box(), method, size=size, threads=t) for t in COUNTS])
+def _frames(method: Method | None, **given: Any) -> float:
+    return unequal([picture(scenes.lit_box(), method, threads=t, **given) for t in COUNTS])
 
 
-def _paths() -> float:
-    given: dict[str, Any] = {"integrator": vc.Bdpt(max_depth=3), "visibility": vc.Aqvc(c_e=6)}
-    return unequal([picture(scenes.lit_box(), threads=t, **given) for t in COUNTS])
+def _others(answers: Callable[[int], bytes]) -> float:
+    """How many numbers of threads give other bytes than one."""
+    first, *others = map(answers, COUNTS)
+    return float(sum(other != first for other in others))
 
 
-def _correlation() -> float:
-    tables = [
-        vc.correlation.measure(
-            scenes.lit_box(), n_points=400, map_size=16, pairs="all", seed=3, threads=t
-        )
-        for t in COUNTS
-    ]
-    return float(sum(not t["mean"].equals(tables[0]["mean"]) for t in tables[1:]))
+def _correlation(threads: int) -> bytes:
+    given: dict[str, Any] = {"n_points": 400, "map_size": 16, "pairs": "all", "seed": 3}
+    table = vc.correlation.measure(scenes.lit_box(), threads=threads, **given)
+    return np.asarray(table["mean"]).tobytes()
 
 
-def _records() -> float:
-    made = []
-    for t in COUNTS:
-        cache = vc.VisibilityMapCache(scenes.lit_box(), vc.MapSettings(n_startup=50))
-        cache.update(size=(48, 32), threads=t)
-        made.append(cache.records())
-    return float(
-        sum(
-            not (
-                np.array_equal(r.bits, made[0].bits)
-                and np.array_equal(r.positions, made[0].positions)
-            )
-            for r in made[1:]
-        )
-    )
+def _records(threads: int) -> bytes:
+    cache = vc.VisibilityMapCache(scenes.lit_box(), vc.MapSettings(n_startup=50))
+    cache.update(size=(48, 32), threads=threads)
+    made = cache.records()
+    return made.bits.tobytes() + made.positions.tobytes()
