@@ -142,6 +142,8 @@ BENCHES = Registry(
     gone={
         "frames": "viscache bench peers --only 'AO*', and --only '*point lights*'",
         "memory": "viscache bench loading",
+        "oracle": "viscache bench aqvc-lookup for queries, and bench which-cache for Python",
+        "tune": "vc.tune, whose result has the error, its interval and the pilots",
         "notebook-slider": "the milliseconds of vc.notebook.sliders",
         "shafts-elsewhere": "viscache bench shafts",
         "watertight": "viscache bench rays, and viscache doctor --only leaks",

@@ -9,7 +9,7 @@ from typing import Any
 
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.families.cell_sizes import FORMS
-from viscache_lab.extremes.families.offsets import shift
+from viscache_lab.extremes.families.moves import shift
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, SHARED, Method, lit, picture, rel_l1, two
 

@@ -28,7 +28,6 @@ SMALL = (
     "skies",
     "meter",
     "threads",
-    "oracle",
     "loading",
     "correlation",
     "vlf-build",
@@ -36,7 +35,6 @@ SMALL = (
     "aligned",
     "vismap-variance",
     "sweep",
-    "tune",
     "parity",
     "peers",
 )

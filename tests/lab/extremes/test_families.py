@@ -198,7 +198,7 @@ def test_every_check_fails_when_something_is_broken(
 
 
 def test_families_have_names_and_cases_of_their_own() -> None:
-    assert len(FAMILIES) == len(MODULES)
+    assert len(FAMILIES) >= len(MODULES)
     for name, family in FAMILIES.items():
         assert name.isidentifier() and family.description
         names = [case.name for case in family.function(False)]

@@ -26,42 +26,37 @@ def textured(kind: str, inside: str, *, to_uv: str = "") -> str:
     return f'<bsdf type="diffuse">{texture}</bsdf>'
 
 
-def _pictures() -> Iterator[tuple[str, str]]:
-    for kind, raw in product(PICTURES, (False, True)):
-        values = property_tags({"filename": PICTURES[kind], "raw": raw})
-        yield f"bitmap-{kind}-{'raw' if raw else 'srgb'}", textured("bitmap", values)
+def _textures() -> Iterator[tuple[str, str]]:
+    png = PICTURES["png"]
+    rows: list[tuple[str, dict[str, object], str]] = [
+        (f"{kind}-{'raw' if raw else 'srgb'}", {"filename": PICTURES[kind], "raw": raw}, "")
+        for kind, raw in product(PICTURES, (False, True))
+    ]
     for file in (GREY, ALPHA, DEEP, PALETTE):
-        name = file.partition(".")[0]
-        yield f"bitmap-{name}", textured("bitmap", property_tags({"filename": file}))
-    nearest = property_tags({"filename": PICTURES["png"], "filter_type": "nearest"})
-    yield "bitmap-nearest", textured("bitmap", nearest)
-    for wrap, uv in product(("repeat", "mirror", "clamp"), TO_UV):
-        values = property_tags({"filename": PICTURES["png"], "wrap_mode": wrap})
-        yield f"bitmap-{wrap}-{uv}", textured("bitmap", values, to_uv=TO_UV[uv])
-
-
-def _checkerboards() -> Iterator[tuple[str, str]]:
+        rows.append((file.partition(".")[0], {"filename": file}, ""))
+    rows.append(("nearest", {"filename": png, "filter_type": "nearest"}, ""))
+    for wrap, (name, to_uv) in product(("repeat", "mirror", "clamp"), TO_UV.items()):
+        rows.append((f"{wrap}-{name}", {"filename": png, "wrap_mode": wrap}, to_uv))
+    for name, values, to_uv in rows:
+        yield f"bitmap-{name}", textured("bitmap", property_tags(values), to_uv=to_uv)
     yield "checkerboard-default", textured("checkerboard", "")
     colours = property_tags({"color0": (0.9, 0.2, 0.1), "color1": (0.1, 0.3, 0.8)})
-    yield "checkerboard-colours", textured("checkerboard", colours)
-    for name, to_uv in TO_UV.items():
+    for name, to_uv in {"colours": "", **TO_UV}.items():
         yield f"checkerboard-{name}", textured("checkerboard", colours, to_uv=to_uv)
 
 
 def texture_cases() -> Iterator[Case]:
     """The cases."""
     quick = {"bitmap-jpeg-srgb", "bitmap-exr-raw", "bitmap-mirror-mixed", "checkerboard-scaled"}
-    for maker in (_pictures, _checkerboards):
-        for name, material in maker():
-            floor = shape("rectangle", '<scale value="2.5"/><rotate x="1" angle="-90"/>', material)
-            yield Case(
-                name=f"texture/{name}",
-                body=floor,
-                camera=ABOVE,
-                stage="",
-                lights=SKY,
-                quick=name in quick,
-            )
+    for name, material in _textures():
+        yield Case(
+            name=f"texture/{name}",
+            body=shape("rectangle", '<scale value="2.5"/><rotate x="1" angle="-90"/>', material),
+            camera=ABOVE,
+            stage="",
+            lights=SKY,
+            quick=name in quick,
+        )
     yield from _on_shapes()
 
 

@@ -1,10 +1,11 @@
-"""Triangles without area, needles, coplanar copies: what has no area has no effect."""
+"""What has no area has no effect; scenes without triangles; scenes that no camera sees."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache, partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -92,3 +93,51 @@ def dust(kind: str) -> list[Arrays]:
 def _scene(kind: str = "") -> vc.Scene:
     parts = [scenes.floor(), scenes.table()]
     return scenes.with_parts(*parts, *(dust(kind) if kind else []))
+
+
+CASTERS: dict[str, Any] = {
+    "Embree": vc.Embree(),
+    "BSP": vc.Bsp(),
+    "the field": vc.Vlf(n_directions=33, n_tiles=8),
+}
+
+
+@FAMILIES.add("empty", "scenes without triangles, and triangles behind the camera")
+def empty(full: bool) -> Iterator[Case]:
+    for name, rays in CASTERS.items():
+        yield Case(
+            name=f"{name}, no triangles: rays that hit, segments that are blocked",
+            measure=partial(_hits, rays),
+            why="there is nothing to hit",
+        )
+    for name, method in METHODS.items():
+        for kind in ("no triangles", "triangles behind the camera"):
+            yield Case(
+                name=f"{name}, {kind}: pixels that are not the sky",
+                measure=partial(_not_sky, method, kind),
+                why="every ray of the camera leaves",
+            )
+    yield Case(
+        name="no triangles: scenes without a warning",
+        measure=lambda: float(not _unseen("no triangles").warnings),
+        why="an empty scene is most often a mistake",
+    )
+
+
+def _unseen(kind: str) -> vc.Scene:
+    parts = [] if kind == "no triangles" else [scenes.floor(1.0), scenes.table()]
+    away = ((0.0, 9.0, 0.0), (0.0, 10.0, 0.1), 40.0)
+    return scenes.with_parts(*parts, camera=away)
+
+
+def _hits(rays: Any) -> float:
+    scene, rng = _unseen("no triangles"), np.random.default_rng(1)
+    x, y = rng.normal(size=(2, 100, 3))
+    hit = np.isfinite(scene.intersect(x, y, rays=rays, threads=1).t)
+    shadow = scene.occluded(x, y, rays=rays, threads=1)
+    return float(hit.sum() + shadow.sum() + (~scene.visible(x, y, rays=rays, threads=1)).sum())
+
+
+def _not_sky(method: Method, kind: str) -> float:
+    frame = picture(_unseen(kind), method, **{"env": (0.25, 0.5, 1.0)})
+    return float((np.abs(frame.image - np.array([0.25, 0.5, 1.0])) > 1e-6).any(axis=-1).sum())
