@@ -19,8 +19,16 @@ import viscache as vc
 from viscache.metrics import compare
 from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.peer_cases import PictureCase, Way, picture_cases
-from viscache_lab.bench.peer_environments import default_folder, interpreter
-from viscache_lab.bench.peers import PEERS, Peer, PeerError, blocked, missing_scene, time_of
+from viscache_lab.bench.peers import (
+    PEERS,
+    Peer,
+    PeerError,
+    blocked,
+    default_folder,
+    interpreter,
+    missing_scene,
+    time_of,
+)
 from viscache_lab.bench.ray_sets import make_ray_set
 from viscache_lab.bench.rays import EDGE_TOLERANCE
 from viscache_lab.experiment import BENCHES, Trial
@@ -49,7 +57,7 @@ AGREEMENT = 0.01
 def against_peers(trial: Trial) -> None:
     """Every case against every peer that there is; the others are skipped by name.
 
-    Options: `environments`, the folder of `peer_environments.make_environments` (a peer without
+    Options: `environments`, the folder of `peers.make_environments` (a peer without
     environment is looked for beside this package), and `only`, a pattern of file names for the
     names of cases.
     """

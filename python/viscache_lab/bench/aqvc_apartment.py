@@ -10,7 +10,7 @@ from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
 from viscache_lab.bench.aqvc_frame import STAGES
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import ratio_figure, turns, unbuilt_clock, visibility_clock
+from viscache_lab.experiment.amounts import turns, unbuilt_clock, visibility_clock
 
 GOAL = 6.0
 REL_L1_GOAL = 0.015
@@ -80,7 +80,7 @@ def measure(trial: Trial, scene: vc.Scene, sky: Sky) -> None:
         }
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
         goal = GOAL if key == "rows" and sky == "mis" and not trial.quick else None
-        row = ratio_figure(
+        row = trial.ratio(
             f"apartment, {name}, {key} whole-frame vs exact",
             samples[key],
             samples["exact"],
@@ -93,7 +93,6 @@ def measure(trial: Trial, scene: vc.Scene, sky: Sky) -> None:
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        trial.figures.append(row)
         trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
 
 

@@ -9,7 +9,7 @@ import viscache as vc
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, ratio_figure, turns, unbuilt_clock
+from viscache_lab.experiment.amounts import Sample, turns, unbuilt_clock
 
 ROOM = "room?triangles=200000"
 STAGES = ("eye_paths", "contributions", "visibility", "shading")
@@ -128,7 +128,7 @@ def aqvc_frame(trial: Trial, case: Case, scene: vc.Scene) -> None:
             continue
         pairs = min(len(samples[key]), len(samples[base]))
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
-        row = ratio_figure(
+        row = trial.ratio(
             f"{prefix}{case.name} whole-frame vs {base}",
             samples[key][:pairs],
             samples[base][:pairs],
@@ -139,7 +139,6 @@ def aqvc_frame(trial: Trial, case: Case, scene: vc.Scene) -> None:
         )
         if row["goal"] is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        trial.figures.append(row)
         trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
     for key in ("packets", "exact-by-pixel"):
         if key in frames:

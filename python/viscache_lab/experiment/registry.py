@@ -140,6 +140,7 @@ BENCHES = Registry(
     "bench",
     "viscache_lab.bench",
     gone={
+        "aligned": "scripts/aligned_costs.py",
         "frames": "viscache bench peers --only 'AO*', and --only '*point lights*'",
         "memory": "viscache bench loading",
         "oracle": "viscache bench aqvc-lookup for queries, and bench which-cache for Python",

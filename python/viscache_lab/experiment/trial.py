@@ -89,9 +89,10 @@ class Trial:
 
     def ratio(
         self, name: str, ours: Sequence[Sample], theirs: Sequence[Sample], **more: Any
-    ) -> None:
-        """Record how many times faster ours is; see `amounts.ratio_figure`."""
+    ) -> dict[str, Any]:
+        """Record how many times faster ours is, and give the row; see `amounts.ratio_figure`."""
         self.figures.append(amounts.ratio_figure(name, ours, theirs, **more))
+        return self.figures[-1]
 
     def check(self, what: str, value: float, limit: float) -> None:
         """Record a check that holds if value <= limit."""

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.families.cell_sizes import FORMS
+from viscache_lab.extremes.families.cells import FORMS
 from viscache_lab.extremes.families.moves import shift
 from viscache_lab.extremes.moved import moved
 from viscache_lab.extremes.pictures import METHODS, SHARED, Method, lit, picture, rel_l1, two

@@ -32,7 +32,6 @@ SMALL = (
     "correlation",
     "vlf-build",
     "vlf-ao",
-    "aligned",
     "vismap-variance",
     "sweep",
     "parity",

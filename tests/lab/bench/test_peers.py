@@ -16,7 +16,6 @@ from viscache_lab import bench
 from viscache_lab.bench import (
     against_peers,
     peer_cases,
-    peer_environments,
     peer_page,
     peers,
 )
@@ -206,24 +205,24 @@ def test_ratios_have_the_interval_of_their_logarithms():
 
 
 def test_interpreters_are_those_of_the_folder_or_this_one(tmp_path, monkeypatch):
-    assert str(peer_environments.interpreter("numpy", tmp_path)) == sys.executable
-    assert peer_environments.interpreter("no_such_package", tmp_path) is None
+    assert str(peers.interpreter("numpy", tmp_path)) == sys.executable
+    assert peers.interpreter("no_such_package", tmp_path) is None
     own = tmp_path / "no_such_package" / "bin" / "python"
     own.parent.mkdir(parents=True)
     own.touch()
-    assert peer_environments.interpreter("no_such_package", tmp_path) == own
+    assert peers.interpreter("no_such_package", tmp_path) == own
 
 
 def test_the_default_folder_is_among_the_users_caches(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert peer_environments.default_folder() == tmp_path / "viscache" / "peers"
+    assert peers.default_folder() == tmp_path / "viscache" / "peers"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert peer_environments.default_folder() == tmp_path / ".cache" / "viscache" / "peers"
+    assert peers.default_folder() == tmp_path / ".cache" / "viscache" / "peers"
 
 
 def test_environments_that_cannot_be_made_say_why(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(peer_environments, "PACKAGES", {"x": ("x",)})
+    monkeypatch.setattr(peers, "PACKAGES", {"x": ("x",)})
     (tmp_path / "x").write_text("in the way")
     status = cli.main(["bench", "peers", "--make-environments", "--environments", str(tmp_path)])
     said = capsys.readouterr().out
@@ -308,7 +307,7 @@ def test_pages_show_figures_and_what_was_left_out(tmp_path):
 @pytest.mark.parametrize("name", list(peers.PEERS))
 def test_real_peers_agree_in_every_case(name, monkeypatch):
     package = peers.PEERS[name][0]
-    if peer_environments.interpreter(package, peer_environments.default_folder()) is None:
+    if peers.interpreter(package, peers.default_folder()) is None:
         pytest.skip(f"{package} is not installed")
     monkeypatch.setattr(against_peers, "PEERS", {name: peers.PEERS[name]})
     trial = Trial(quick=True)
