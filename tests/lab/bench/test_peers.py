@@ -25,13 +25,16 @@ from viscache_lab.experiment import Trial, amounts
 
 
 class Fake(contextlib.AbstractContextManager):
-    """A peer in this process: our own frames, `factor` times as bright, `slow` times as long."""
+    """A peer in this process: our own frames, `factor` times as bright, `slow` times as long.
+
+    `built` times a frame's time of that is a build.
+    """
 
     about = {"jobs": ["ao", "any_hit", "nearest"], "version": "9"}  # noqa: RUF012
 
-    def __init__(self, case=None, scene=None, *, factor=1.0, slow=3.0, flip=0.0):
+    def __init__(self, case=None, scene=None, *, factor=1.0, slow=3.0, flip=0.0, built=0.0):
         self.case, self.scene = case, scene
-        self.factor, self.slow, self.flip = factor, slow, flip
+        self.factor, self.slow, self.flip, self.built = factor, slow, flip, built
 
     def give(self, **arrays):
         self.given = arrays
@@ -51,7 +54,8 @@ class Fake(contextlib.AbstractContextManager):
                 t = self.scene.intersect(origins, directions).t
                 self.made = {"t": self.factor * t}
             cpu = 1e-3
-        return amounts.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), {}
+        report = {"build_cpu_s": self.built * cpu} if self.built else {}
+        return amounts.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), report
 
     def result(self):
         return self.made
@@ -79,6 +83,16 @@ def test_a_peer_that_agrees_has_a_figure_with_an_interval(case):
     assert figure["equal_error_low"] < figure["equal_error"] < figure["equal_error_high"]
     # The same renderer with other seeds
     assert figure["relative_rmse"] == pytest.approx(figure["baseline_relative_rmse"], rel=0.1)
+
+
+def test_a_build_is_told_apart_and_not_done_again_for_more_samples(case):
+    (figure,) = compared(case, slow=11.0, built=10.0).figures
+    assert figure["build_s"] == pytest.approx(figure["baseline"] * 10 / 11)
+    assert figure["ratio_without_build"] == pytest.approx(figure["ratio"] / 11, rel=0.01)
+    # The same renderer: a share of eleven follows the errors, and the errors differ by chance
+    rest = figure["equal_error_without_build"]
+    assert figure["equal_error_low"] <= figure["equal_error"] <= figure["equal_error_high"]
+    assert 10 * rest / 2 < figure["equal_error"] < 2 * 11 * rest
 
 
 def test_a_cache_takes_turns_with_its_error(case):
