@@ -1,19 +1,64 @@
-"""`viscache bench vlf-build`: building the visibility field, and its single rays against Embree."""
+"""`viscache bench vlf-build`: fields built, their single rays against Embree, and moved objects."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache.vlf.dynamic import DynamicField
 from viscache_lab.bench.ray_sets import RaySet, make_ray_set
-from viscache_lab.bench.vlf_update import QUICK_UPDATED, UPDATED, compare_updates
+from viscache_lab.cases.beams import chords
+from viscache_lab.cases.moving_object import STOPS, ball, with_object
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import timed, turns
+
+UPDATED, QUICK_UPDATED = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
+MOVED = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
+QUICK_MOVED = vc.Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+#: Triangles of the object that moves.
+SIZES, QUICK_SIZES = (100, 1000, 10_000), (100,)
+CHORDS, QUICK_CHORDS = 20_000, 2000
+REPEATS = 2
+#: Allowed share of rays whose nearest hit differs from that of the rebuilt field.
+DIFFERING = 1e-4
+
+
+def compare_updates(trial: Trial, scene: vc.Scene) -> None:
+    """CPU seconds of an update, in both modes, and of a field built with the object in place."""
+    settings, sizes = (QUICK_MOVED, QUICK_SIZES) if trial.quick else (MOVED, SIZES)
+    beams = chords(scene, QUICK_CHORDS if trial.quick else CHORDS)
+    modes: tuple[Literal["overlay", "in_place"], ...] = ("overlay", "in_place")
+    for mode in modes:
+        field = DynamicField(scene, settings, mode=mode)
+        for size in sizes:
+            vertices, triangles = ball(size, (0.0, 0.5, 0.0))
+            number = field.insert(vertices, triangles)
+            moved = with_object(scene, vertices + np.array(STOPS[REPEATS - 1]), triangles)
+            stops = iter(STOPS)
+            runs: dict[str, Callable[[], Any]] = {
+                "update": partial(_move, field, number, stops),
+                "rebuild": partial(settings.build, moved),
+            }
+            samples, built = turns(runs, REPEATS, warm_up=False)
+            label = f"field of {scene.triangles} triangles, {mode}, {len(triangles)} moved"
+            trial.ratio(f"{label} vs rebuild", samples["update"], samples["rebuild"])
+            found = field.intersect(beams.origins, beams.directions).t
+            expected = built["rebuild"].intersect(beams.origins, beams.directions)[0]
+            differ = float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0)))
+            trial.check(f"{label}: share unlike the field built anew", differ, DIFFERING)
+            field.delete(number)
+
+
+def _move(field: DynamicField, number: int, stops: Iterator[tuple[float, float, float]]) -> None:
+    matrix = np.eye(4)
+    matrix[:3, 3] = next(stops)
+    field.transform(number, matrix)
+
 
 SCENES = (
     "random_triangles?triangles=10000&edge_factor=1",
