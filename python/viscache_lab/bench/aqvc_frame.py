@@ -42,12 +42,7 @@ class Case:
 
 
 CASES = (
-    Case(
-        size=(1024, 1024),
-        goal=5,
-        with_slow=True,
-        tuned=vc.Aqvc(preset="fast", c_e=12),
-    ),
+    Case(size=(1024, 1024), goal=5, with_slow=True, tuned=vc.Aqvc(preset="fast", c_e=12)),
     Case(
         size=(512, 512),
         spp=16,

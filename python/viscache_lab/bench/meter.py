@@ -153,13 +153,14 @@ def _coverage(
 
 def queries(trial: Trial, scene: vc.Scene, seeds: int) -> None:
     """Coverage of the bias and of the share of wrong answers."""
-    size = (96, 64)
     lights = vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
+    shot = vc.Shot(scene, lights, visibility=ALL, size=(96, 64))
     for share in (0.01, 0.05):
         held, shown = {"bias": 0, "wrong": 0}, {"bias": 0, "wrong": 0}
         for seed in range(seeds):
             one, all_ = (
-                _audited(scene, lights, size, seed, vc.AuditQueries(share=s)) for s in (share, 1.0)
+                shot.with_(seed=seed).render(audit=vc.AuditQueries(share=s)).audit
+                for s in (share, 1.0)
             )
             for name in held:
                 found, truth = getattr(one, name), getattr(all_, name).value
@@ -170,10 +171,6 @@ def queries(trial: Trial, scene: vc.Scene, seeds: int) -> None:
             value = held[name] / max(1, shown[name])
             trial.figure(what, value, "", shown=shown[name] / seeds)
             _check(trial, what, value, _coverage_of_few(seeds))
-
-
-def _audited(scene: Any, lights: vc.Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
-    return vc.render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
 
 
 def cost(

@@ -13,15 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from viscache_lab.bench.peer_protocol import (
-    Fields,
-    Pictures,
-    cores,
-    from_below,
-    quiet,
-    serve,
-    z_up,
-)
+from viscache_lab.bench.peer_protocol import Fields, Pictures, cores, from_below, quiet, serve, z_up
 
 
 def main() -> None:

@@ -160,12 +160,7 @@ class MitsubaKernels:
 
         return {"image": self._frame(given, fields, shade)}
 
-    def _frame(
-        self,
-        given: Fields,
-        fields: Fields,
-        shade: Callable[[Any, Any, Any], Any],
-    ) -> Any:
+    def _frame(self, given: Fields, fields: Fields, shade: Callable[[Any, Any, Any], Any]) -> Any:
         """Means of the pixels (side, side); `camera` (4, 3) is origin, forward, right, up."""
         mi, dr = self._mi, self._dr
         side, spp = int(fields["side"]), int(fields["spp"])

@@ -15,7 +15,7 @@ from viscache_lab.bench.ray_sets import RaySet, make_ray_set
 from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import timed, turns
+from viscache_lab.experiment.amounts import fastest, turns
 
 UPDATED, QUICK_UPDATED = "bumpy_spheres?triangles=100000", "bumpy_spheres?triangles=3000"
 MOVED = vc.Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=4 << 30)
@@ -122,9 +122,10 @@ def _compare_builds(trial: Trial, scene: vc.Scene, settings: vc.Vlf) -> None:
 
 def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any) -> None:
     caster = scene.caster()
-    trees = QUICK_TREES if trial.quick else TREES
-    bsp = min((t.build(scene) for t in trees), key=lambda tree: _trial(tree, r))
     rays = (r.origins, r.directions)
+    some = [a[:10_000] for a in rays]
+    trees: list[Any] = [t.build(scene) for t in (QUICK_TREES if trial.quick else TREES)]
+    bsp = fastest({tree: partial(tree.intersect, *some, 1) for tree in trees})
     jobs: dict[str, dict[str, Callable[[], npt.NDArray[Any]]]] = {
         "any-hit": {
             "embree": lambda: caster.bare_occluded(*rays, np.inf, 1, threads=1),
@@ -156,13 +157,6 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any) -> None:
                             for a in (answers[name], answers["embree"]))  # fmt: skip
             differing = float(np.mean(found != truth))
             trial.check(f"{label}: share unlike embree", differing, EDGE_TOLERANCE)
-
-
-def _trial(tree: Any, r: RaySet) -> float:
-    """CPU seconds of some of the rays."""
-    n = min(len(r), 10_000)
-    origins, directions = r.origins[:n], r.directions[:n]
-    return min(timed(lambda: tree.intersect(origins, directions, 1))[0].cpu_s for _ in range(2))
 
 
 def _label(scene: vc.Scene) -> str:

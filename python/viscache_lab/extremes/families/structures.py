@@ -50,10 +50,7 @@ def tables(full: bool) -> Iterator[Case]:
     yield Case(
         name="a table of one slot, vanishing cells: pixels that differ from exact ones",
         measure=partial(
-            two,
-            differing,
-            {"visibility": quantized(1e-3, pairs, table_bytes=4)},
-            integrator=SHARED,
+            two, differing, {"visibility": quantized(1e-3, pairs, table_bytes=4)}, integrator=SHARED
         ),
         why="a slot holds the last key, and no two keys are equal",
     )
