@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Limits of shafts against packets: scripts/shaft_limits.py [-o FILE] [--again FILE]
-Measures both engines in the scenes of `viscache bench aligned`, and replays the choice of
+Measures both engines in the scenes of `viscache_lab.cases.engine_choice`, and replays the choice of
 shafts/shaft_choice.h for several limits, on the scenes that chose them and on the others."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 import viscache as vc
 from viscache.frame import Frame
 from viscache.shot.render import render_part
-from viscache_lab.bench.aligned import FITTED, HELD_OUT
+from viscache_lab.cases.engine_choice import FITTED, HELD_OUT
 from viscache_lab.experiment.amounts import Sample, interleave
 from viscache_lab.experiment.trial import opened
 

@@ -211,7 +211,7 @@ def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert status == 0 and "aqvc-fig3 (shadow edges" in out
     status, out, _ = run(capsys, "bench", "list", "--json")
     names = [b["bench"] for b in json.loads(out)["benches"]]
-    assert status == 0 and {"rays", "aqvc-frame", "memory"} <= set(names)
+    assert status == 0 and {"rays", "aqvc-frame", "loading"} <= set(names)
 
 
 def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(

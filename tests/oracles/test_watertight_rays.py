@@ -15,7 +15,7 @@ from oracles.test_oracle import area_points, lamps
 from reference.built import built
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.families.leaks import SHAPES
-from viscache_lab.extremes.families.rotation import turn
+from viscache_lab.extremes.families.moves import turn
 from viscache_lab.extremes.pictures import METHODS, picture
 
 WATERTIGHT = vc.Embree(watertight=True)

@@ -12,6 +12,7 @@ import pytest
 
 import viscache as vc
 from viscache.frame.emitted_light import light_on_surfaces
+from viscache.passes import over_time
 from viscache.passes.over_time import gain
 
 SIZE = (48, 32)
@@ -46,6 +47,14 @@ def test_errors_are_those_of_the_mean_of_the_passes(room: vc.Scene) -> None:
         energy.append(float(row["energy"]))
     assert np.mean(energy) == pytest.approx(away.sum() / truth.sum(), abs=1e-6)
     assert ds.attrs["reference_passes"] == 0 and json.loads(ds.attrs["size"]) == list(SIZE)
+
+
+def test_squares_against_two_references_have_the_noise_of_neither() -> None:
+    truth, offset = np.full((16, 16, 3), 2.0), np.zeros((16, 16, 3))
+    offset[::2] = 0.5
+    found = over_time._Truth([truth + offset, truth - offset]).errors(truth + 1.0)
+    assert found["nmse"] == pytest.approx((1 - 0.25 / 2) / 4)
+    assert found["rel_mse"] == pytest.approx((1 - 0.25 / 2) / (4 + (2 * over_time.DARK) ** 2))
 
 
 def test_a_biased_setting_stalls_where_unbiased_ones_go_on(room: vc.Scene) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import viscache as vc
 from viscache_lab.extremes.families.leaks import SHAPES, segments
-from viscache_lab.extremes.families.rotation import turn
+from viscache_lab.extremes.families.moves import turn
 from visibility.soup import rays, soup
 
 Array = npt.NDArray[Any]

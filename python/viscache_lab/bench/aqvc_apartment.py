@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
 import viscache as vc
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
-from viscache_lab.bench.aqvc_frame import without_build
+from viscache_lab.bench.aqvc_frame import STAGES
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, ratio_figure, turns
+from viscache_lab.experiment.amounts import turns, unbuilt_clock, visibility_clock
 
 GOAL = 6.0
 REL_L1_GOAL = 0.015
 #: A frame with a larger error than this is wrong, however fast it is.
 WRONG_REL_L1 = 0.2
-STAGES: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")
 Sky = Literal["mis", "shared"]
+SKIES: tuple[Sky, ...] = ("mis", "shared")
 
 
 def settings(c_e: float) -> dict[str, Visibility]:
@@ -33,21 +32,21 @@ def settings(c_e: float) -> dict[str, Visibility]:
 
 
 @BENCHES.add(
-    "aqvc-apartment", "24 lamps, 1024 virtual lights and 256 sky samples with the quantized cache"
+    "aqvc-apartment",
+    "24 lamps, 1024 virtual lights and 256 sky samples with the quantized cache",
+    cases=("apartment?triangles=750000",),
+    quick_cases=("apartment?triangles=20000",),
+    note="exact: our fastest exact order. Each pixel's own samples: 128 by radiance and 128 by the"
+    " BRDF; shared: 256 directions. C_E 10, of lamps 4. Ratios are of CPU seconds of whole"
+    " frames, one run each.",
 )
-def aqvc_apartment(trial: Trial) -> None:
+def aqvc_apartment(trial: Trial, _: str, scene: vc.Scene) -> None:
     """24 lamps, 1024 virtual lights and 256 sky samples, per pixel or shared by all pixels."""
-    scene = build_scene(f"apartment?triangles={20_000 if trial.quick else 750_000}")
     scene.caster()  # not part of any frame
-    for sky in ("mis", "shared"):
-        measure(trial, scene, sky, trial.quick)
+    for sky in SKIES:
+        measure(trial, scene, sky)
     if not trial.quick:
         measure_table(trial, scene)
-    trial.notes.append(
-        "exact: our fastest exact order. Each pixel's own samples: 128 by radiance and 128 by the"
-        " BRDF; shared: 256 directions. C_E 10, of lamps 4. Ratios are of CPU seconds of whole"
-        " frames, one run each."
-    )
 
 
 def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
@@ -63,14 +62,14 @@ def integrator(sky: Sky, quick: bool, **more: Any) -> vc.Whitted:
     )
 
 
-def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
+def measure(trial: Trial, scene: vc.Scene, sky: Sky) -> None:
     """Compare whole frames with exact ones."""
-    shot = vc.Shot(scene, integrator(sky, quick), size=(160, 100) if quick else (1280, 800))
+    size = (160, 100) if trial.quick else (1280, 800)
+    shot = vc.Shot(scene, integrator(sky, trial.quick), size=size)
     runs = {key: shot.with_(visibility=by).render for key, by in settings(10.0).items()}
     if sky == "shared":
         del runs["light's cells"], runs["default"]
-    found = turns(runs, 1, warm_up=False, clock=without_build)
-    samples, frames = found.samples, found.answers
+    samples, frames = turns(runs, 1, warm_up=False, clock=unbuilt_clock)
     name = "own sky samples" if sky == "mis" else "shared sky"
     for key in runs:
         if key == "exact":
@@ -80,21 +79,20 @@ def measure(trial: Trial, scene: vc.Scene, sky: Sky, quick: bool) -> None:
             for group in ("point", "vpl", "environment")
         }
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
-        goal = GOAL if key == "rows" and sky == "mis" and not quick else None
-        row = ratio_figure(
+        goal = GOAL if key == "rows" and sky == "mis" and not trial.quick else None
+        row = trial.ratio(
             f"apartment, {name}, {key} whole-frame vs exact",
             samples[key],
             samples["exact"],
             goal=goal,
             rel_l1=error,
             rel_l1_groups=errors,
-            stages_cpu_s=stages(frames[key]),
-            exact_stages_cpu_s=stages(frames["exact"]),
+            stages_cpu_s={s: frames[key].timings[f"{s}_cpu_s"] for s in STAGES},
+            exact_stages_cpu_s={s: frames["exact"].timings[f"{s}_cpu_s"] for s in STAGES},
             share_rays=ray_shares(frames[key]),
         )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
-        trial.figures.append(row)
         trial.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
 
 
@@ -108,11 +106,8 @@ def measure_table(trial: Trial, scene: vc.Scene) -> None:
     }
     frames = {key: shot.with_(visibility=by).render() for key, by in ways.items()}
     queries = frames["exact"].counters["queries"]
+    took = {key: visibility_clock(frame) for key, frame in frames.items()}
     for key in ("rows", "table"):
-        took = {
-            k: Sample(wall_s=f.timings["visibility_s"], cpu_s=f.timings["visibility_cpu_s"])
-            for k, f in frames.items()
-        }
         trial.ratio(
             f"apartment, lamps and own sky samples, {key}: visibility vs exact",
             [took[key]],
@@ -121,11 +116,6 @@ def measure_table(trial: Trial, scene: vc.Scene) -> None:
             share_rays=ray_shares(frames[key]),
             rel_l1=_rel_l1(frames[key], frames["exact"], "environment"),
         )
-
-
-def stages(frame: vc.Frame) -> dict[str, float]:
-    """CPU seconds."""
-    return {s: frame.timings[f"{s}_cpu_s"] for s in STAGES}
 
 
 def ray_shares(frame: vc.Frame) -> dict[str, float]:

@@ -14,64 +14,59 @@ from viscache.aqvc.equations import level_hashes
 from viscache.metrics import compare
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, figure, turns
+from viscache_lab.experiment.amounts import Sample, turns, visibility_clock
 
 
 @BENCHES.add(
-    "aqvc-lookup", "nanoseconds per query of each form of the quantized cache, beside one ray"
+    "aqvc-lookup",
+    "nanoseconds per query of each form of the quantized cache, beside one ray",
+    cases=("room?triangles=200000",),
+    quick_cases=("room?triangles=20000",),
 )
-def aqvc_lookup(trial: Trial) -> None:
+def aqvc_lookup(trial: Trial, _: str, scene: vc.Scene) -> None:
     """Time per query inside the oracle, with its misses traced and with almost no misses."""
-    scene = build_scene("room?triangles=20000" if trial.quick else "room?triangles=200000")
-    size = (96, 96) if trial.quick else (512, 512)
-    integrator = vc.Whitted(n_vpls=64 if trial.quick else 256)
+    size, n_vpls = ((96, 96), 64) if trial.quick else ((512, 512), 256)
     settings: dict[str, Visibility] = {"ray": vc.Exact(engine="packets")}
-    forms = {"waves": vc.PaperForm(), "pairs": vc.PaperForm(form="pairs")}
-    for name, form in forms.items():
+    for name, form in {"waves": vc.PaperForm(), "pairs": vc.PaperForm(form="pairs")}.items():
         settings[name] = vc.Aqvc(c_e=10, refinement="on", paper=form)
         # The cells are so large that a look-up answers nearly every query
         settings[f"{name}, look-ups alone"] = vc.Aqvc(c_e=200, refinement="off", paper=form)
     settings |= storages()
-    shot = vc.Shot(scene, integrator, size=size)
+    shot = vc.Shot(scene, vc.Whitted(n_vpls=n_vpls), size=size)
     scene.caster()
-    asked = turns(
-        {key: shot.with_(visibility=by).render for key, by in settings.items()},
-        2 if trial.quick else 3,
-        warm_up=False,
-        clock=of_visibility,
-    )
-    samples, frames = asked.samples, asked.answers
-    exact = frames["ray"]
-    per_query = {
-        key: [s.cpu_s / max(1, frames[key].counters["queries"]) * 1e9 for s in samples[key]]
-        for key in settings
-    }
-    for key in settings:
+    runs = {key: shot.with_(visibility=by).render for key, by in settings.items()}
+    samples, frames = turns(runs, trial.repeats(3, 2), warm_up=False, clock=visibility_clock)
+    queries = {key: max(1, frame.counters["queries"]) for key, frame in frames.items()}
+    for key, frame in frames.items():
         if key == "ray":
             continue
-        ratios = [a / b for a, b in zip(per_query["ray"], per_query[key], strict=True)]
-        error = compare(frames[key], exact).rel_l1 or 0.0
-        trial.figure(
+        error = compare(frame, frames["ray"]).rel_l1 or 0.0
+        _nanoseconds(
+            trial,
             f"{key} ns/query vs ns/ray",
-            sorted(per_query[key])[len(ratios) // 2],
-            "ns",
-            baseline=sorted(per_query["ray"])[len(ratios) // 2],
-            ratios=ratios,
+            *((samples[k], queries[k]) for k in (key, "ray")),
             rel_l1=error,
-            share_rays=frames[key].counters["rays"] / max(1, frames[key].counters["queries"]),
-            clock="cpu",
+            share_rays=frame.counters["rays"] / queries[key],
         )
-        same = frames[key].counters["queries"] == exact.counters["queries"]
-        trial.check(f"{key}: other queries than exact", float(not same), 0)
+        other = frame.counters["queries"] != frames["ray"].counters["queries"]
+        trial.check(f"{key}: other queries than exact", float(other), 0)
         if "alone" not in key:
             trial.check(f"{key}: rel_l1", error, 0.1)
-    trial.figures.append(keys(20_000 if trial.quick else 500_000, trial))
+    keys(20_000 if trial.quick else 500_000, trial)
 
 
-def of_visibility(frame: vc.Frame) -> Sample:
-    """The time of a frame's oracle."""
-    t = frame.timings
-    return Sample(wall_s=t["visibility_s"], cpu_s=t["visibility_cpu_s"])
+def _nanoseconds(
+    trial: Trial,
+    name: str,
+    ours: tuple[list[Sample], int],
+    theirs: tuple[list[Sample], int],
+    **more: Any,
+) -> None:
+    """CPU time of each of a number of queries."""
+    mine, other = ([1e9 * s.cpu_s / n for s in samples] for samples, n in (ours, theirs))
+    ratios = [b / a for a, b in zip(mine, other, strict=True)]
+    base = median(other)
+    trial.figure(name, median(mine), "ns", baseline=base, ratios=ratios, clock="cpu", **more)
 
 
 def storages() -> dict[str, Visibility]:
@@ -86,31 +81,21 @@ def storages() -> dict[str, Visibility]:
     return {name: vc.Aqvc(c_e=10, refinement="on", paper=way) for name, way in ways.items()}
 
 
-def keys(points: int, trial: Trial) -> dict[str, Any]:
+def keys(points: int, trial: Trial) -> None:
     """Nanoseconds per key: cells and hashes of four levels, in sequence and at once."""
     rng = np.random.default_rng(1)
     x, lights = rng.uniform(-1, 1, (2, points, 3)).astype(np.float32)
     normals = rng.normal(size=(points, 3)).astype(np.float32)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     resolutions = 400.0 * rng.uniform(0.5, 2, (points, 1)) * 2.0 ** np.arange(4)
-    parameters = vc.Aqvc(c_z=8.0)
-    given = (parameters, (0.0, 0.0, 0.0), 2.0, x, normals, resolutions, lights)
-    asked = turns(
-        {n: partial(level_hashes, *given, at_once=n == "four") for n in ("one", "four")},
+    given = (vc.Aqvc(c_z=8.0), (0.0, 0.0, 0.0), 2.0, x, normals, resolutions, lights)
+    samples, found = turns(
+        {n: partial(level_hashes, *given, at_once=n == "four") for n in ("four", "one")},
         5,
         clock=lambda answer: Sample(wall_s=answer[-1], cpu_s=answer[-1]),
     )
-    samples, found = asked.samples, {n: answer[:-1] for n, answer in asked.answers.items()}
-    per_key = {n: [s.cpu_s / (4 * points) * 1e9 for s in made] for n, made in samples.items()}
-    ratios = [a / b for a, b in zip(per_key["one"], per_key["four"], strict=True)]
-    same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))
+    both = zip(found["one"][:-1], found["four"][:-1], strict=True)
+    same = all(np.array_equal(a, b) for a, b in both)
     trial.check("keys of 4 levels at once: other hashes", float(not same), 0)
-    return figure(
-        "ns/key of 4 levels at once vs one at a time",
-        median(per_key["four"]),
-        "ns",
-        baseline=median(per_key["one"]),
-        ratios=ratios,
-        rel_l1=0.0,
-        clock="cpu",
-    )
+    name = "ns/key of 4 levels at once vs one at a time"
+    _nanoseconds(trial, name, *((samples[n], 4 * points) for n in ("four", "one")), rel_l1=0.0)

@@ -7,7 +7,6 @@ import os
 import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -28,7 +27,7 @@ from viscache.correlation.pairs import (
     tile_list,
 )
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, interleave
+from viscache_lab.experiment.amounts import Sample, turns
 
 Words: TypeAlias = npt.NDArray[np.uint64]
 MAP_SIZE = 96
@@ -74,7 +73,7 @@ class Run(NamedTuple):
     """A timed function and its number of pairs."""
 
     pairs: int
-    function: Callable[[], Sample]
+    function: Callable[[], Any]
 
 
 def make_points(n: int, groups: int, seed: int = 0) -> Points:
@@ -119,7 +118,13 @@ def _spheres(
 
 
 @BENCHES.add(
-    "correlation", "pairs of rows per second and core against numpy and the machine's bound"
+    "correlation",
+    "pairs of rows per second and core against numpy and the machine's bound",
+    note="Millions of pairs per second of processor time on one thread, 9216 directions. bound:"
+    " and + popcount + add of 512 bits in registers, the same run; our carry-save adder needs"
+    " five operations for two words where the bound's three do one, so it may exceed it. with"
+    " bins: 128 distances x 180 angles, preparation and the table included. numpy: float32"
+    " matrix product of two blocks of rows on one thread.",
 )
 def correlation(trial: Trial) -> None:
     """The bare kernel and the binned statistics, in and out of the CPU cache, on one thread."""
@@ -127,17 +132,11 @@ def correlation(trial: Trial) -> None:
     near = make_points(1024 if trial.quick else 16_384, 1)
     far = make_points(4096 if trial.quick else 195_000, 16, seed=1)
     _check_answers(trial, far)
-    _measure(trial, near, far, trial.quick)
-    trial.notes.append(
-        "Millions of pairs per second of processor time on one thread, 9216 directions. bound:"
-        " and + popcount + add of 512 bits in registers, the same run; our carry-save adder needs"
-        " five operations for two words where the bound's three do one, so it may exceed it. with"
-        " bins: 128 distances x 180 angles, preparation and the table included. numpy: float32"
-        " matrix product of two blocks of rows on one thread."
-    )
+    _measure(trial, near, far)
 
 
-def _measure(trial: Trial, near: Points, far: Points, quick: bool) -> None:
+def _measure(trial: Trial, near: Points, far: Points) -> None:
+    quick = trial.quick
     isa = provenance.isa()[0]
     runs: dict[str, Run] = {}
     for label, points in (("in cache", near), ("out of cache", far)):
@@ -147,61 +146,55 @@ def _measure(trial: Trial, near: Points, far: Points, quick: bool) -> None:
         for skip in (False, True):
             words = "live words" if skip else "all words"
             kernel = partial(kernels.total_intersections, some, points.bits, 1, isa, skip)
-            runs[f"kernel {label} {words}"] = Run(
-                len(some) * len(points.bits), partial(_on_one_thread, kernel)
-            )
+            runs[f"kernel {label} {words}"] = Run(len(some) * len(points.bits), kernel)
             bins = partial(_statistics, points, tiles, skip)
             pairs = int(tile_list(points.group)["pairs"][tiles].sum())
-            runs[f"bins {label} {words}"] = Run(pairs, partial(_on_one_thread, bins))
+            runs[f"bins {label} {words}"] = Run(pairs, bins)
     rows = 512 if quick else 4096
     runs["numpy"] = Run(rows**2, partial(_numpy_product, rows))
     if isa == "avx512":
         bound = partial(kernels.and_popcount_add, BOUND_STEPS)
-        runs["bound"] = Run(BOUND_STEPS * 512 // MAP_SIZE**2, partial(_on_one_thread, bound))
-    samples = interleave({name: run.function for name, run in runs.items()}, 2 if quick else 5)
+        runs["bound"] = Run(BOUND_STEPS * 512 // MAP_SIZE**2, bound)
+    functions = {name: run.function for name, run in runs.items()}
+    samples = turns(functions, trial.repeats(5, 2)).samples
     rates = {
         name: [runs[name].pairs / s.cpu_s / 1e6 for s in taken] for name, taken in samples.items()
     }
     _figures(trial, rates)
 
 
-def _figures(trial: Trial, rates: dict[str, list[float]]) -> None:
-    def against(name: str, ours: str, theirs: str, goal: float | None = None) -> None:
-        ratios = [a / b for a, b in zip(rates[ours], rates[theirs], strict=True)]
-        value, base = (statistics.median(rates[k]) for k in (ours, theirs))
-        trial.figure(name, value, "Mpairs/s", baseline=base, ratios=ratios, goal=goal, clock="cpu")
-
-    def absolute(name: str, ours: str, goal: float) -> None:
-        ratios = [rate / goal for rate in rates[ours]]
-        value = statistics.median(rates[ours])
-        trial.figure(name, value, "Mpairs/s", baseline=goal, ratios=ratios, goal=1.0, clock="cpu")
-
-    absolute("pairs/s with bins, in cache vs goal", "bins in cache all words", GOAL_IN)
-    absolute("pairs/s with bins, out of cache vs goal", "bins out of cache all words", GOAL_OUT)
-    against("pairs/s vs numpy", "bins in cache live words", "numpy", GOAL_NUMPY)
-    against("pairs/s, all words vs numpy", "bins in cache all words", "numpy")
-    if "bound" in rates:
-        against("pairs/s vs bound", "kernel in cache all words", "bound", GOAL_BOUND_IN)
-        against(
-            "pairs/s, out of cache vs bound",
-            "kernel out of cache all words",
-            "bound",
-            GOAL_BOUND_OUT,
+#: A figure, what it measures, its baseline, and its goal.
+FIGURES = (
+    ("pairs/s vs numpy", "bins in cache live words", "numpy", GOAL_NUMPY),
+    ("pairs/s, all words vs numpy", "bins in cache all words", "numpy", None),
+    ("pairs/s vs bound", "kernel in cache all words", "bound", GOAL_BOUND_IN),
+    ("pairs/s, out of cache vs bound", "kernel out of cache all words", "bound", GOAL_BOUND_OUT),
+    ("pairs/s with bins, in cache vs bound", "bins in cache all words", "bound", None),
+    *(
+        (
+            f"pairs/s, dead words skipped, {what} vs all words",
+            f"{what} live words",
+            f"{what} all words",
+            None,
         )
-        against("pairs/s with bins, in cache vs bound", "bins in cache all words", "bound")
-    else:
+        for what in ("kernel in cache", "bins in cache", "kernel out of cache", "bins out of cache")
+    ),
+)
+
+
+def _figures(trial: Trial, rates: dict[str, list[float]]) -> None:
+    figure = partial(trial.figure, unit="Mpairs/s", clock="cpu")
+    for label, goal in (("in cache", GOAL_IN), ("out of cache", GOAL_OUT)):
+        mine = rates[f"bins {label} all words"]
+        what, value = f"pairs/s with bins, {label} vs goal", statistics.median(mine)
+        figure(what, value, baseline=goal, ratios=[rate / goal for rate in mine], goal=1.0)
+    if "bound" not in rates:
         trial.skip("bound", "needs AVX-512 with VPOPCNTDQ, and VISCACHE_ISA to leave it on")
-    for label in ("in cache", "out of cache"):
-        for what in ("kernel", "bins"):
-            name = f"pairs/s, dead words skipped, {what} {label} vs all words"
-            against(name, f"{what} {label} live words", f"{what} {label} all words")
-
-
-def _on_one_thread(function: Callable[[], Any]) -> Sample:
-    """Time a single-threaded call by the CPU time of this process."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    function()
-    return Sample(wall_s=time.perf_counter() - wall, cpu_s=time.process_time() - cpu)
+    for what, ours, theirs, least in FIGURES:
+        if theirs in rates:
+            ratios = [a / b for a, b in zip(rates[ours], rates[theirs], strict=True)]
+            value, base = (statistics.median(rates[k]) for k in (ours, theirs))
+            figure(what, value, baseline=base, ratios=ratios, goal=least)
 
 
 def _statistics(points: Points, tiles: npt.NDArray[np.int64] | None, skip_dead: bool) -> PairTable:

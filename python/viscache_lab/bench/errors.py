@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import statistics
-import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.metrics import confidence_interval
+from viscache_lab.experiment import Trial
 from viscache_lab.experiment.amounts import figure, student_t
 
 Array = npt.NDArray[Any]
@@ -37,6 +37,59 @@ class Errors:
         floor = (DARK * self.mean) ** 2
         relative = square / (np.square(self.picture) + floor)
         return square.mean(axis=(1, 2, 3)) / self.mean**2, relative.mean(axis=(1, 2, 3))
+
+
+#: Seeds of frames of a converged picture start here.
+FIRST_REFERENCE = 1000
+#: The largest |z| of the energy of a way without bias against the first of the same seeds.
+MOST_Z = 4.0
+#: What ratios of `error_over_time` mean; the base's name goes first.
+NOTE = (
+    "Ratios: mean squared error times CPU seconds, {} over the other, with the 95 %"
+    " interval of a bootstrap over seeds. Values: the same of the other, relative to the"
+    " squared mean. gain_rel: by squared errors relative to each pixel, floor 5 % of the mean."
+)
+
+
+def error_over_time(
+    trial: Trial,
+    name: str,
+    ways: dict[str, Callable[[int], tuple[Array, float]]],
+    converged: Callable[[int], tuple[Array, float]],
+    *,
+    seeds: int,
+    references: int,
+    goals: Mapping[str, float] = MappingProxyType({}),
+    biased: Sequence[str] = (),
+) -> None:
+    """Gains of ways over the first, which take turns seed by seed.
+
+    Parameters
+    ----------
+    ways : dict of callable
+        Image and CPU seconds of a seed.
+    converged : callable
+        The same of the frames whose mean is the converged picture.
+    seeds, references : int
+        How many of both.
+    goals : mapping
+        Least gain by way.
+    biased : sequence of str
+        Ways whose energy is not that of the first.
+    """
+    first = range(FIRST_REFERENCE, FIRST_REFERENCE + references)
+    errors = Errors(np.stack([converged(seed)[0] for seed in first]))
+    for render in ways.values():
+        render(0)
+    images, seconds = seed_by_seed(ways, seeds)
+    found = {way: errors.of(stack) for way, stack in images.items()}
+    base, *others = ways
+    for way in others:
+        what = f"{name}: {way} vs {base}"
+        trial.figures.append(gain_figure(what, found, seconds, way, base, goals.get(way)))
+        if way not in biased:
+            z = energy_z(images[way] - images[base])
+            trial.check(f"{name}: {way}, |z| of the energy", abs(z), MOST_Z)
 
 
 def seed_by_seed(
@@ -151,30 +204,6 @@ def persistent_z(found: Array, light: float) -> tuple[float, float]:
     cut = product[: h * BIAS_BLOCK, : w * BIAS_BLOCK].reshape(h, BIAS_BLOCK, w, BIAS_BLOCK, -1)
     blocks = cut.mean(axis=(1, 3, 4)).ravel()
     return float(blocks.mean()), student_t(blocks)
-
-
-@dataclass
-class Run:
-    """A method: its picture, CPU seconds and the energy of each pass."""
-
-    picture: vc.Progressive
-    cpu_s: float = 0.0
-    energies: list[float] = field(default_factory=list)
-
-    def add_pass(self) -> None:
-        before = sum(self.energies)
-        start = time.process_time()
-        frame = self.picture.passes(1)
-        self.cpu_s += time.process_time() - start
-        total = float(frame.image.sum(dtype=np.float64)) * self.picture.n_passes
-        self.energies.append(total - before)
-
-
-def take_turns(runs: list[Run], passes: int) -> None:
-    """Pass by pass, so that what else the machine does meets all methods alike."""
-    for i in range(passes):
-        for run in runs if i % 2 == 0 else runs[::-1]:
-            run.add_pass()
 
 
 def log_interval(ratios: Sequence[float]) -> tuple[float, float, float]:

@@ -12,13 +12,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample
+from viscache_lab.experiment.amounts import Sample, interleave
 from viscache_lab.parity import renderers
 from viscache_lab.parity.shared import shared_scenes
 
@@ -72,24 +73,27 @@ def loading(trial: Trial) -> None:
         return
     with tempfile.TemporaryDirectory(prefix="viscache-loading-") as made:
         for name, path in _files(Path(made), trial.quick, trial):
-            _measure(trial, name, path, 1 if trial.quick else 3)
+            _measure(trial, name, path)
 
 
-def _measure(trial: Trial, name: str, path: Path, repeats: int) -> None:
+def _measure(trial: Trial, name: str, path: Path) -> None:
     found: dict[str, list[dict[str, Any]]] = {"ours": [], "theirs": []}
-    programs = {"ours": OURS, "theirs": THEIRS}
-    for i in range(repeats):
-        for side in programs if i % 2 == 0 else reversed(programs):
-            done = subprocess.run(
-                [sys.executable, "-c", COMMON + programs[side], str(path)],
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            if done.returncode != 0:
-                trial.skip(f"{name}, {side}", done.stderr.strip().rpartition("\n")[2])
-                return
-            found[side].append(json.loads(done.stdout))
+
+    def load(side: str, program: str) -> Sample:
+        words = [sys.executable, "-c", COMMON + program, str(path)]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            last = done.stderr.strip().rpartition("\n")[2]
+            raise RuntimeError(f"{name}, {side}", last)
+        found[side].append(json.loads(done.stdout))
+        return Sample(wall_s=found[side][-1]["wall_s"], cpu_s=found[side][-1]["cpu_s"])
+
+    runs = {"ours": partial(load, "ours", OURS), "theirs": partial(load, "theirs", THEIRS)}
+    try:
+        seconds = interleave(runs, trial.repeats(3), warm_up=False)
+    except RuntimeError as error:
+        trial.skip(*error.args)
+        return
     ours, theirs = found["ours"], found["theirs"]
     triangles = ours[0]["triangles"]
     trial.check(f"{name}: triangles more or less", abs(triangles - theirs[0]["triangles"]), 0)
@@ -97,12 +101,9 @@ def _measure(trial: Trial, name: str, path: Path, repeats: int) -> None:
     if tree not in trial.notes:
         trial.notes.append(tree)
     about = f"{name} {triangles}"
-    seconds = [
-        [Sample(wall_s=s["wall_s"], cpu_s=s["cpu_s"]) for s in side] for side in (ours, theirs)
-    ]
     least = statistics.median(s["cpu_s"] for s in theirs) >= LEAST_S
     goal = 1 / LIMIT if least else None
-    trial.ratio(f"{about} CPU seconds vs Mitsuba", *seconds, goal=goal)
+    trial.ratio(f"{about} CPU seconds vs Mitsuba", *seconds.values(), goal=goal)
     peaks = [statistics.median(s["mib"] for s in side) for side in (ours, theirs)]
     trial.figure(
         f"{about} peak memory vs Mitsuba",

@@ -17,7 +17,6 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.shot.audited import draw_audit_pixels, pixel_estimates
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.trial import opened
 
 Array = npt.NDArray[np.float64]
 
@@ -65,26 +64,32 @@ QUICK = (
         pixels=(1024,),
     ),
 )
+#: The scene whose queries are audited.
+BY_QUERIES = "room?triangles=3000"
 #: Frames whose cost is measured: 1024² pixels with 1024 virtual lights.
 LARGE = ("room", "apartment", "conference")
 LARGE_SIZE = (1024, 1024)
 
 
-@BENCHES.add("meter", "audits of cached frames: coverage of their intervals, and their cost")
-def meter(trial: Trial) -> None:
+@BENCHES.add(
+    "meter",
+    "audits of cached frames: coverage of their intervals, and their cost",
+    cases=(*CASES, BY_QUERIES),
+    quick_cases=(*QUICK, BY_QUERIES),
+    note="Values of coverage: share of seeds whose 95 % interval holds the true error. half_width:"
+    " median of the upper end over the value, less 1. Coverage of nrmse: of the interval that"
+    " frames do not show, ±1.96 standard errors.",
+)
+def meter(trial: Trial, case: Case | str, scene: vc.Scene) -> None:
     """Coverage of the intervals, and the cost of audits."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
-        pixels(trial, case, scene)
-        if not trial.quick and case.name in LARGE:
-            cost(trial, case, scene, LARGE_SIZE, MOST_COST)
-        if trial.quick:
-            cost(trial, case, scene, case.size, None)
-    queries(trial, seeds=40 if trial.quick else 200)
-    trial.notes.append(
-        "Values of coverage: share of seeds whose 95 % interval holds the true error. half_width:"
-        " median of the upper end over the value, less 1. Coverage of nrmse: of the interval that"
-        " frames do not show, ±1.96 standard errors."
-    )
+    if isinstance(case, str):
+        queries(trial, scene, seeds=40 if trial.quick else 200)
+        return
+    pixels(trial, case, scene)
+    if trial.quick:
+        cost(trial, case, scene, case.size, None)
+    elif case.name in LARGE:
+        cost(trial, case, scene, LARGE_SIZE, MOST_COST)
 
 
 def pixels(trial: Trial, case: Case, scene: vc.Scene) -> None:
@@ -146,15 +151,16 @@ def _coverage(
     }
 
 
-def queries(trial: Trial, seeds: int) -> None:
+def queries(trial: Trial, scene: vc.Scene, seeds: int) -> None:
     """Coverage of the bias and of the share of wrong answers."""
-    scene, size = opened("room?triangles=3000"), (96, 64)
     lights = vc.Whitted(n_vpls=64, n_area=0, n_environment=0, n_brdf=0)
+    shot = vc.Shot(scene, lights, visibility=ALL, size=(96, 64))
     for share in (0.01, 0.05):
         held, shown = {"bias": 0, "wrong": 0}, {"bias": 0, "wrong": 0}
         for seed in range(seeds):
             one, all_ = (
-                _audited(scene, lights, size, seed, vc.AuditQueries(share=s)) for s in (share, 1.0)
+                shot.with_(seed=seed).render(audit=vc.AuditQueries(share=s)).audit
+                for s in (share, 1.0)
             )
             for name in held:
                 found, truth = getattr(one, name), getattr(all_, name).value
@@ -165,10 +171,6 @@ def queries(trial: Trial, seeds: int) -> None:
             value = held[name] / max(1, shown[name])
             trial.figure(what, value, "", shown=shown[name] / seeds)
             _check(trial, what, value, _coverage_of_few(seeds))
-
-
-def _audited(scene: Any, lights: vc.Whitted, size: tuple[int, int], seed: int, audit: Any) -> Any:
-    return vc.render(scene, lights, visibility=ALL, size=size, seed=seed, audit=audit).audit
 
 
 def cost(

@@ -3,54 +3,102 @@
 from __future__ import annotations
 
 import statistics
-from collections import defaultdict
-from collections.abc import Iterable
+import tempfile
+import time
+from collections import Counter, defaultdict
+from contextlib import ExitStack
+from fnmatch import fnmatchcase
+from pathlib import Path
 
+from viscache.base.progress import progress_bar
+from viscache.base.provenance import VERSION
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import at_most_figure
-from viscache_lab.parity import renderers
-from viscache_lab.parity.judge import VERDICTS, Judged, Verdict
-from viscache_lab.parity.suite import Suite, run_suite
+from viscache_lab.parity import renderers, zoo
+from viscache_lab.parity.judge import FULL, QUICK, VERDICTS, Judged, judge
+from viscache_lab.parity.page import write_page
+from viscache_lab.parity.shared import shared_scenes
 
 
 @BENCHES.add("parity", "pictures of a zoo of scene files and of shared scenes against Mitsuba 3")
-def parity(trial: Trial) -> None:
-    """Judge the zoo and the shared scenes; options are those of `run_suite`."""
+def parity(trial: Trial) -> list[Judged]:
+    """Judge every scene of the zoo and every shared one whose name matches.
+
+    Options: `only`, a pattern of names, e.g. `material/*`; `output`, a folder for the page,
+    `index.html`, and the scene files, `scenes/`; `threads`, all cores by default.
+    """
     if reason := renderers.missing():
         trial.skip("parity", reason)
-        return
-    suite = run_suite(quick=trial.quick, progress=trial.progress, **trial.options)
-    misses = suite.silent_misses
+        return []
+    begin = time.perf_counter()
+    output, threads = (trial.options.get(name) for name in ("output", "threads"))
+    results: list[Judged] = []
+    with ExitStack() as stack:
+        if output is None:
+            made = tempfile.TemporaryDirectory(prefix="viscache-parity-")
+            folder = Path(stack.enter_context(made))
+        else:
+            folder = output / "scenes"
+        paths = _files(trial, folder)
+        mi = stack.enter_context(renderers.mitsuba(threads))
+        done = stack.enter_context(progress_bar(trial.progress, "scene"))
+        for name, path in paths.items():
+            effort = QUICK if trial.quick else FULL
+            results.append(judge(mi, name, path, effort=effort, threads=threads))
+            if done is not None:
+                done(len(results), len(paths))
+    seconds = time.perf_counter() - begin
+    left_out = "; ".join(f"{left['what']}: {left['reason']}" for left in trial.skipped)
+    record(trial, results, seconds)
+    if output is not None:
+        about = {
+            "scenes": f"{len(results)}, each with one feature of Mitsuba's XML, and shared ones",
+            "silent": f"{sum(r.silent_miss for r in results)} differ without a warning",
+            "versions": f"viscache {VERSION}, Mitsuba {mi.__version__} (scalar_rgb)",
+            "suite": f"{'quick' if trial.quick else 'full'}, {seconds / 60:.1f} minutes",
+        }
+        more = {"left out": left_out} if left_out else {}
+        write_page(output / "index.html", results, about | more)
+    return results
+
+
+def _files(trial: Trial, folder: Path) -> dict[str, Path]:
+    """The files of all scenes that match; shared scenes that have none are skipped."""
+    only = trial.options.get("only") or "*"
+    chosen = [case for case in zoo.cases(quick=trial.quick) if fnmatchcase(case.name, only)]
+    paths = zoo.write(folder, chosen)
+    for scene in shared_scenes(folder, only=only, quick=trial.quick):
+        if scene.path is None:
+            trial.skip(scene.name, scene.reason)
+        else:
+            paths[scene.name] = scene.path
+    if not paths and not trial.skipped:
+        kind = "quick scene" if trial.quick else "scene"
+        raise ValueError(f"no {kind} has a name like {only!r}; names are like 'material/*'")
+    return paths
+
+
+def record(trial: Trial, results: list[Judged], seconds: float) -> None:
+    """Silent misses, the worst first; how many scenes have each verdict; why others have none."""
+    misses = sorted((r for r in results if r.silent_miss), key=lambda r: -r.severity)
     trial.check("scenes that differ without a warning", len(misses), 0)
     for miss in misses:
         trial.check(f"{miss.name}, {miss.why}, differs without a warning", 1, 0)
-    trial.figures = _figures(suite)
-    for scene in suite.skipped:
-        trial.skip(scene.name, scene.reason)
-    for verdict in ("warned", "not loaded", "not comparable"):
-        for names, why in _by_reason(suite.results, verdict):
-            trial.skip(names, f"{verdict}: {why}")
-
-
-def _figures(suite: Suite) -> list[dict[str, object]]:
-    counts = {v: sum(r.verdict == v for r in suite.results) for v in VERDICTS}
-    figures = [
-        at_most_figure(f"scenes: {verdict}", count, "scenes", None)
-        for verdict, count in counts.items()
-        if count
-    ]
-    found = [r.compared.power for r in suite.results if r.compared and r.verdict == "agrees"]
+    counts = Counter(r.verdict for r in results)
+    for verdict in VERDICTS:
+        if counts[verdict]:
+            trial.at_most(f"scenes: {verdict}", counts[verdict], "scenes", None)
+    found = [r.compared.power for r in results if r.compared and r.verdict == "agrees"]
     if found:
         power = 100 * statistics.median(found)
-        figures.append(at_most_figure("a block's difference that would be found", power, "%", None))
-    figures.append(at_most_figure("seconds", suite.seconds, "s", None))
-    return figures
-
-
-def _by_reason(results: Iterable[Judged], verdict: Verdict) -> list[tuple[str, str]]:
-    """Names by reason; places in files do not part reasons."""
-    names: dict[str, list[str]] = defaultdict(list)
+        trial.at_most("a block's difference that would be found", power, "%", None)
+    trial.at_most("seconds", seconds, "s", None)
+    reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
     for result in results:
-        if result.verdict == verdict:
-            names[result.why.split(".xml:", 1)[-1].split(": ", 1)[-1]].append(result.name)
-    return [(f"{len(n)} scenes, e.g. {n[0]}" if n[1:] else n[0], why) for why, n in names.items()]
+        # Places in files do not part reasons
+        why = result.why.split(".xml:", 1)[-1].split(": ", 1)[-1]
+        reasons[result.verdict, why].append(result.name)
+    for verdict in ("warned", "not loaded", "not comparable"):
+        for (of, why), names in reasons.items():
+            if of == verdict:
+                scenes = f"{len(names)} scenes, e.g. {names[0]}" if names[1:] else names[0]
+                trial.skip(scenes, f"{verdict}: {why}")

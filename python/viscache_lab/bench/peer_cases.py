@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.shot.render import render
 from viscache_lab.experiment.amounts import build_scene
 
 Array = npt.NDArray[Any]
@@ -126,17 +126,12 @@ def _grey(spec: str, env: Array | None = None) -> tuple[vc.Scene, vc.Camera]:
 
 
 def _ambient(room: vc.Scene, camera: vc.Camera, side: int) -> PictureCase:
-    samples = 16
-    reach = 0.1 * float(np.linalg.norm(np.diff(room.bounds, axis=0)))
-    integrator = vc.AmbientOcclusion(n_samples=samples, max_distance=reach)
-    return PictureCase(
-        name=f"AO room {side}x{side}, {samples} rays",
-        scene=room,
-        render=lambda spp, seed: render(
-            room, integrator, size=(side, side), spp=spp, seed=seed, camera=camera
-        ),
-        job={"job": "ao", "samples": samples, "reach": reach, **_view(camera, side)},
-        arrays={"camera": _axes(camera)},
+    samples, reach = 16, 0.1 * float(np.linalg.norm(np.diff(room.bounds, axis=0)))
+    light = vc.AmbientOcclusion(n_samples=samples, max_distance=reach)
+    return _case(
+        f"AO room {side}x{side}, {samples} rays",
+        _shot(room, light, camera, side),
+        {"job": "ao", "samples": samples, "reach": reach},
         spp=4,
         reference_spp=64,
     )
@@ -145,23 +140,16 @@ def _ambient(room: vc.Scene, camera: vc.Camera, side: int) -> PictureCase:
 def _open_ambient(scene: vc.Scene, camera: vc.Camera, side: int, name: str) -> PictureCase:
     """Rays without end, as many per eye point as shared directions lie on its side."""
     samples = SPHERE_DIRECTIONS // 2
-
-    def frame(integrator: vc.AmbientOcclusion, spp: int, seed: int) -> vc.Frame:
-        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
-
     own = vc.AmbientOcclusion(n_samples=samples, max_distance=None)
-    shared = vc.AmbientOcclusion(
-        n_samples=SPHERE_DIRECTIONS, max_distance=None, directions="shared"
-    )
-    return PictureCase(
-        name=f"AO {name} {side}x{side}, {samples} rays",
-        scene=scene,
-        render=lambda spp, seed: frame(own, spp, seed),
-        job={"job": "ao", "samples": samples, "reach": np.inf, **_view(camera, side)},
-        arrays={"camera": _axes(camera)},
+    shot = _shot(scene, own, camera, side)
+    shared = shot.with_(integrator=replace(own, n_samples=SPHERE_DIRECTIONS, directions="shared"))
+    return _case(
+        f"AO {name} {side}x{side}, {samples} rays",
+        shot,
+        {"job": "ao", "samples": samples, "reach": np.inf},
         spp=4,
         reference_spp=32,
-        ways=(Way(label="shared directions", render=lambda spp, seed: frame(shared, spp, seed)),),
+        ways=(Way(label="shared directions", render=_frames(shared)),),
     )
 
 
@@ -178,39 +166,18 @@ def _lights(room: vc.Scene, camera: vc.Camera, side: int, quick: bool) -> Pictur
         description.add_mesh(mesh["vertices"], mesh["triangles"], material=grey)
     for position in positions:
         description.add_point_light(position.tolist(), (INTENSITY / count,) * 3)
-    lit = vc.Scene.from_description(description)
-    return PictureCase(
-        name=f"{count} point lights, room {side}x{side}",
-        scene=lit,
-        render=lambda spp, seed: render(
-            lit, vc.Direct(), size=(side, side), spp=spp, seed=seed, camera=camera
-        ),
-        job={
-            "job": "points",
-            "albedo": ALBEDO,
-            "intensity": INTENSITY / count,
-            **_view(camera, side),
-        },
-        arrays={"camera": _axes(camera), "lights": positions},
+    shot = _shot(vc.Scene.from_description(description), vc.Direct(), camera, side)
+    cached = _frames(shot.with_(visibility=vc.Aqvc(c_e=C_E)))
+    return _case(
+        f"{count} point lights, room {side}x{side}",
+        shot,
+        {"job": "points", "albedo": ALBEDO, "intensity": INTENSITY / count},
+        {"lights": positions},
         spp=1,
         # Errors are far below that of one sample of ours where many eye points share the lights
         reference_spp=64 if quick else 256,
         peer_reference_spp=64 if quick else 16,
-        ways=(
-            Way(
-                label=f"Aqvc(c_e={C_E})",
-                render=lambda spp, seed: render(
-                    lit,
-                    vc.Direct(),
-                    size=(side, side),
-                    spp=spp,
-                    seed=seed,
-                    camera=camera,
-                    visibility=vc.Aqvc(c_e=C_E),
-                ),
-                biased=True,
-            ),
-        ),
+        ways=(Way(label=f"Aqvc(c_e={C_E})", render=cached, biased=True),),
     )
 
 
@@ -219,32 +186,25 @@ def _many_lights(room: vc.Scene, camera: vc.Camera, side: int, quick: bool) -> P
     case = _lights(room, camera, side, quick)
     if quick:
         return case
-    return replace(
-        case,
-        # Sixteen times the pixels: fewer samples of each
-        reference_spp=16,
-        peer_reference_spp=4,
-        without=dict.fromkeys(("luxcore", "luxcore-cache"), "an estimated hour and more"),
-    )
+    # Sixteen times the pixels: fewer samples of each
+    without = dict.fromkeys(("luxcore", "luxcore-cache"), "an estimated hour and more")
+    return replace(case, reference_spp=16, peer_reference_spp=4, without=without)
 
 
 def _lit_by(
     sky: Array, scene: vc.Scene, camera: vc.Camera, side: int, quick: bool, name: str
 ) -> PictureCase:
     samples = spp = 4
-
-    def frame(integrator: vc.Direct, spp: int, seed: int) -> vc.Frame:
-        return render(scene, integrator, size=(side, side), spp=spp, seed=seed, camera=camera)
-
     own = vc.Direct(n_area=0, n_environment=samples, n_brdf=samples)
     shared = vc.Direct(n_area=0, n_environment=SKY_DIRECTIONS, environment="shared")
     dealt = replace(shared, n_environment=DEALT_DIRECTIONS, interleave=SETS)
-    return PictureCase(
-        name=f"{name} {side}x{side}, {samples} + {samples} samples",
-        scene=scene,
-        render=lambda spp, seed: frame(own, spp, seed),
-        job={"job": "sky", "samples": samples, "albedo": ALBEDO, **_view(camera, side)},
-        arrays={"camera": _axes(camera), "sky": sky},
+    shot = _shot(scene, own, camera, side)
+    by_sets = _frames(shot.with_(integrator=dealt), SETS // spp)
+    return _case(
+        f"{name} {side}x{side}, {samples} + {samples} samples",
+        shot,
+        {"job": "sky", "samples": samples, "albedo": ALBEDO},
+        {"sky": sky},
         spp=spp,
         # Below the errors of all ways
         reference_spp=1024 if quick else 512,
@@ -252,13 +212,41 @@ def _lit_by(
         ways=(
             Way(
                 label=f"{SKY_DIRECTIONS} shared directions",
-                render=lambda spp, seed: frame(shared, spp, seed),
+                render=_frames(shot.with_(integrator=shared)),
             ),
-            Way(
-                label=f"{DEALT_DIRECTIONS} shared directions in {SETS} sets",
-                render=lambda n, seed: frame(dealt, SETS // spp * n, seed),
-            ),
+            Way(label=f"{DEALT_DIRECTIONS} shared directions in {SETS} sets", render=by_sets),
         ),
+    )
+
+
+def _shot(scene: vc.Scene, light: Any, camera: vc.Camera, side: int) -> vc.Shot:
+    return vc.Shot(scene, light, size=(side, side), camera=camera)
+
+
+def _frames(shot: vc.Shot, times: int = 1) -> Callable[[int, int], vc.Frame]:
+    """Its frames of a number of samples, or so many times more, and a seed."""
+    return lambda spp, seed: shot.with_(spp=times * spp, seed=seed).render()
+
+
+def _case(
+    name: str,
+    shot: vc.Shot,
+    job: dict[str, Any],
+    arrays: Mapping[str, Array] = MappingProxyType({}),
+    **more: Any,
+) -> PictureCase:
+    """What peers get: the job with the camera, and the arrays."""
+    camera: Any = shot.camera
+    size: Any = shot.size
+    axes = np.array([camera.origin, camera.forward, camera.right, camera.up], np.float64)
+    view = {"side": size[0], "fov_rad": float(camera.fov_rad)}
+    return PictureCase(
+        name=name,
+        scene=shot.opened,
+        render=_frames(shot),
+        job=job | view,
+        arrays={"camera": axes, **arrays},
+        **more,
     )
 
 
@@ -301,12 +289,3 @@ def _window_camera() -> vc.Camera:
     description.add_mesh(*_box((0, 0, 0), (1, 1, 1)))
     description.add_camera((2.4, 1.7, 2.6), (-0.6, 1.0, -1.5), fov_deg=60, width=64, height=64)
     return vc.Scene.from_description(description).cameras[0]
-
-
-def _view(camera: vc.Camera, side: int) -> dict[str, Any]:
-    return {"side": side, "fov_rad": float(camera.fov_rad)}
-
-
-def _axes(camera: vc.Camera) -> Array:
-    rows = (camera.origin, camera.forward, camera.right, camera.up)
-    return np.array([np.asarray(row, np.float64) for row in rows])

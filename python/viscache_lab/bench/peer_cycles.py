@@ -3,63 +3,52 @@
 from __future__ import annotations
 
 import importlib
-import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from viscache_lab.bench.peer_protocol import serve
+from viscache_lab.bench.peer_protocol import Fields, Pictures, from_below, quiet, serve, z_up
 
 
 def main() -> None:
     """Answer with frames; the scene is built at the first."""
-    # Blender prints its progress: our lines keep the output, it gets none
-    sys.stdout = os.fdopen(os.dup(1), "w")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    quiet(1)  # Blender prints its progress
     bpy: Any = importlib.import_module("bpy")
     picture = CyclesPicture(bpy, Path(sys.argv[1]))
-    threads = len(os.sched_getaffinity(0))
-    serve({"version": bpy.app.version_string, "threads": threads}, {"sky": picture.sky})
+    serve({"version": bpy.app.version_string}, {"sky": picture.sky})
 
 
-class CyclesPicture:
-    """The scene of a folder with y up, turned to Blender's z up."""
+class CyclesPicture(Pictures):
+    """The scene of a folder, turned to Blender's z up."""
 
     def __init__(self, bpy: Any, folder: Path) -> None:
-        self._bpy, self._folder = bpy, folder
-        self._sky: Any = None
+        super().__init__(folder)
+        self._bpy = bpy
 
-    def sky(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> dict[str, Any]:
+    def sky(self, given: Fields, fields: Fields) -> dict[str, Any]:
         """Direct light of `sky` (H, W, 3). Its samples have one of the light and surface each."""
-        bpy = self._bpy
-        if given["sky"] is not self._sky:
-            self._build(given, fields)
-            self._sky = given["sky"]
-        scene = bpy.context.scene
+        bpy, scene = self._bpy, self.scene(given, fields)
         scene.cycles.samples = int(fields["spp"]) * int(fields["samples"])
         scene.cycles.seed = int(fields["seed"])
-        scene.render.filepath = str(self._folder / "frame.exr")
+        scene.render.filepath = str(self.folder / "frame.exr")
         bpy.ops.render.render(write_still=True)
         loaded = bpy.data.images.load(scene.render.filepath, check_existing=False)
         side = int(fields["side"])
         pixels = np.empty(side * side * 4, np.float32)
         loaded.pixels.foreach_get(pixels)
         bpy.data.images.remove(loaded)
-        # Rows from the bottom up
-        image = pixels.reshape(side, side, 4)[::-1, :, :3].astype(np.float64)
-        return {"image": image.mean(axis=2)}
+        return {"image": from_below(pixels, side)}
 
-    def _build(self, given: Mapping[str, Any], fields: Mapping[str, Any]) -> None:
+    def build(self, given: Fields, fields: Fields) -> Any:
+        """The context's scene."""
         bpy = self._bpy
         bpy.ops.wm.read_factory_settings(use_empty=True)
         scene = bpy.context.scene
         self._settings(scene, int(fields["side"]))
-        with np.load(self._folder / "scene.npz") as file:
-            mesh = bpy.data.meshes.new("all")
-            mesh.from_pydata(_turned(file["vertices"]).tolist(), [], file["triangles"].tolist())
+        mesh = bpy.data.meshes.new("all")
+        mesh.from_pydata(z_up(self.vertices).tolist(), [], self.triangles.tolist())
         mesh.materials.append(self._grey(float(fields["albedo"])))
         scene.collection.objects.link(bpy.data.objects.new("all", mesh))
         scene.world = self._world(np.asarray(given["sky"], np.float32))
@@ -67,13 +56,14 @@ class CyclesPicture:
         lens.sensor_fit, lens.angle = "HORIZONTAL", float(fields["fov_rad"])
         lens.clip_start, lens.clip_end = 1e-4, 1e4
         camera = bpy.data.objects.new("camera", lens)
-        origin, forward, right, up = _turned(np.asarray(given["camera"], np.float64))
+        origin, forward, right, up = z_up(np.asarray(given["camera"], np.float64))
         matrix = np.eye(4)
         matrix[:3] = np.stack([right, up, -forward, origin], axis=1)
         # Blender takes columns here
         camera.matrix_world = matrix.T.tolist()
         scene.collection.objects.link(camera)
         scene.camera = camera
+        return scene
 
     @staticmethod
     def _settings(scene: Any, side: int) -> None:
@@ -120,11 +110,6 @@ class CyclesPicture:
         output = nodes.new("ShaderNodeOutputWorld")
         links.new(background.outputs[0], output.inputs["Surface"])
         return world
-
-
-def _turned(rows: Any) -> Any:
-    """(x, y, z) with y up as (x, -z, y) with z up."""
-    return np.stack([rows[:, 0], -rows[:, 2], rows[:, 1]], axis=1)
 
 
 if __name__ == "__main__":

@@ -1,21 +1,85 @@
-"""Other ray tracers in separate processes: they read arrays from files and take turns with us."""
+"""Other ray tracers in processes and environments of their own, which take turns with us."""
 
 from __future__ import annotations
 
 import contextlib
 import importlib.util
 import json
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 import viscache as vc
 from viscache_lab.experiment.amounts import Sample
+
+#: A peer's module, also the name of its environment, and what pip installs there.
+PACKAGES: dict[str, tuple[str, ...]] = {
+    "mitsuba": ("numpy", "mitsuba"),
+    "embreex": ("numpy", "embreex"),
+    "bpy": ("numpy", "bpy==4.2.*"),
+    "pyluxcore": ("numpy", "pyluxcore==2.11.*"),
+}
+
+
+def default_folder() -> Path:
+    """`viscache/peers` in the user's folder of caches (`$XDG_CACHE_HOME`, else `~/.cache`)."""
+    caches = os.environ.get("XDG_CACHE_HOME")
+    return (Path(caches) if caches else Path.home() / ".cache") / "viscache" / "peers"
+
+
+def interpreter(name: str, folder: Path) -> Path | None:
+    """The interpreter that has a module of `PACKAGES`; None if there is none.
+
+    That of its environment in `folder`, or the one that runs now.
+    """
+    own = _python(folder / name)
+    if own.exists():
+        return own
+    return Path(sys.executable) if importlib.util.find_spec(name) is not None else None
+
+
+def make_environments(folder: Path) -> dict[str, str]:
+    """Make an environment for each peer, or bring it up to date.
+
+    Parameters
+    ----------
+    folder : Path
+        Each environment is a folder in it. pip's own settings say where packages come from.
+
+    Returns
+    -------
+    dict of str
+        For each name: "" if it was made, else the last line that venv or pip said.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    return {name: _make(folder / name, needs) for name, needs in PACKAGES.items()}
+
+
+def _make(place: Path, needs: tuple[str, ...]) -> str:
+    steps = (
+        [sys.executable, "-m", "venv", str(place)],
+        [str(_python(place)), "-m", "pip", "install", "--quiet", "--upgrade", *needs],
+    )
+    for step in steps:
+        try:
+            done = subprocess.run(step, capture_output=True, text=True)
+        except OSError as error:
+            return str(error)
+        if done.returncode:
+            said = (done.stderr or done.stdout).strip().splitlines()
+            return said[-1] if said else f"{step[2]} ended with status {done.returncode}"
+    return ""
+
+
+def _python(place: Path) -> Path:
+    return place / "bin" / "python"
+
 
 #: Name of a peer: (the package it needs, the module that runs it).
 PEERS = {
@@ -26,8 +90,6 @@ PEERS = {
     "luxcore-cache": ("pyluxcore", "viscache_lab.bench.peer_luxcore"),
     "embreex": ("embreex", "viscache_lab.bench.peer_embreex"),
 }
-
-
 #: Starts a module of this package under an interpreter that does not have the package.
 _START = """
 import runpy, sys, types
@@ -61,6 +123,16 @@ def missing_scene(scene: vc.Scene) -> str | None:
     if scene.info()["instances"]:
         return "the scene has instances, which are not handed over"
     return None
+
+
+def time_of(peer: Peer, job: str) -> Sample:
+    """Of a job without fields."""
+    return peer.run({"job": job})[0]
+
+
+def blocked(found: npt.NDArray[Any], name: str) -> npt.NDArray[np.bool_]:
+    """Which rays hit, by the answers of a peer: embreex has 0 where one does, −1 where not."""
+    return np.asarray(found == 0 if name == "embreex" else found.astype(bool))
 
 
 class Peer:
@@ -97,24 +169,13 @@ class Peer:
                 [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
             ).astype(np.uint32),
         )
-        self._process = subprocess.Popen(
-            [
-                str(python or sys.executable),
-                "-c",
-                _START,
-                str(Path(__file__).parents[1]),
-                PEERS[name][1],
-                str(self._path),
-                name,
-            ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        lab, pipe = str(Path(__file__).parents[1]), subprocess.PIPE
+        words = [python or sys.executable, "-c", _START, lab, PEERS[name][1], self._path, name]
+        self._process = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)
         try:
             self.about = self._answer()
         except BaseException:
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise
 
     def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
@@ -151,12 +212,7 @@ class Peer:
     def __enter__(self) -> Peer:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         assert self._process.stdin is not None and self._process.stdout is not None
         with contextlib.suppress(BrokenPipeError):
             self._process.stdin.close()

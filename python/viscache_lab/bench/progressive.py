@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import statistics
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.errors import Run, differences, energy_z, persistent_z, take_turns
-from viscache_lab.bench.never_slower import CASES as CANNOT_WIN
-from viscache_lab.bench.never_slower import QUICK as CANNOT_WIN_QUICK
-from viscache_lab.bench.never_slower import never_slower
+from viscache.passes.over_time import gain
+from viscache_lab.bench.errors import differences, energy_z, persistent_z
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import student_t
+from viscache_lab.experiment.amounts import student_t, turns
 
 #: The cache of plain passes, for all scenes, and of corrected ones: the default.
 PLAIN, CORRECTED = vc.Aqvc(c_e=10), vc.Aqvc()
@@ -25,8 +24,10 @@ LIMIT_Z = 4.0
 #: Limits over many passes: of the energy's |z|, and of the persistent squared error in its
 #: standard errors.
 LIMIT_MANY, LIMIT_BIAS = 3.0, 3.0
-#: Passes of the two references, which are independent of each other and of the methods.
-FIRST_OF_REFERENCES = (1024, 2048)
+#: Exact CPU seconds over those of corrected passes must be at least this where these cannot win.
+NEVER_SLOWER = 1 / 1.03
+#: Pictures of each way, one after the other: a ratio is that of a pair whose passes took turns.
+TURNS = 5
 
 
 @dataclass(frozen=True)
@@ -62,76 +63,95 @@ QUICK = (
 )  # fmt: skip
 
 
-@BENCHES.add("progressive", "error times time of passes: exact, plain and corrected")
-def progressive(trial: Trial) -> None:
+@dataclass(frozen=True)
+class CannotWin:
+    """A picture whose lights corrections cannot win: their passes then cost as much as exact ones.
+
+    It has a goal if it is large enough.
+    """
+
+    name: str
+    scene: str
+    light: vc.Direct | vc.Whitted
+    size: tuple[int, int] = (160, 100)
+    passes: int = 16
+    goal: float | None = NEVER_SLOWER
+
+
+def _alone(n: int) -> vc.Whitted:
+    """N virtual lights and no samples of area lights or skies."""
+    return vc.Whitted(n_vpls=n, n_area=0, n_environment=0, n_brdf=0)
+
+
+OPEN_SKY = vc.Direct(n_area=0, environment="shared", n_environment=256, n_brdf=0)
+CANNOT_WIN = (
+    CannotWin("24 lamps", "room?triangles=200000", vc.Direct(n_area=0)),
+    CannotWin("16 virtual lights", "garage", _alone(16)),
+    CannotWin("32 virtual lights", "church", _alone(32)),
+    CannotWin("own samples", "living-room/scene.xml", vc.Direct()),
+    CannotWin("open sky", "courtyard", OPEN_SKY),
+    CannotWin("light through a gap", "veach-ajar/scene.pbrt", vc.Whitted(n_vpls=256)),
+)
+SMALL = CannotWin("24 lamps", "room?triangles=3000", vc.Direct(n_area=0), (48, 32), 4, None)
+
+
+@BENCHES.add(
+    "progressive",
+    "error times time of passes: exact, plain and corrected",
+    cases=CASES + CANNOT_WIN,
+    quick_cases=(*QUICK, SMALL),
+    note="Passes take turns. Errors against two references: exact passes of other eye samples and"
+    " the same lights. Their noise cancels. A ratio is MSE·CPU time of the second way over that"
+    " of the first: above 1 the first is better. 'plain' keeps the cache's error, so its ratio"
+    " falls with more passes. 'many passes': of a smaller picture, beside exact passes of the"
+    " same samples.",
+)
+def progressive(trial: Trial, case: Case | CannotWin, scene: vc.Scene) -> None:
     """MSE·time of passes, against a picture of other eye samples; bias over many; time at worst."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
+    if isinstance(case, CannotWin):
+        never_slower(trial, case, scene)
+    else:
         measure(trial, case, scene)
         bias(trial, case, scene)
-    never_slower(trial, CANNOT_WIN_QUICK if trial.quick else CANNOT_WIN)
-    trial.notes.append(
-        "Passes take turns. Errors against two references: exact passes of other eye samples and"
-        " the same lights. Their noise cancels. A ratio is MSE·CPU time of the second way over that"
-        " of the first: above 1 the first is better. 'plain' keeps the cache's error, so its ratio"
-        " falls with more passes. 'many passes': of a smaller picture, beside exact passes of the"
-        " same samples."
-    )
 
 
 def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """Let the methods take turns pass by pass."""
-    light = vc.Whitted(n_vpls=case.n_vpls)
-
-    def picture(visibility: Any, use: Any = None, first: int = 0, pick: int = 0) -> vc.Progressive:
-        return vc.Progressive(
-            scene,
-            replace(light, pick=pick),
-            visibility=visibility,
-            use=use,
-            first_pass=first,
-            size=case.size,
-        )
-
-    picks = f"{PICKS} picks"
-    runs = {
-        "packets": Run(picture(vc.Exact(engine="packets"))),
-        "exact": Run(picture(vc.Exact())),
-        "plain": Run(picture(PLAIN, "replace")),
-        "corrected": Run(picture(CORRECTED, "correct")),
-        picks: Run(picture(vc.Exact(), pick=PICKS)),
+    light, picks = vc.Whitted(n_vpls=case.n_vpls), f"{PICKS} picks"
+    settings: dict[str, dict[str, Any]] = {
+        "packets": {"visibility": vc.Exact(engine="packets")},
+        "exact": {"visibility": vc.Exact()},
+        "plain": {"visibility": PLAIN, "use": "replace"},
+        "corrected": {"visibility": CORRECTED, "use": "correct"},
+        picks: {"visibility": vc.Exact(), "integrator": replace(light, pick=PICKS)},
     }
-    take_turns(list(runs.values()), case.passes)
-    references = [picture(vc.Exact(), first=n).passes(case.reference) for n in FIRST_OF_REFERENCES]
-    errors = {name: errors_of(run.picture, references) for name, run in runs.items()}
-    base = runs["packets"]
+    ds = vc.passes_over_time(
+        scene, light, settings, passes=case.passes, reference=case.reference, size=case.size
+    )
     compared: list[tuple[str, str, tuple[float, float] | None]]
     compared = [(name, "packets", None) for name in ("exact", "plain", picks)]
-    compared += [("corrected", other, goals) for other, goals in _goals(case).items()]
-    for name, other, goals in compared:
-        run, against = runs[name], runs[other]
-        for i, metric in enumerate(("nMSE", "relMSE")):
-            gain = gain_over(errors[other][i], against.cpu_s, errors[name][i], run.cpu_s)
+    goals = {"packets": case.packets, "exact": case.exact, picks: case.picks}
+    compared += [("corrected", other, goal) for other, goal in goals.items()]
+    for name, other, goal in compared:
+        ours, theirs = (ds.isel({"pass": -1}).sel(setting=n) for n in (name, other))
+        for i, (metric, error) in enumerate((("nMSE", "nmse"), ("relMSE", "rel_mse"))):
             trial.figure(
                 f"{case.name}: {name} vs {other}, {metric}·time",
-                errors[name][i],
+                float(ours[error]),
                 metric,
-                baseline=errors[other][i],
-                ratios=[gain],
-                goal=goals[i] if goals else None,
-                cpu_s=run.cpu_s,
-                other_cpu_s=against.cpu_s,
+                baseline=float(theirs[error]),
+                ratios=[gain(ds, name, other, error)],
+                goal=goal[i] if goal else None,
+                cpu_s=float(ours["cpu_s"]),
+                other_cpu_s=float(theirs["cpu_s"]),
                 passes=case.passes,
             )
-    same = float(np.abs(base.picture.frame.image - runs["exact"].picture.frame.image).max())
+    of = {name: ds.sel(setting=name) for name in settings}
+    same = float(np.abs(of["packets"]["picture"] - of["exact"]["picture"]).max())
     trial.check(f"{case.name}: exact passes differ from those of packets", same, 0)
-    found = np.array(runs["corrected"].energies) / np.array(base.energies) - 1
+    found = (1 + of["corrected"]["energy"]) / (1 + of["packets"]["energy"]) - 1
     what = f"{case.name}: |t| of the energy of corrected passes"
     trial.check(what, abs(student_t(found)), LIMIT_Z)
-
-
-def _goals(case: Case) -> dict[str, tuple[float, float] | None]:
-    """Goals of corrected passes by rival."""
-    return {"packets": case.packets, "exact": case.exact, f"{PICKS} picks": case.picks}
 
 
 def bias(trial: Trial, case: Case, scene: vc.Scene) -> None:
@@ -158,22 +178,29 @@ def bias(trial: Trial, case: Case, scene: vc.Scene) -> None:
     )
 
 
-def gain_over(error: float, cpu_s: float, other_error: float, other_cpu_s: float) -> float:
-    """Error·time of the first over that of the other: above 1 the other is better."""
-    return (error * cpu_s) / (other_error * other_cpu_s)
-
-
-def errors_of(picture: vc.Progressive, references: list[vc.Frame]) -> tuple[float, float]:
-    """NMSE and relMSE, by the product of the differences to two independent references.
-
-    Their noise is in neither expectation.
-    """
-    a = picture.frame.image.astype(np.float64)
-    first, second = (r.image.astype(np.float64) for r in references)
-    squares: npt.NDArray[np.float64] = (a - first) * (a - second)
-    truth = (first + second) / 2
-    mean = truth.mean()
-    return (
-        float(squares.mean() / mean**2),
-        float((squares / (truth**2 + (0.05 * mean) ** 2)).mean()),
+def never_slower(trial: Trial, case: CannotWin, scene: vc.Scene) -> None:
+    """CPU seconds of exact passes over those of corrected ones."""
+    picture = partial(vc.Progressive, scene, case.light, size=case.size)
+    picture(visibility=vc.Exact()).passes(1)  # builds the trees
+    taken = []
+    for _ in range(TURNS if case.goal else 1):
+        ways = {
+            "exact": picture(visibility=vc.Exact()),
+            "ours": picture(visibility=vc.Aqvc(), use="correct"),
+        }
+        samples, frames = turns(
+            {n: partial(way.passes, 1) for n, way in ways.items()}, case.passes, warm_up=False
+        )
+        taken.append([sum(s.cpu_s for s in samples[name]) for name in ways])
+    frame = frames["ours"]
+    trial.figure(
+        f"never slower, {case.name}: corrected vs exact passes, CPU time",
+        statistics.median(ours for _, ours in taken),
+        "s",
+        baseline=statistics.median(exact for exact, _ in taken),
+        ratios=[exact / ours for exact, ours in taken],
+        goal=case.goal,
+        exact_queries=frame.counters["exact_queries"] / frame.counters["queries"],
+        becomes_exact=any("exact visibility from" in text for text in frame.warnings),
+        passes=case.passes,
     )

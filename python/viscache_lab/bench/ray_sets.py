@@ -53,13 +53,7 @@ def make_ray_set(scene: vc.Scene, name: str, n: int, *, seed: int = 7) -> RaySet
 
 def surface_points(scene: vc.Scene, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """N points distributed by area over the scene's own meshes, with normals on random sides."""
-    corners = np.concatenate(
-        [
-            np.asarray(m["vertices"])[np.asarray(m["triangles"])]
-            for m in scene.meshes()
-            if m["in_world"]
-        ]
-    ).astype(np.float64)
+    corners = _corners(scene)
     a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normals = np.cross(ab, ac)
     areas = np.linalg.norm(normals, axis=1)
@@ -94,3 +88,24 @@ def _camera_rays(scene: vc.Scene, n: int) -> RaySet:
     d = (d / np.linalg.norm(d, axis=-1, keepdims=True)).reshape(-1, 3).astype(np.float32)
     o = np.broadcast_to(np.asarray(camera.origin, np.float32), d.shape).copy()
     return RaySet(name="camera", origins=o, directions=d, t_max=float("inf"))
+
+
+def g_buffer(scene: vc.Scene, side: int) -> tuple[Array, Array]:
+    """First hits of a square image, moved off the surface towards the camera, and normals."""
+    rays = make_ray_set(scene, "camera", side * side)
+    hits = scene.intersect(rays.origins, rays.directions)
+    hit = hits.triangle >= 0
+    tri = _corners(scene)[hits.triangle[hit]]
+    n = np.cross(tri[:, 1] - tri[:, 0], tri[:, 2] - tri[:, 0])
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    d = rays.directions[hit]
+    n *= -np.sign(np.sum(n * d, axis=1, keepdims=True))
+    points = rays.origins[hit] + hits.t[hit, None] * d + n * 1e-4
+    return points.astype(np.float32), n.astype(np.float32)
+
+
+def _corners(scene: vc.Scene) -> npt.NDArray[np.float64]:
+    """(N, 3, 3) corners of the triangles of the scene's own meshes."""
+    meshes = [m for m in scene.meshes() if m["in_world"]]
+    corners = [np.asarray(m["vertices"])[np.asarray(m["triangles"])] for m in meshes]
+    return np.concatenate(corners).astype(np.float64)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.peers import Peer, missing
+from viscache_lab.bench.peers import Peer, blocked, missing, time_of
 from viscache_lab.bench.ray_sets import SETS, RaySet, make_ray_set
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import build_scene, fastest, turns
+from viscache_lab.experiment.amounts import fastest, turns
 
 SCENES = (
     "room?triangles=200000",
@@ -30,66 +30,46 @@ PLANS = [(w, c) for w in (1, 4, 8, 16) for c in (False, True) if not (w == 1 and
 
 
 @BENCHES.add(
-    "rays", "any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex"
+    "rays",
+    "any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex",
+    cases=SCENES,
+    quick_cases=QUICK_SCENES,
+    note="embree-loop: the best of loops over rtcOccluded1/4/8/16 with either traversal flag, same"
+    " threads, same chunks. mitsuba: ray_test of its llvm variant. embreex: its one thread"
+    " against all of ours, by the wall clock. Robust scene flag on all sides.",
 )
-def rays(trial: Trial) -> None:
-    """Every scene, ray set and baseline, with Embree's robust flag on all sides."""
-    for spec in QUICK_SCENES if trial.quick else SCENES:
-        scene = build_scene(spec)
-        peers = {}
+def rays(trial: Trial, spec: str, scene: vc.Scene) -> None:
+    """Every ray set and baseline, with Embree's robust flag on all sides."""
+    peers = {}
+    with ExitStack() as running:
         for name in ("mitsuba", "embreex"):
             reason = missing(name, scene)
             if reason:
                 trial.skip(f"{spec} vs {name}", reason)
             else:
-                peers[name] = Peer(name, scene)
-        try:
-            for which in SETS:
-                n = 50_000 if trial.quick else 500_000
-                _compare(
-                    trial,
-                    scene,
-                    spec,
-                    make_ray_set(scene, which, n),
-                    peers,
-                    2 if trial.quick else 5,
-                )
-        finally:
-            for peer in peers.values():
-                peer.__exit__(None, None, None)
-    trial.notes.append(
-        "embree-loop: the best of loops over rtcOccluded1/4/8/16 with either traversal flag, same"
-        " threads, same chunks. mitsuba: ray_test of its llvm variant. embreex: its one thread"
-        " against all of ours, by the wall clock. Robust scene flag on all sides."
-    )
+                peers[name] = running.enter_context(Peer(name, scene))
+        for which in SETS:
+            r = make_ray_set(scene, which, 50_000 if trial.quick else 500_000)
+            label = f"{spec.partition('?')[0]} {scene.triangles} {r.name} any-hit"
+            _compare(trial, label, scene, r, peers)
 
 
 def _compare(
-    trial: Trial, scene: vc.Scene, spec: str, r: RaySet, peers: dict[str, Peer], repeats: int
+    trial: Trial, label: str, scene: vc.Scene, r: RaySet, peers: Mapping[str, Peer]
 ) -> None:
-    caster = scene.caster()
-    width, coherent = _best_plan(caster, r)
+    loop = partial(scene.caster().bare_occluded, r.origins, r.directions, r.t_max)
+    width, coherent = fastest({(w, c): partial(loop, w, coherent=c) for w, c in PLANS})
     runs: dict[str, Callable[[], Any]] = {
-        "ours": lambda: scene.occluded(r.origins, r.directions, r.t_max),
-        "embree-loop": lambda: _loop(caster, r, width, coherent),
+        "ours": partial(scene.occluded, r.origins, r.directions, r.t_max),
+        "embree-loop": partial(loop, width, coherent=coherent),
     }
     for name, peer in peers.items():
         peer.give(origins=r.origins, directions=r.directions, t_max=r.t_max)
-        runs[name] = lambda peer=peer: peer.run({"job": "any_hit"})[0]  # type: ignore[misc]
-    found_by = turns(runs, repeats)
-    samples, answers = found_by.samples, found_by.answers
-    for name, peer in peers.items():
-        found = peer.result()["occluded"]
-        # embreex answers 0 where a ray is blocked, −1 where it is free
-        answers[name] = found == 0 if name == "embreex" else found.astype(bool)
-
-    label = f"{spec.partition('?')[0]} {scene.triangles} {r.name} any-hit"
-    for name in runs:
-        if name == "ours":
-            continue
-        more: dict[str, Any] = {}
-        if name == "embree-loop":
-            more["plan"] = f"{width}{' coherent' if coherent else ''}"
+        runs[name] = partial(time_of, peer, "any_hit")
+    samples, answers = turns(runs, trial.repeats(5, 2))
+    answers |= {name: blocked(peer.result()["occluded"], name) for name, peer in peers.items()}
+    for name in list(runs)[1:]:
+        plan = {"plan": f"{width}{' coherent' if coherent else ''}"}
         trial.ratio(
             f"{label} vs {name}",
             samples["ours"],
@@ -97,23 +77,9 @@ def _compare(
             clock="wall_s" if name == "embreex" else "cpu_s",
             work=len(r),
             goal=GOALS[name],
-            **more,
+            **(plan if name == "embree-loop" else {}),
         )
         differing = float(np.mean(answers["ours"] != answers[name]))
-        trial.check(
-            f"{label}: share unlike {name}",
-            differing,
-            0 if name == "embree-loop" else EDGE_TOLERANCE,
-        )
-    blocked = float(answers["ours"].mean())
-    trial.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
-
-
-def _loop(caster: Any, r: RaySet, width: int, coherent: bool) -> npt.NDArray[np.bool_]:
-    answers = caster.bare_occluded(r.origins, r.directions, r.t_max, width, coherent=coherent)
-    return np.asarray(answers)
-
-
-def _best_plan(caster: Any, r: RaySet) -> tuple[int, bool]:
-    """The packet width and flag of the fastest bare loop on this set."""
-    return fastest({plan: partial(_loop, caster, r, *plan) for plan in PLANS})
+        limit = 0 if name == "embree-loop" else EDGE_TOLERANCE
+        trial.check(f"{label}: share unlike {name}", differing, limit)
+    trial.check(f"{label}: all or nothing blocked", float(not answers["ours"].any()), 0)

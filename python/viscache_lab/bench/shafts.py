@@ -10,7 +10,7 @@ import viscache as vc
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, turns
+from viscache_lab.experiment.amounts import turns, visibility_clock
 
 Engine = Literal["packets", "shafts", "auto"]
 ENGINES: tuple[Engine, ...] = ("packets", "shafts", "auto")
@@ -46,23 +46,19 @@ CASES = (
 QUICK = (Case("room, 64², 4 samples", "room?triangles=3000", (64, 64), 4, 70, 1),)
 
 
-@BENCHES.add("shafts", "exact visibility of virtual point lights by shafts against packets of rays")
-def shafts(trial: Trial) -> None:
+@BENCHES.add(
+    "shafts",
+    "exact visibility of virtual point lights by shafts against packets of rays",
+    cases=CASES,
+    quick_cases=QUICK,
+    note="Visibility of some tiles, one thread, with all preparation but the tree of the scene;"
+    " packets by light with the coherent flag. open: share of queries that rays answer.",
+)
+def shafts(trial: Trial, case: Case, scene: vc.Scene) -> None:
     """CPU seconds of visibility in some tiles, one thread; frames must have equal bytes."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
-        measure(trial, case, scene, 1 if trial.quick else 3)
-    trial.notes.append(
-        "Visibility of some tiles, one thread, with all preparation but the tree of the scene;"
-        " packets by light with the coherent flag. open: share of queries that rays answer."
-    )
-
-
-def measure(trial: Trial, case: Case, scene: vc.Scene, repeats: int) -> None:
-    """Let the engines take turns, and compare the bytes of their frames."""
     scene.caster()
     runs = {e: partial(_frame, case, scene, e, coherent=True) for e in ENGINES}
-    found = turns(runs, repeats, clock=_clock)
-    samples, frames = found.samples, found.answers
+    samples, frames = turns(runs, trial.repeats(3), clock=visibility_clock)
     packets, incoherent = frames["packets"], _frame(case, scene, "packets", coherent=False)
     queries = packets.counters["queries"]
     for engine in ENGINES[1:]:
@@ -92,9 +88,3 @@ def _frame(case: Case, scene: vc.Scene, engine: Engine, *, coherent: bool) -> vc
     part = (min(3, case.parts - 1), case.parts)
     shot = BareShot(scene, vc.Whitted(n_vpls=case.n_vpls), visibility=exact, **more)
     return render_part(shot, part)
-
-
-def _clock(frame: vc.Frame) -> Sample:
-    """The time of visibility, all of it on one thread."""
-    cpu = frame.timings["visibility_cpu_s"]
-    return Sample(wall_s=cpu, cpu_s=cpu)

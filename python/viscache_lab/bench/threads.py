@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import statistics
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, Protocol
 
@@ -17,13 +15,14 @@ import viscache as vc
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import Sample, build_scene, interleave, timed
+from viscache_lab.experiment.amounts import turns
 
 #: Least speed-up with two threads.
 GOAL_OF_TWO = 1.9
-REPEATS, QUICK_REPEATS = 3, 1
 ROOM = "room?triangles=200000"
 SEGMENTS = 4_000_000
+LIGHTS: Integrator = vc.Whitted(n_vpls=256)
+PACKETS: Visibility = vc.Exact(engine="packets")
 FIELD = vc.Vlf(n_directions=129, n_tiles=64)
 
 
@@ -34,24 +33,18 @@ class Work(Protocol):
         """The answers, whose bytes must not depend on `threads`."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Picture:
     """A frame."""
 
-    integrator: Integrator
-    visibility: Visibility = field(default_factory=lambda: vc.Exact(engine="packets"))
+    integrator: Integrator = LIGHTS
+    visibility: Visibility = PACKETS
     size: tuple[int, int] = (512, 512)
     spp: int = 1
 
     def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
-        return vc.render(
-            scene,
-            self.integrator,
-            visibility=self.visibility,
-            size=self.size,
-            spp=self.spp,
-            threads=threads,
-        ).image
+        shot = vc.Shot(scene, self.integrator, size=self.size, spp=self.spp, threads=threads)
+        return shot.render(visibility=self.visibility).image
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -86,7 +79,7 @@ def built_field(scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
     return np.asarray(made.occluded(rays[0], rays[1], np.inf, threads))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Case:
     """Work in a scene."""
 
@@ -95,96 +88,68 @@ class Case:
     scene: str = ROOM
 
 
-LIGHTS, AQVC = vc.Whitted(n_vpls=256), vc.Aqvc(c_e=10)
+AQVC, SPHERES = vc.Aqvc(c_e=10), "bumpy_spheres?triangles=15000"
+AMBIENT = vc.AmbientOcclusion(n_samples=16)
+SHARED = vc.AmbientOcclusion(n_samples=513, directions="shared")
 SETS = vc.Direct(n_area=0, environment="shared", n_environment=512, interleave=16)
 OWN = vc.Direct(n_area=0, n_environment=4, n_brdf=4)
+PRODUCT = vc.Direct(environment="product")
 CASES = (
-    Case(name="packets, 192x192", work=Picture(integrator=LIGHTS, size=(192, 192))),
-    Case(name="packets, 512x512", work=Picture(integrator=LIGHTS)),
+    Case("packets, 192x192", Picture(size=(192, 192))),
+    Case("packets, 512x512", Picture()),
+    Case("shafts, 512x512", Picture(visibility=vc.Exact(engine="shafts"))),
+    Case("quantized cache, 192x192", Picture(visibility=AQVC, size=(192, 192))),
+    Case("quantized cache, 512x512", Picture(visibility=AQVC)),
     Case(
-        name="shafts, 512x512",
-        work=Picture(integrator=LIGHTS, visibility=vc.Exact(engine="shafts")),
+        "quantized cache, 256x256, 16 samples",
+        Picture(visibility=vc.Aqvc(c_e=24), size=(256, 256), spp=16),
+    ),
+    Case("2 corrected passes, 512x512", Passes()),
+    Case("ambient occlusion, 16 rays of each pixel's own", Picture(AMBIENT)),
+    Case("ambient occlusion, 513 shared directions", Picture(SHARED), SPHERES),
+    Case("sky, 4 + 4 own samples", Picture(OWN, spp=4), "stairs"),
+    Case(
+        "sky, 512 directions in 16 sets, 256x256, 16 samples",
+        Picture(SETS, size=(256, 256), spp=16),
+        "stairs",
     ),
     Case(
-        name="quantized cache, 192x192",
-        work=Picture(integrator=LIGHTS, visibility=AQVC, size=(192, 192)),
-    ),
-    Case(name="quantized cache, 512x512", work=Picture(integrator=LIGHTS, visibility=AQVC)),
-    Case(
-        name="quantized cache, 256x256, 16 samples",
-        work=Picture(integrator=LIGHTS, visibility=vc.Aqvc(c_e=24), size=(256, 256), spp=16),
-    ),
-    Case(name="2 corrected passes, 512x512", work=Passes()),
-    Case(
-        name="ambient occlusion, 16 rays of each pixel's own",
-        work=Picture(integrator=vc.AmbientOcclusion(n_samples=16)),
+        "sky, visibility maps, 320x240",
+        Picture(PRODUCT, visibility=vc.VisMaps(), size=(320, 240)),
+        "garage",
     ),
     Case(
-        name="ambient occlusion, 513 shared directions",
-        scene="bumpy_spheres?triangles=15000",
-        work=Picture(integrator=vc.AmbientOcclusion(n_samples=513, directions="shared")),
+        "bidirectional paths, quantized cache, 256x256, 4 samples",
+        Picture(vc.Bdpt(), visibility=vc.Aqvc(), size=(256, 256), spp=4),
+        "cornell_box",
     ),
-    Case(name="sky, 4 + 4 own samples", scene="stairs", work=Picture(integrator=OWN, spp=4)),
-    Case(
-        name="sky, 512 directions in 16 sets, 256x256, 16 samples",
-        scene="stairs",
-        work=Picture(integrator=SETS, size=(256, 256), spp=16),
-    ),
-    Case(
-        name="sky, visibility maps, 320x240",
-        scene="garage",
-        work=Picture(
-            integrator=vc.Direct(environment="product"), visibility=vc.VisMaps(), size=(320, 240)
-        ),
-    ),
-    Case(
-        name="bidirectional paths, quantized cache, 256x256, 4 samples",
-        scene="cornell_box",
-        work=Picture(integrator=vc.Bdpt(), visibility=vc.Aqvc(), size=(256, 256), spp=4),
-    ),
-    Case(name="4 million random segments", work=segments),
-    Case(name="a visibility field", scene="bumpy_spheres?triangles=15000", work=built_field),
+    Case("4 million random segments", segments),
+    Case("a visibility field", built_field, SPHERES),
 )
-SMALL = Picture(integrator=vc.Whitted(n_vpls=16), visibility=AQVC, size=(80, 50))
+SMALL_ROOM, SMALL = "room?triangles=3000", Picture(vc.Whitted(n_vpls=16), AQVC, (80, 50))
 QUICK = (
-    Case(name="quantized cache, 80x50", scene="room?triangles=3000", work=SMALL),
-    Case(name="2 corrected passes, 80x50", scene="room?triangles=3000", work=Passes(size=(80, 50))),
+    Case("quantized cache, 80x50", SMALL, SMALL_ROOM),
+    Case("2 corrected passes, 80x50", Passes(size=(80, 50)), SMALL_ROOM),
 )
 
 
 @BENCHES.add(
-    "threads", "wall-clock time with one thread, two, … and all cores; the bytes are the same"
+    "threads",
+    "wall-clock time with one thread, two, … and all cores; the bytes are the same",
+    cases=CASES,
+    quick_cases=QUICK,
+    note="Ratios: wall-clock time with one thread over that with more, in turns.",
 )
-def threads(trial: Trial) -> None:
-    """Each case with every number of threads, in turns."""
-    counts = thread_counts(len(os.sched_getaffinity(0)))
+def threads(trial: Trial, case: Case, scene: vc.Scene) -> None:
+    """Each case with 1, 2, 4, … and all cores, in turns."""
+    cores = len(os.sched_getaffinity(0))
+    counts = sorted({1 << k for k in range(cores.bit_length())} | {cores})
     if counts == [1]:
-        trial.skip("speed-ups", "this process may use one core only")
-    for case in QUICK if trial.quick else CASES:
-        measure(trial, case, counts, QUICK_REPEATS if trial.quick else REPEATS)
-    trial.notes.append("Ratios: wall-clock time with one thread over that with more, in turns.")
-
-
-def thread_counts(cores: int) -> list[int]:
-    """1, 2, 4, … and all cores."""
-    return sorted({1 << k for k in range(cores.bit_length())} | {cores})
-
-
-def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
-    """Let all numbers of threads take turns."""
-    scene = build_scene(case.scene)
-    digests: dict[int, str] = {}
-
-    def run(n: int) -> Sample:
-        sample, answers = timed(lambda: case.work(scene, n))
-        digests[n] = hashlib.sha256(answers.tobytes()).hexdigest()
-        return sample
-
-    runs: dict[str, Callable[[], Sample]] = {str(n): partial(run, n) for n in counts}
-    samples = interleave(runs, repeats)
-    one = samples["1"]
+        trial.skip(f"{case.name}: speed-ups", "this process may use one core only")
+    samples, answers = turns({n: partial(case.work, scene, n) for n in counts}, trial.repeats(3))
+    one = samples[1]
     for n in counts[1:]:
-        mine = samples[str(n)]
+        mine = samples[n]
         pairs = list(zip(one, mine, strict=True))
         trial.figure(
             f"{case.name}: {n} threads vs one",
@@ -198,6 +163,6 @@ def measure(trial: Trial, case: Case, counts: list[int], repeats: int) -> None:
         )
     trial.check(
         f"{case.name}: numbers of threads whose answers differ from those of one",
-        float(sum(digest != digests[1] for digest in digests.values())),
-        0.0,
+        sum(found.tobytes() != answers[1].tobytes() for found in answers.values()),
+        0,
     )

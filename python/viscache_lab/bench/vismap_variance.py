@@ -4,23 +4,133 @@ Random pixels of a picture are estimated many times in a model whose lights are 
 texels, so that the true value is a sum (`viscache_lab.cases.simulation`). Both sides take the same
 number of samples from the same kind of points. In the *steady state*, α comes from earlier passes.
 In *one shot*, there are no earlier passes: the samples are taken in passes of 10, 20, 40, ….
-Rendered pictures in equal time follow (`vismap_time`).
+
+Then rendered pictures in equal time: CPU seconds of all threads, new records for every picture, so
+these must be large enough to share records.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import statistics
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache_lab.bench.vismap_time import equal_time
+from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache_lab.cases.simulation import PixelEstimates, Way, simulate
 from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import build_scene
+
+AT = 30
+GUIDED = vc.VisMaps(sampling="guided")
+#: The rival without maps: shared directions in sets, as in `viscache bench peers`.
+DEALT, SETS = 512, 16
+#: Limit of look-ups, J and records together, in µs per pixel and core.
+MOST_US = 5.0
+#: Limit of the time to build the cache of 128×96 pixels.
+MOST_BUILD_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """A picture and the required gain in equal time."""
+
+    scene: str
+    quick_scene: str
+    size: tuple[int, int]
+    renders: int
+    goals: dict[str, float]
+
+
+TIMED = (
+    Timed("garage", "garage?triangles=30000", (640, 480), 3, {"control variate, alpha 1": 2.0}),
+    Timed("window_room", "window_room", (128, 96), 12, {"guided": 6.0}),
+)
+TINY = (24, 18)
+
+
+def equal_time(trial: Trial) -> None:
+    """Gains in equal time, the cost of look-ups, the time to build a cache."""
+    for full in TIMED:
+        # Small pictures have too few pixels to share records, so they have no goals
+        quick = replace(full, scene=full.quick_scene, size=TINY, goals={}, renders=2)
+        case = quick if trial.quick else full
+        picture = Picture(scene=build_scene(case.scene), size=case.size)
+        gain = partial(_gain, trial, full.scene, case, picture)
+        for name, maps in {"control variate, alpha 1": paper_maps(None), "guided": GUIDED}.items():
+            frames = [picture.maps(AT, maps) for _ in range(3)]
+            kept = replace(maps, cache=picture.build_cache(), update=False)
+            gain(name, frames, partial(picture.maps, AT, kept))
+        _costs(trial, full.scene, picture, frames)
+        frames = [picture.dealt(DEALT, SETS) for _ in range(3)]
+        rival = f"{DEALT} shared directions in {SETS} sets"
+        gain(rival, frames, partial(picture.dealt, DEALT, SETS))
+    trial.notes.append("equal time is that of all processors, records made anew each time")
+
+
+def _gain(
+    trial: Trial,
+    scene: str,
+    case: Timed,
+    picture: Picture,
+    name: str,
+    frames: list[vc.Frame],
+    make: Callable[[int], vc.Frame],
+) -> None:
+    """The variance of `make(seed)` beside product sampling in the time of `frames`."""
+    equal = samples_in(picture, cpu_median(frames))
+    left = variance_ratio(
+        images(make, range(case.renders)),
+        images(lambda seed: picture.product(equal, seed), range(100, 100 + case.renders)),
+    )
+    trial.figure(
+        f"{scene}, {name}, equal time vs product sampling",
+        left.ratio,
+        "of the variance",
+        baseline=1.0,
+        ratios=left.gains,
+        goal=case.goals.get(name),
+        samples_of_baseline=equal,
+        energy_z=left.energy_z,
+    )
+
+
+def _costs(trial: Trial, scene: str, picture: Picture, frames: list[vc.Frame]) -> None:
+    """Of guided frames, whose records are made anew."""
+    pixels = picture.size[0] * picture.size[1]
+
+    def us(stage: str) -> float:
+        return statistics.median(f.timings[stage] for f in frames) / pixels * 1e6
+
+    kept = replace(GUIDED, cache=picture.build_cache(), update=False)
+    with_records = [picture.maps(AT, kept) for _ in range(3)]
+    records = cpu_median(frames) - cpu_median(with_records)
+    maps_us = us("maps_cpu_s") + max(records, 0.0) / pixels * 1e6
+    trial.figure(
+        f"{scene}, look-ups, J and records vs {MOST_US:g} us per pixel",
+        maps_us,
+        "us per pixel",
+        baseline=MOST_US,
+        ratios=[MOST_US / maps_us],
+        goal=None if trial.quick else 1.0,
+        trees_us=us("trees_cpu_s"),
+        sample_us=us("samples_cpu_s") / AT,
+    )
+    built = statistics.median(frame.timings["records_s"] for frame in frames)
+    trial.figure(
+        f"{scene}, records of {picture.size[0]}x{picture.size[1]} pixels vs 1 s",
+        built,
+        "s",
+        baseline=MOST_BUILD_S,
+        ratios=[MOST_BUILD_S / max(built, 1e-9)],
+        goal=1.0 if picture.size == (128, 96) else None,
+    )
+
 
 ETA = 0.25
 #: Passes of a pixel in the steady state: the first five give α for the last.
@@ -41,18 +151,18 @@ WAYS: dict[str, Way] = {
 IID_ONLY = {"control variate, leave-one-out": Way(alpha="loo", points="iid")}
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Case:
     """A picture, and the largest remaining share of the variance for some of the ways."""
 
     name: str
     scene: str
     quick_scene: str
+    goals: Mapping[tuple[str, str, int], float]
+    """By way, points and samples."""
     camera: int = 0
     m: int = 5
     """A map has 2^m × 2^m cells."""
-    goals: Mapping[tuple[str, str, int], float]
-    """By way, points and samples."""
 
 
 STEADY_WAY, PAPER = "control variate, alpha of earlier passes", "control variate, alpha 1"
@@ -60,45 +170,25 @@ GARDEN_GOALS = {
     **{(STEADY_WAY, points, n): 1.03 for points in ("iid", "rqmc") for n in (10, 30, 100)},
     **{("control variate, leave-one-out", "iid", n): 1.03 for n in (30, 100)},
 }
+GARAGE_GOALS = {("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2}
 CASES = (
-    Case(
-        name="garage",
-        scene="garage",
-        quick_scene="garage?triangles=60000",
-        goals={
-            (PAPER, "rqmc", 10): 0.45,
-            ("guided", "rqmc", 10): 0.27,
-            ("guided", "rqmc", 30): 0.2,
-        },
-    ),
-    Case(
-        name="garage, maps of 64x64",
-        scene="garage",
-        quick_scene="garage?triangles=60000",
-        m=6,
-        goals={("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2},
-    ),
-    Case(name="garden1", scene="garden", quick_scene="garden?triangles=60000", goals=GARDEN_GOALS),
-    Case(
-        name="garden2",
-        scene="garden",
-        quick_scene="garden?triangles=60000",
-        camera=1,
-        goals=GARDEN_GOALS,
-    ),
-    Case(
-        name="window_room",
-        scene="window_room",
-        quick_scene="window_room",
-        goals={("guided", "rqmc", 30): 1 / 20},
-    ),
+    Case("garage", "garage", "garage?triangles=60000", GARAGE_GOALS | {(PAPER, "rqmc", 10): 0.45}),
+    Case("garage, maps of 64x64", "garage", "garage?triangles=60000", GARAGE_GOALS, m=6),
+    Case("garden1", "garden", "garden?triangles=60000", GARDEN_GOALS),
+    Case("garden2", "garden", "garden?triangles=60000", GARDEN_GOALS, camera=1),
+    Case("window_room", "window_room", "window_room", {("guided", "rqmc", 30): 1 / 20}),
 )
 SAMPLES, QUICK_SAMPLES = (10, 30, 100), (10, 30)
 FULL, QUICK = {"n_pixels": 512, "replicates": 64}, {"n_pixels": 24, "replicates": 16}
 SIZE, QUICK_SIZE = (640, 480), (160, 120)
 
 
-@BENCHES.add("vismap-variance", "variance with visibility maps against product sampling")
+@BENCHES.add(
+    "vismap-variance",
+    "variance with visibility maps against product sampling",
+    note="values are variances left; ratios are gains, product sampling over ours, with the 95 % "
+    "interval of a bootstrap over replicates; in the world of the environment's texels",
+)
 def vismap_variance(trial: Trial) -> None:
     """Run every case, way and point set."""
     size = QUICK_SIZE if trial.quick else SIZE
@@ -117,11 +207,7 @@ def vismap_variance(trial: Trial) -> None:
         )
         add_figures(trial, case, found, samples, len(cache))
         check_means(trial, case.name, found)
-    equal_time(trial, trial.quick)
-    trial.notes.append(
-        "values are variances left; ratios are gains, product sampling over ours, with the 95 % "
-        "interval of a bootstrap over replicates; in the world of the environment's texels"
-    )
+    equal_time(trial)
 
 
 def all_ways() -> list[Way]:

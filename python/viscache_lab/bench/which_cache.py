@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.bench.errors import Run, take_turns
-from viscache_lab.bench.progressive import FIRST_OF_REFERENCES
+from viscache.passes.over_time import gain
 from viscache_lab.experiment import BENCHES, Trial
-from viscache_lab.experiment.amounts import figure, student_t
-
-Array = npt.NDArray[np.float64]
+from viscache_lab.experiment.amounts import student_t
 
 #: Limit of |t| of the energy against exact passes; it has 7 degrees of freedom.
 LIMIT_T = 6.0
-#: Floor of the relative error, as a share of the picture's mean.
-DARK = 0.05
-#: Edge of the blocks of pixels that a bootstrap draws.
-BLOCK = 16
-BOOTSTRAP = 400
 #: Edge of the Python oracle's cells, as a share of the scene's diagonal.
 EDGE = 1 / 64
 
@@ -62,19 +54,6 @@ QUICK = (
 )
 
 
-@BENCHES.add("which-cache", "which way wins where: error times time of passes over 14 pictures")
-def which_cache(trial: Trial) -> None:
-    """MSE·time of exact passes over that of every other way, scene by scene."""
-    for case, scene in trial.scenes(QUICK if trial.quick else CASES):
-        measure(trial, case, scene)
-    trial.notes.append(
-        "A ratio is MSE·CPU time of vc.Exact() over that of the way, with the 95 % interval of a"
-        " bootstrap over blocks of pixels; gain_rel has squared errors relative to each pixel."
-        " Light that the camera sees directly is left out. Two references of exact passes: their"
-        " noise cancels. Ways take turns pass by pass."
-    )
-
-
 @dataclass(frozen=True)
 class Cells:
     """An oracle as users write it: one eye point asks for all in a cell of space."""
@@ -91,124 +70,87 @@ class Cells:
         return eyes[first].trace(lamps, asked)[cell.ravel()]
 
 
-def ways(case: Case, edge: float = 1.0) -> dict[str, tuple[Any, Any, Any]]:
-    """(integrator, visibility, use) of each way; the first is the baseline.
+def ways(case: Case, edge: float = 1.0) -> tuple[Any, dict[str, dict[str, Any]]]:
+    """The integrator of the references, and the ways; the first is the baseline.
 
     `edge` is that of the cells of the oracle in Python.
     """
+    exact = {"visibility": vc.Exact()}
     voxels = {
-        "nee++, roulette": (vc.NeePlusPlus(), "replace"),
-        "nee++, corrected": (vc.NeePlusPlus(), "correct"),
+        "nee++, roulette": {"visibility": vc.NeePlusPlus(), "use": "replace"},
+        "nee++, corrected": {"visibility": vc.NeePlusPlus(), "use": "correct"},
     }
     if case.sky:
         light: Any = vc.Direct(n_environment=case.n_environment, n_brdf=0)
-        return {
-            "exact": (light, vc.Exact(), None),
-            "product sampling": (replace(light, environment="product"), vc.Exact(), None),
-            "maps": (light, vc.VisMaps(), "correct"),
-            **{name: (light, *way) for name, way in voxels.items()},
-        }
+        product = replace(light, environment="product")
+        own = {
+            "exact": exact,
+            "product sampling": {**exact, "integrator": product},
+            "maps": {"visibility": vc.VisMaps(), "use": "correct"},
+        } | voxels
+        # The noise of plain samples of a sky through a window is too large
+        fine = replace(product, n_environment=2 * case.n_environment)
+        return fine, {name: {"integrator": light, **way} for name, way in own.items()}
     many = vc.Whitted(n_vpls=case.n_vpls)
-    return {
-        "exact": (many, vc.Exact(), None),
-        "aqvc, corrected": (many, vc.Aqvc(), "correct"),
-        "16 picks": (replace(many, pick=16), vc.Exact(), None),
-        "64 picks, corrected": (replace(many, pick=64), vc.Aqvc(), "correct"),
-        "oracle in Python": (many, Cells(edge), vc.Correct(share=0.1)),
-        **{name: (many, *way) for name, way in voxels.items()},
+    corrected = {"visibility": vc.Aqvc(), "use": "correct"}
+    return many, {
+        "exact": exact,
+        "aqvc, corrected": corrected,
+        "16 picks": {**exact, "integrator": replace(many, pick=16)},
+        "64 picks, corrected": {**corrected, "integrator": replace(many, pick=64)},
+        "oracle in Python": {"visibility": Cells(edge), "use": vc.Correct(share=0.1)},
+        **voxels,
     }
 
 
-def measure(trial: Trial, case: Case, scene: vc.Scene) -> None:
-    """Let the ways take turns pass by pass."""
-    runs: dict[str, Run] = {}
-    baseline = ways(case)["exact"][0]
-    vc.Progressive(scene, baseline, visibility="exact", size=case.size).passes(
-        1
-    )  # builds the trees
-    low, high = scene.bounds
-    edge = EDGE * float(np.linalg.norm(np.subtract(high, low)))
-    for name, (light, visibility, use) in ways(case, edge).items():
-        made = vc.Progressive(scene, light, visibility=visibility, use=use, size=case.size)
-        runs[name] = Run(made)
-    take_turns(list(runs.values()), case.passes)
-    light = ways(case)["exact"][0]
-    if case.sky:  # the noise of plain samples of a sky through a window is too large
-        light = replace(light, environment="product", n_environment=2 * case.n_environment)
-    references = [
-        reflected(vc.Progressive(scene, light, visibility="exact", size=case.size, first_pass=n),
-                  case.passes)
-        for n in FIRST_OF_REFERENCES
-    ]  # fmt: skip
-    squares = {name: squared(reflected(run.picture), references) for name, run in runs.items()}
-    base = runs["exact"]
+@BENCHES.add(
+    "which-cache",
+    "which way wins where: error times time of passes over 14 pictures",
+    cases=CASES,
+    quick_cases=QUICK,
+    note="A ratio is MSE·CPU time of vc.Exact() over that of the way, with the interval that the"
+    " 95 % ones of both errors, over blocks of the picture, give; gain_rel has squared errors"
+    " relative to each pixel. Light that the camera sees directly is left out. Two references of"
+    " exact passes: their noise cancels. Ways take turns pass by pass.",
+)
+def which_cache(trial: Trial, case: Case, scene: vc.Scene) -> None:
+    """MSE·time of exact passes over that of every other way, scene by scene."""
+    edge = EDGE * float(np.linalg.norm(np.ptp(scene.bounds, axis=0)))
+    light, settings = ways(case, edge)
+    vc.Progressive(
+        scene, settings["exact"].get("integrator", light), visibility="exact", size=case.size
+    ).passes(1)  # builds the trees
+    ds = vc.passes_over_time(scene, light, settings, passes=case.passes, size=case.size)
     label = f"{case.name}, sky" if case.sky else case.name
-    for name, run in runs.items():
-        if name == "exact":
-            continue
-        what = f"{label}: {name} vs exact"
-        seconds = (base.cpu_s, run.cpu_s)
-        trial.figures.append(
-            gain_figure(what, squares["exact"], squares[name], seconds, case.passes)
+    for name in list(settings)[1:]:
+        gain_figure(trial, f"{label}: {name} vs exact", ds, name)
+        exact, ours = (1 + ds["energy"].sel(setting=n) for n in ("exact", name))
+        trial.check(
+            f"{label}: {name}, |t| of the energy", abs(student_t(ours / exact - 1)), LIMIT_T
         )
-        found = np.array(run.energies) / np.array(base.energies) - 1
-        trial.check(f"{label}: {name}, |t| of the energy", abs(student_t(found)), LIMIT_T)
 
 
-def gain_figure(
-    what: str,
-    exact: tuple[Array, Array],
-    ours: tuple[Array, Array],
-    seconds: tuple[float, float],
-    passes: int,
-) -> dict[str, Any]:
-    """Squared error · CPU seconds of exact passes over that of ours, with intervals."""
-    faster = seconds[0] / seconds[1]
-    gains = [intervals(exact[i], ours[i]) for i in range(2)]
-    return figure(
-        what,
-        float(ours[0].mean()),
-        "nMSE",
-        baseline=float(exact[0].mean()),
-        ratios=sorted(faster * g for g in gains[0]),
-        gain_rel=faster * gains[1][1],
-        rel_low=faster * gains[1][0],
-        rel_high=faster * gains[1][2],
-        cpu_s=seconds[1],
-        exact_cpu_s=seconds[0],
-        passes=passes,
+def gain_figure(trial: Trial, what: str, ds: Any, name: str) -> None:
+    """Squared error · CPU seconds of exact passes over that of a way, with its interval."""
+    exact, ours = (
+        {
+            k: float(v)
+            for k, v in ds.drop_dims("row").isel({"pass": -1}).sel(setting=n).data_vars.items()
+        }
+        for n in ("exact", name)
     )
-
-
-def reflected(picture: vc.Progressive, passes: int = 0) -> Array:
-    """Light on surfaces, after some more passes."""
-    frame = picture.passes(passes)
-    return np.asarray(frame.image, np.float64) - frame.layers["emitted"]
-
-
-def squared(image: Array, references: list[Array]) -> tuple[Array, Array]:
-    """Squared errors by block of pixels, of the mean and relative to each pixel.
-
-    A square is the product of the differences to two independent references, whose noise is not in
-    its expectation.
-    """
-    first, second = references
-    squares, truth = (image - first) * (image - second), (first + second) / 2
-    mean = truth.mean()
-    return blocks(squares / mean**2), blocks(squares / (truth**2 + (DARK * mean) ** 2))
-
-
-def blocks(pixels: Array) -> Array:
-    """Means of BLOCK × BLOCK pixels in a row."""
-    h, w = (n // BLOCK * BLOCK for n in pixels.shape[:2])
-    cut = pixels[:h, :w].reshape(h // BLOCK, BLOCK, w // BLOCK, BLOCK, -1)
-    return np.asarray(cut.mean(axis=(1, 3, 4)).ravel())
-
-
-def intervals(exact: Array, ours: Array) -> tuple[float, float, float]:
-    """(low, value, high) of the quotient of the means."""
-    chosen = np.random.default_rng(0).integers(0, len(ours), (BOOTSTRAP, len(ours)))
-    value = float(exact.mean() / ours.mean())
-    drawn = exact[chosen].mean(axis=1) / ours[chosen].mean(axis=1)
-    low, high = np.quantile(drawn, [0.025, 0.975])
-    return min(float(low), value), value, max(float(high), value)
+    ratio = gain(ds, name)
+    spread = math.exp(
+        math.hypot(*((e["nmse_high"] - e["nmse"]) / e["nmse"] for e in (exact, ours)))
+    )
+    trial.figure(
+        what,
+        ours["nmse"],
+        "nMSE",
+        baseline=exact["nmse"],
+        ratios=[ratio / spread, ratio, ratio * spread],
+        gain_rel=gain(ds, name, error="rel_mse"),
+        cpu_s=ours["cpu_s"],
+        exact_cpu_s=exact["cpu_s"],
+        passes=ds.sizes["pass"],
+    )

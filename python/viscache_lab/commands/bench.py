@@ -85,14 +85,14 @@ def _options(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _environments(arguments: argparse.Namespace) -> Path:
-    from viscache_lab.bench.peer_environments import default_folder
+    from viscache_lab.bench.peers import default_folder
 
     return default_folder() if arguments.environments is None else Path(arguments.environments)
 
 
 def _make_environments(arguments: argparse.Namespace) -> int:
     """Exit status 1: one could not be made."""
-    from viscache_lab.bench.peer_environments import make_environments
+    from viscache_lab.bench.peers import make_environments
 
     if arguments.name != "peers":
         raise ValueError("--make-environments is an option of the bench peers alone")

@@ -7,11 +7,11 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from viscache.base.provenance import embree_version, isa
 from viscache.scenes import build
 
 Key = TypeVar("Key")
+S = TypeVar("S", bound="Sample")
 Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 
 
@@ -39,26 +40,25 @@ def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
 
 
 def interleave(
-    runs: Mapping[str, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
-) -> dict[str, list[Sample]]:
+    runs: Mapping[Key, Callable[[], S]], repeats: int, *, warm_up: bool = True
+) -> dict[Key, list[S]]:
     """Let all runs take turns, `repeats` times; every other round is in reverse order."""
     names = list(runs)
     if warm_up:
         for name in names:
             runs[name]()
-    samples: dict[str, list[Sample]] = {name: [] for name in names}
+    samples: dict[Key, list[S]] = {name: [] for name in names}
     for i in range(repeats):
         for name in names if i % 2 == 0 else reversed(names):
             samples[name].append(runs[name]())
     return samples
 
 
-@dataclass(frozen=True, slots=True)
-class Turns:
+class Turns(NamedTuple):
     """Durations and last answers of runs that took turns."""
 
-    samples: dict[str, list[Sample]]
-    answers: dict[str, Any]
+    samples: dict[Any, list[Sample]]
+    answers: dict[Any, Any]
 
 
 def turns(
@@ -80,9 +80,9 @@ def turns(
     clock : callable, optional
         The duration of an answer, e.g. `frame_clock`; that of the call by default.
     """
-    answers: dict[str, Any] = {}
+    answers: dict[Any, Any] = {}
 
-    def run(name: str) -> Sample:
+    def run(name: Any) -> Sample:
         time, answer = timed(runs[name])
         if isinstance(answer, Sample):
             return answer
@@ -97,11 +97,21 @@ def frame_clock(frame: vc.Frame) -> Sample:
     return Sample(wall_s=frame.timings["total_s"], cpu_s=frame.timings["cpu_s"])
 
 
+def visibility_clock(frame: vc.Frame) -> Sample:
+    """The time of a frame's visibility."""
+    return Sample(wall_s=frame.timings["visibility_s"], cpu_s=frame.timings["visibility_cpu_s"])
+
+
+def unbuilt_clock(frame: vc.Frame) -> Sample:
+    """The duration of a frame without the build of its structures."""
+    t = frame.timings
+    return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
+
+
 def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
     """Which run takes the least CPU time, of two turns."""
-    names = {str(key): key for key in runs}
-    samples = turns({name: runs[key] for name, key in names.items()}, 2, warm_up=False).samples
-    return names[min(samples, key=lambda name: min(s.cpu_s for s in samples[name]))]
+    samples = turns(runs, 2, warm_up=False).samples
+    return min(runs, key=lambda name: min(s.cpu_s for s in samples[name]))
 
 
 def student_t(values: Any) -> float:
@@ -148,8 +158,8 @@ def at_most_figure(
 
 def ratio_figure(
     name: str,
-    ours: list[Sample],
-    theirs: list[Sample],
+    ours: Sequence[Sample],
+    theirs: Sequence[Sample],
     *,
     clock: Clock = "cpu_s",
     work: float | None = None,
@@ -163,13 +173,13 @@ def ratio_figure(
     """
     other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
 
-    def of(samples: list[Sample], which: Clock) -> list[float]:
+    def of(samples: Sequence[Sample], which: Clock) -> list[float]:
         return [getattr(s, which) for s in samples]
 
     def ratios(which: Clock) -> list[float]:
         return [b / a for a, b in zip(of(ours, which), of(theirs, which), strict=True)]
 
-    def value(samples: list[Sample]) -> float:
+    def value(samples: Sequence[Sample]) -> float:
         seconds = statistics.median(of(samples, clock))
         return seconds if work is None else work / seconds / 1e6
 

@@ -37,18 +37,32 @@ img { max-width: 100%; height: auto; margin: 10px 0; background: #fff; }
 def html(summary: Mapping[str, Any]) -> str:
     """The page of `reproduce_all`'s summary; it needs no other files."""
     results = summary["figures"]
-    parts = [
+    parts = [_head(summary), _failing(summary["failing"]), _contents(results)]
+    parts += [_figure(result) for result in results]
+    return document("Figures and tables of the papers", parts)
+
+
+#: A page loads nothing and sends nothing.
+_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+
+
+def document(
+    title: str, parts: Iterable[str], *, style: str = _STYLE, script: str = "", data: str = ""
+) -> str:
+    """A page with a title, which needs no other files; the script finds the JSON in `#data`."""
+    lines = [
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width, initial-scale=1'>",
-        f"<title>Figures and tables of the papers</title><style>{_STYLE}</style></head><body>",
-        "<h1>Figures and tables of the papers</h1>",
-        _head(summary),
-        _failing(summary["failing"]),
-        _contents(results),
-        *(_figure(result) for result in results),
-        "</body></html>",
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
+        f"<title>{title}</title><link rel='icon' href='data:,'><style>{style}</style></head>",
+        f"<body><main><h1>{title}</h1>",
+        *parts,
+        "</main>",
     ]
-    return "\n".join(parts)
+    if script:
+        lines.append(f'<script id="data" type="application/json">{data}</script>')
+        lines.append(f"<script>\n{script}</script>")
+    return "\n".join([*lines, "</body></html>"])
 
 
 def _head(summary: Mapping[str, Any]) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from viscache.commands.shared import print_json
@@ -29,6 +30,20 @@ class Experiment:
     """Of a family: whether `--full` repeats it for every instruction set."""
     most_bytes: int | None = None
     """Of a family: address space of its process."""
+    cases: Sequence[Any] = ()
+    """If there are any, the function takes a `Trial`, a case and its scene; see `Trial.scenes`."""
+    quick_cases: Sequence[Any] = ()
+    note: str = ""
+    """How to read its numbers."""
+
+    def fill(self, trial: Any) -> None:
+        """Run it, case by case where it has cases."""
+        if self.cases:
+            for case, scene in trial.scenes(self.quick_cases if trial.quick else self.cases):
+                self.function(trial, case, scene)
+        else:
+            self.function(trial)
+        trial.notes += [self.note] if self.note else []
 
 
 class Registry(dict[str, Experiment]):
@@ -42,11 +57,19 @@ class Registry(dict[str, Experiment]):
         All its modules but those named `peer_…` are imported by `load`.
     papers : tuple of str
         The first words of all names, in their order; names without such words are in theirs.
+    gone : mapping
+        Names that were known once, to what takes their place.
     """
 
-    def __init__(self, kind: str, package: str, papers: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        kind: str,
+        package: str,
+        papers: tuple[str, ...] = (),
+        gone: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         super().__init__()
-        self.kind, self.package, self.papers = kind, package, papers
+        self.kind, self.package, self.papers, self.gone = kind, package, papers, gone
 
     def add(self, name: str, description: str, **about: Any) -> Callable[[Function], Function]:
         """Declare a function as an experiment; `about` are further fields of `Experiment`."""
@@ -68,8 +91,10 @@ class Registry(dict[str, Experiment]):
         Raises
         ------
         ValueError
-            The name is unknown; the message gives the nearest known one.
+            The name is unknown; the message gives the nearest known one, or what takes its place.
         """
+        if name in self.gone:
+            raise ValueError(f"the {self.kind} {name!r} is gone: use {self.gone[name]}")
         if name not in self:
             raise ValueError(f"unknown {self.kind} {name!r}{nearest(name, self)}")
         return self[name]
@@ -111,5 +136,18 @@ def _modules(package: str) -> Iterator[str]:
 
 #: Figures and tables in the order of the papers; the trade of all methods and their extremes.
 FIGURES = Registry("figure", "viscache_lab.figures", ("aqvc", "vlf", "vismap", "trade", "extremes"))
-BENCHES = Registry("bench", "viscache_lab.bench")
+BENCHES = Registry(
+    "bench",
+    "viscache_lab.bench",
+    gone={
+        "aligned": "scripts/aligned_costs.py",
+        "frames": "viscache bench peers --only 'AO*', and --only '*point lights*'",
+        "memory": "viscache bench loading",
+        "oracle": "viscache bench aqvc-lookup for queries, and bench which-cache for Python",
+        "tune": "vc.tune, whose result has the error, its interval and the pilots",
+        "notebook-slider": "the milliseconds of vc.notebook.sliders",
+        "shafts-elsewhere": "viscache bench shafts",
+        "watertight": "viscache bench rays, and viscache doctor --only leaks",
+    },
+)
 FAMILIES = Registry("family", "viscache_lab.extremes.families")

@@ -75,7 +75,7 @@ def run_bench(name: str, quick: bool = False, *, progress: bool = False, **optio
 def _perform(registry: Registry, name: str, trial: Trial) -> Result:
     """Fill a trial; provenance and seconds of the run."""
     began, cpu = time.perf_counter(), time.process_time()
-    registry.find(name).function(trial)
+    registry.find(name).fill(trial)
     return {
         "provenance": provenance.provenance(),
         "seconds": time.perf_counter() - began,

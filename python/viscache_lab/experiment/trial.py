@@ -25,7 +25,7 @@ class InScene(Protocol):
     def scene(self) -> str: ...
 
 
-C = TypeVar("C", bound=InScene)
+C = TypeVar("C", bound=InScene | str)
 
 
 @dataclass(kw_only=True, slots=True)
@@ -63,6 +63,10 @@ class Trial:
     skipped: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
+    def repeats(self, full: int, quick: int = 1) -> int:
+        """Turns of what is timed."""
+        return quick if self.quick else full
+
     def row(
         self,
         what: str,
@@ -83,9 +87,12 @@ class Trial:
         """Record an amount that holds up to a limit; see `amounts.at_most_figure`."""
         self.figures.append(amounts.at_most_figure(name, value, unit, limit, **more))
 
-    def ratio(self, name: str, ours: list[Sample], theirs: list[Sample], **more: Any) -> None:
-        """Record how many times faster ours is; see `amounts.ratio_figure`."""
+    def ratio(
+        self, name: str, ours: Sequence[Sample], theirs: Sequence[Sample], **more: Any
+    ) -> dict[str, Any]:
+        """Record how many times faster ours is, and give the row; see `amounts.ratio_figure`."""
         self.figures.append(amounts.ratio_figure(name, ours, theirs, **more))
+        return self.figures[-1]
 
     def check(self, what: str, value: float, limit: float) -> None:
         """Record a check that holds if value <= limit."""
@@ -109,13 +116,16 @@ class Trial:
         self.notes += other.notes
 
     def scenes(self, cases: Iterable[C]) -> Iterator[tuple[C, vc.Scene]]:
-        """Each case with its scene; those without their file are skipped."""
+        """Each case, or spec, with its scene; those without their file are skipped."""
+        kept: tuple[str, vc.Scene | None] = "", None
         for case in cases:
-            scene = opened(case.scene)
-            if scene is None:
-                self.skip(case.name, "VISCACHE_SCENES has no such file")
+            name, spec = (case, case) if isinstance(case, str) else (case.name, case.scene)
+            if spec != kept[0]:
+                kept = spec, opened(spec)  # one at a time
+            if kept[1] is None:
+                self.skip(name, "VISCACHE_SCENES has no such file")
             else:
-                yield case, scene
+                yield case, kept[1]
 
     def csv(self, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write a table; columns are in the order of their first occurrence."""

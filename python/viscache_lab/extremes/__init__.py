@@ -3,7 +3,7 @@
 `viscache doctor --extremes` runs the checks, `viscache reproduce extremes` draws the map.
 """
 
-from viscache_lab.extremes.case import Case, Check
-from viscache_lab.extremes.runner import run
+from viscache_lab.experiment.checks import Case, Check
+from viscache_lab.experiment.children import run
 
 __all__ = ["Case", "Check", "run"]

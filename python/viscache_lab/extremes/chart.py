@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from functools import cache
+from functools import partial
 from typing import Any
 
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.families.cell_sizes import FORMS
-from viscache_lab.extremes.families.offsets import shift
+from viscache_lab.extremes.families.cells import FORMS
+from viscache_lab.extremes.families.moves import shift
 from viscache_lab.extremes.moved import moved
-from viscache_lab.extremes.pictures import METHODS, SHARED, Method, picture, rel_l1
+from viscache_lab.extremes.pictures import METHODS, SHARED, Method, lit, picture, rel_l1, two
 
 #: What is varied, in words, and the values of a quick and of a full run.
 AXES: dict[str, tuple[str, list[float], list[float]]] = {
@@ -50,8 +50,8 @@ def measure(quick: bool = False, told: Callable[[int, int], None] | None = None)
     """
     jobs = list(_jobs(quick))
     rows: list[Row] = []
-    for done, (axis, name, x, frames) in enumerate(jobs):
-        rows.append({"axis": axis, "method": name, "x": x, "error": rel_l1(*frames())})
+    for done, (axis, name, x, error) in enumerate(jobs):
+        rows.append({"axis": axis, "method": name, "x": x, "error": error()})
         if told is not None:
             told(done + 1, len(jobs))
     _add_exact(rows)
@@ -72,45 +72,27 @@ def _add_exact(rows: list[Row]) -> None:
             row["error"] += exact.get((row["axis"], row["x"]), 0.0)  # none along C_E
 
 
-Frames = Callable[[], tuple[Any, Any]]
-
-
-def _jobs(quick: bool) -> Iterator[tuple[str, str, float, Frames]]:
+def _jobs(quick: bool) -> Iterator[tuple[str, str, float, Callable[[], float]]]:
     values = {axis: few if quick else many for axis, (_, few, many) in AXES.items()}
     for name, method in METHODS.items():
         for x in values["scale"]:
-            yield "scale", name, x, _moved(method, scale=x)
+            yield "scale", name, x, partial(_moved, method, scale=x)
         for x in [0.0, *values["offset"]]:
-            yield "offset", name, x, _moved(method, shift=shift(x))
+            yield "offset", name, x, partial(_moved, method, shift=shift(x))
     for name, form in FORMS.items():
         for x in values["c_e"]:
-            yield "c_e", f"quantized cache, {name}", x, _cells(replace(form, c_e=x))
+            cells = {"visibility": replace(form, c_e=x)}
+            error = partial(two, rel_l1, cells, integrator=SHARED)
+            yield "c_e", f"quantized cache, {name}", x, error
 
 
-def _moved(method: Method, **transform: Any) -> Frames:
-    def frames() -> tuple[Any, Any]:
-        placed = moved(scenes.lit_box(), **transform)
-        if method.noisy:
-            return picture(placed, method), picture(placed, method.reference())
-        return picture(placed, method), _exact(method.maps)
-
-    return frames
-
-
-@cache
-def _exact(maps: bool) -> Any:
-    """The exact frame of the unit scene, of all lights or of the sky."""
-    return picture(scenes.lit_box(), Method(maps=maps).reference())
-
-
-def _cells(visibility: Any) -> Frames:
-    def frames() -> tuple[Any, Any]:
-        box = scenes.lit_box()
-        return picture(box, visibility=visibility, integrator=SHARED), picture(
-            box, integrator=SHARED
-        )
-
-    return frames
+def _moved(method: Method, **transform: Any) -> float:
+    placed = moved(scenes.lit_box(), **transform)
+    frame = picture(placed, method)
+    if method.noisy:
+        return rel_l1(frame, picture(placed, method.reference()))
+    # The exact frame of the unit scene, of all lights or of the sky
+    return rel_l1(frame, lit("exact products" if method.maps else "exact by Embree"))
 
 
 def holding(rows: Iterable[Row], axis: str, method: str) -> tuple[float, float]:

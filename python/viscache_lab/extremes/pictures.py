@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 import viscache as vc
 from viscache_lab.extremes import scenes
+from viscache_lab.extremes.moved import moved
 
 SIZE = (48, 32)
 C_E = 6.0
@@ -104,6 +107,35 @@ def picture(scene: vc.Scene, method: Method | None = None, **given: Any) -> vc.F
     return vc.render(scene, integrator, **settings)
 
 
+@cache
+def lit(method: str | None = None, **given: Any) -> vc.Frame:
+    """A frame of the lit box by one of `METHODS`, exact by default; kept."""
+    return picture(scenes.lit_box(), METHODS[method] if method else None, **given)
+
+
+def one(measure: Callable[[vc.Frame], float], **given: Any) -> float:
+    """A measure of a frame of the lit box."""
+    return measure(lit(**given))
+
+
+def two(
+    measure: Callable[[vc.Frame, vc.Frame], float],
+    mine: dict[str, Any],
+    other: Mapping[str, Any] = MappingProxyType({}),
+    **both: Any,
+) -> float:
+    """A measure of a frame of the lit box against another; both have the same further arguments."""
+    return measure(lit(**both, **mine), lit(**both, **other))
+
+
+def against_unmoved(
+    measure: Callable[[vc.Frame, vc.Frame], float], method: Method, **transform: Any
+) -> float:
+    """A measure of the moved box's frame against that of the box."""
+    box = scenes.lit_box()
+    return measure(picture(moved(box, **transform), method), picture(box, method))
+
+
 def rel_l1(frame: vc.Frame, reference: vc.Frame) -> float:
     """Σ|a − b| / Σb over all pixels; NaN where a pixel is not finite."""
     a, b = (np.asarray(f.image, np.float64) for f in (frame, reference))
@@ -139,10 +171,10 @@ def outside(frame: vc.Frame, bright: vc.Frame) -> float:
     return float((~np.isfinite(a) | (a < 0) | (a > b + margin)).any(axis=-1).sum())
 
 
-def worst(measure: Callable[[Any], float], values: Any) -> float:
-    """The largest of a measure; NaN counts as the largest."""
-    found = np.array([measure(v) for v in values], float)
-    return float(np.nan if np.isnan(found).any() else found.max(initial=0))
+#: The frame without shadows.
+BRIGHT = {"visibility": vc.Unoccluded()}
+#: Why `outside` is none of a cache of bits.
+BETWEEN = "a cache of bits lies between black and the picture without shadows"
 
 
 def unequal(frames: list[vc.Frame]) -> float:

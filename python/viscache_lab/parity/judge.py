@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache_lab.parity.blocks import Comparison, block_means, compare
-from viscache_lab.parity.renderers import Loaded, load_mitsuba, load_viscache
+from viscache_lab.parity.renderers import load_mitsuba, load_viscache
 
 FloatImage = npt.NDArray[np.floating[Any]]
 Verdict: TypeAlias = Literal["differs", "not loaded", "not comparable", "warned", "agrees"]
@@ -68,6 +69,12 @@ class Judged:
         """Whether the picture is wrong and nothing was said."""
         return self.verdict == "differs"
 
+    @property
+    def severity(self) -> float:
+        """How much of the picture is wrong."""
+        c = self.compared
+        return 2.0 if c is None else 1 - c.share + min(abs(c.energy_difference), 1.0)
+
 
 def judge(
     mi: Any, name: str, path: Path, *, effort: Effort = FULL, threads: int | None = None
@@ -92,27 +99,31 @@ def judge(
         return judged(verdict="not loaded", why=mine.warnings[0])
     if other.render is None:
         return judged(verdict="not comparable", why=f"Mitsuba: {other.warnings[0]}")
-    stacks = _Stacks(mine, other, effort.spp)
-    stacks.grow(1)
-    if stacks.sizes[0] != stacks.sizes[1]:
-        why = "sizes of the pictures: {} and {}".format(*stacks.sizes)
+    pair = _Side(mine.render, effort.spp), _Side(other.render, effort.spp)
+    for side in pair:
+        side.grow(1)
+    if pair[0].size != pair[1].size:
+        why = f"sizes of the pictures: {pair[0].size} and {pair[1].size}"
         return judged(verdict="warned" if mine.warnings else "differs", why=why)
-    stacks.grow(effort.first)
-    compared = stacks.compared()
+    count = effort.first
+    compared = _compared(pair, count)
     # No number of samples changes the verdict on a file that is warned of
     most = effort.first if mine.warnings else effort.most
-    while stacks.count < most and not _clear(compared, effort):
-        stacks.grow(min(2 * stacks.count, most))
-        compared = stacks.compared()
+    while count < most and not _clear(compared, effort):
+        count = min(2 * count, most)
+        compared = _compared(pair, count)
     verdict, why = _verdict(compared, mine.warnings, other.warnings)
+    ours, theirs = (np.asarray(side.total / count) for side in pair)
     return judged(
-        verdict=verdict,
-        why=why,
-        compared=compared,
-        ours=stacks.mean(0),
-        theirs=stacks.mean(1),
-        pictures=stacks.count,
+        verdict=verdict, why=why, compared=compared, ours=ours, theirs=theirs, pictures=count
     )
+
+
+def _compared(pair: tuple[_Side, _Side], count: int) -> Comparison:
+    """The comparison of so many pictures of each."""
+    for side in pair:
+        side.grow(count)
+    return compare(*(np.stack(side.blocks) for side in pair))
 
 
 def _clear(compared: Comparison, effort: Effort) -> bool:
@@ -143,34 +154,24 @@ def _nothing_to_compare(compared: Comparison, mitsubas: list[str]) -> str:
     return f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
 
 
-class _Stacks:
-    """Block means of the pictures of both renderers, and sums of the pictures."""
+class _Side:
+    """Block means of the pictures of a renderer, and the sum of the pictures."""
 
-    def __init__(self, mine: Loaded, other: Loaded, spp: int) -> None:
-        self.loaded = (mine, other)
-        self.spp = spp
-        self.count = 0
-        self.blocks: tuple[list[Any], list[Any]] = ([], [])
-        self.sums: list[Any] = [None, None]
-        self.sizes: list[tuple[int, int]] = [(0, 0), (0, 0)]
+    def __init__(self, render: Callable[[int, int], FloatImage], spp: int) -> None:
+        self.render, self.spp = render, spp
+        self.blocks: list[FloatImage] = []
+        self.total: Any = 0
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height."""
+        height, width = self.total.shape[:2]
+        return width, height
 
     def grow(self, count: int) -> None:
-        """Render until there are `count` pictures of each."""
-        for seed in range(self.count, count):
-            for side, loaded in enumerate(self.loaded):
-                assert loaded.render is not None
-                picture = np.asarray(loaded.render(self.spp, seed), np.float64)
-                height, width = picture.shape[:2]
-                self.sizes[side] = (width, height)
-                edge = 8 if min(width, height) < SMALL_PX else 16
-                self.blocks[side].append(block_means(picture, edge))
-                self.sums[side] = picture if seed == 0 else self.sums[side] + picture
-        self.count = count
-
-    def compared(self) -> Comparison:
-        """The comparison of all pictures so far."""
-        return compare(np.stack(self.blocks[0]), np.stack(self.blocks[1]))
-
-    def mean(self, side: int) -> FloatImage:
-        """The mean picture of a side."""
-        return np.asarray(self.sums[side] / self.count)
+        """Render until there are so many pictures."""
+        for seed in range(len(self.blocks), count):
+            picture = np.asarray(self.render(self.spp, seed), np.float64)
+            edge = 8 if min(picture.shape[:2]) < SMALL_PX else 16
+            self.blocks.append(block_means(picture, edge))
+            self.total = self.total + picture

@@ -7,9 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from viscache_lab.bench import against_peers, peer_cases
 from viscache_lab.bench.peer_luxcore import LuxCorePicture
-from viscache_lab.experiment import Trial, amounts
 
 SIDE = 8
 BUILD_S = 0.05
@@ -182,37 +180,3 @@ def test_the_build_of_a_cache_is_in_its_time_and_that_of_the_scene_is_not(folder
     assert plain["cpu_s"] < BUILD_S and "build_cpu_s" not in plain
     cached = LuxCorePicture(StandIn(), folder, cached=True).sky(given(), fields())
     assert cached["cpu_s"] >= cached["build_cpu_s"] >= BUILD_S
-
-
-class Building:
-    """Our own frames as a peer's, after a build of ten times a frame's CPU seconds."""
-
-    about = {"jobs": ["ao"], "version": "9"}  # noqa: RUF012
-
-    def __init__(self, case):
-        self.case = case
-
-    def give(self, **arrays):
-        pass
-
-    def run(self, job):
-        frame = self.case.render(job["spp"], job["seed"])
-        self.image = frame.image.mean(axis=2)
-        cpu = frame.timings["cpu_s"]
-        return amounts.Sample(wall_s=cpu, cpu_s=11 * cpu), {"build_cpu_s": 10 * cpu}
-
-    def result(self):
-        return {"image": self.image}
-
-
-def test_a_build_is_told_apart_and_not_done_again_for_more_samples():
-    case = peer_cases.picture_cases(quick=True)[0]
-    trial = Trial()
-    against_peers.compare_pictures(trial, case, {"building": Building(case)}, 4)
-    (figure,) = trial.figures
-    assert figure["build_s"] == pytest.approx(figure["baseline"] * 10 / 11)
-    assert figure["ratio_without_build"] == pytest.approx(figure["ratio"] / 11, rel=0.01)
-    # The same renderer: a share of eleven follows the errors, and the errors differ by chance
-    rest = figure["equal_error_without_build"]
-    assert figure["equal_error_low"] <= figure["equal_error"] <= figure["equal_error_high"]
-    assert 10 * rest / 2 < figure["equal_error"] < 2 * 11 * rest

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import sys
@@ -15,7 +16,6 @@ from viscache_lab import bench
 from viscache_lab.bench import (
     against_peers,
     peer_cases,
-    peer_environments,
     peer_page,
     peers,
 )
@@ -24,14 +24,17 @@ from viscache_lab.bench.text import text as table
 from viscache_lab.experiment import Trial, amounts
 
 
-class Fake:
-    """A peer in this process: our own frames, `factor` times as bright, `slow` times as long."""
+class Fake(contextlib.AbstractContextManager):
+    """A peer in this process: our own frames, `factor` times as bright, `slow` times as long.
+
+    `built` times a frame's time of that is a build.
+    """
 
     about = {"jobs": ["ao", "any_hit", "nearest"], "version": "9"}  # noqa: RUF012
 
-    def __init__(self, case=None, scene=None, *, factor=1.0, slow=3.0, flip=0.0):
+    def __init__(self, case=None, scene=None, *, factor=1.0, slow=3.0, flip=0.0, built=0.0):
         self.case, self.scene = case, scene
-        self.factor, self.slow, self.flip = factor, slow, flip
+        self.factor, self.slow, self.flip, self.built = factor, slow, flip, built
 
     def give(self, **arrays):
         self.given = arrays
@@ -51,10 +54,14 @@ class Fake:
                 t = self.scene.intersect(origins, directions).t
                 self.made = {"t": self.factor * t}
             cpu = 1e-3
-        return amounts.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), {}
+        report = {"build_cpu_s": self.built * cpu} if self.built else {}
+        return amounts.Sample(wall_s=self.slow * cpu, cpu_s=self.slow * cpu), report
 
     def result(self):
         return self.made
+
+    def __exit__(self, *_):
+        pass
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +71,7 @@ def case():
 
 def compared(case, **how):
     trial = Trial()
-    against_peers.compare_pictures(trial, case, {"fake": Fake(case, **how)}, 4)
+    against_peers.compare_pictures(trial, {"fake": Fake(case, **how)}, case, 4)
     return trial
 
 
@@ -76,6 +83,16 @@ def test_a_peer_that_agrees_has_a_figure_with_an_interval(case):
     assert figure["equal_error_low"] < figure["equal_error"] < figure["equal_error_high"]
     # The same renderer with other seeds
     assert figure["relative_rmse"] == pytest.approx(figure["baseline_relative_rmse"], rel=0.1)
+
+
+def test_a_build_is_told_apart_and_not_done_again_for_more_samples(case):
+    (figure,) = compared(case, slow=11.0, built=10.0).figures
+    assert figure["build_s"] == pytest.approx(figure["baseline"] * 10 / 11)
+    assert figure["ratio_without_build"] == pytest.approx(figure["ratio"] / 11, rel=0.01)
+    # The same renderer: a share of eleven follows the errors, and the errors differ by chance
+    rest = figure["equal_error_without_build"]
+    assert figure["equal_error_low"] <= figure["equal_error"] <= figure["equal_error_high"]
+    assert 10 * rest / 2 < figure["equal_error"] < 2 * 11 * rest
 
 
 def test_a_cache_takes_turns_with_its_error(case):
@@ -108,7 +125,7 @@ def test_peers_may_have_another_number_of_samples_to_converge(case):
 
     fake = Counting(case)
     other = dataclasses.replace(case, peer_reference_spp=case.reference_spp + 1)
-    against_peers.compare_pictures(Trial(), other, {"fake": fake}, 2)
+    against_peers.compare_pictures(Trial(), {"fake": fake}, other, 2)
     assert fake.asked == (case.reference_spp + 1, *[case.spp] * 3)
 
 
@@ -116,7 +133,7 @@ def test_a_case_may_go_without_a_peer_by_name(case):
     trial = Trial()
     two = {"slow": Fake(case), "fake": Fake(case)}
     other = dataclasses.replace(case, without={"slow": "hours", "absent": "days"})
-    against_peers.compare_pictures(trial, other, two, 2)
+    against_peers.compare_pictures(trial, two, other, 2)
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
     assert trial.skipped == [{"what": f"{case.name} vs slow", "reason": "hours"}]
 
@@ -133,7 +150,7 @@ def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):
 
     trial = Trial()
     two = {"ending": Ending(case), "fake": Fake(case)}
-    against_peers.compare_pictures(trial, case, two, 4)
+    against_peers.compare_pictures(trial, two, case, 4)
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
     why = "the other program ended with status -6"
     assert trial.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
@@ -149,12 +166,9 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
                 raise peers.PeerError("the other program ended with status -6", "mitsuba")
             return super().run(job)
 
-        def __exit__(self, *_):
-            pass
-
     monkeypatch.setattr(against_peers, "PEERS", {"mitsuba": ("a", ""), "cycles": ("b", "")})
     monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: sys.executable)
-    made = {"mitsuba": EndsLater, "cycles": type("Whole", (Fake,), {"__exit__": lambda *_: None})}
+    made = {"mitsuba": EndsLater, "cycles": Fake}
     monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
     trial = Trial()
     against_peers._with_peers(
@@ -162,7 +176,7 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
         case.name,
         case.scene,
         None,
-        lambda found, able: against_peers.compare_pictures(found, case, able, 4),
+        lambda found, able: against_peers.compare_pictures(found, able, case, 4),
     )
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs cycles"]
     why = "the other program ended with status -6"
@@ -181,7 +195,7 @@ def test_rays_that_are_answered_otherwise_are_refused(how, holds):
     scene = amounts.build_scene("random_triangles?triangles=3000")
     trial = Trial()
     fake = Fake(scene=scene, **how)
-    against_peers.compare_rays(trial, "rays", scene, {"fake": fake}, 4000, 2)
+    against_peers.compare_rays(trial, {"fake": fake}, "rays", scene, 4000, 2)
     assert len(trial.figures) == holds
     assert trial.answers_hold == (holds == 4)
 
@@ -190,7 +204,7 @@ def test_jobs_that_a_peer_does_not_have_are_not_asked(case):
     fake = Fake(case)
     fake.about = {"jobs": []}
     trial = Trial()
-    against_peers.compare_pictures(trial, case, {"fake": fake}, 2)
+    against_peers.compare_pictures(trial, {"fake": fake}, case, 2)
     assert trial.figures == [] and trial.answers_hold
 
 
@@ -205,24 +219,24 @@ def test_ratios_have_the_interval_of_their_logarithms():
 
 
 def test_interpreters_are_those_of_the_folder_or_this_one(tmp_path, monkeypatch):
-    assert str(peer_environments.interpreter("numpy", tmp_path)) == sys.executable
-    assert peer_environments.interpreter("no_such_package", tmp_path) is None
+    assert str(peers.interpreter("numpy", tmp_path)) == sys.executable
+    assert peers.interpreter("no_such_package", tmp_path) is None
     own = tmp_path / "no_such_package" / "bin" / "python"
     own.parent.mkdir(parents=True)
     own.touch()
-    assert peer_environments.interpreter("no_such_package", tmp_path) == own
+    assert peers.interpreter("no_such_package", tmp_path) == own
 
 
 def test_the_default_folder_is_among_the_users_caches(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert peer_environments.default_folder() == tmp_path / "viscache" / "peers"
+    assert peers.default_folder() == tmp_path / "viscache" / "peers"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert peer_environments.default_folder() == tmp_path / ".cache" / "viscache" / "peers"
+    assert peers.default_folder() == tmp_path / ".cache" / "viscache" / "peers"
 
 
 def test_environments_that_cannot_be_made_say_why(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(peer_environments, "PACKAGES", {"x": ("x",)})
+    monkeypatch.setattr(peers, "PACKAGES", {"x": ("x",)})
     (tmp_path / "x").write_text("in the way")
     status = cli.main(["bench", "peers", "--make-environments", "--environments", str(tmp_path)])
     said = capsys.readouterr().out
@@ -307,7 +321,7 @@ def test_pages_show_figures_and_what_was_left_out(tmp_path):
 @pytest.mark.parametrize("name", list(peers.PEERS))
 def test_real_peers_agree_in_every_case(name, monkeypatch):
     package = peers.PEERS[name][0]
-    if peer_environments.interpreter(package, peer_environments.default_folder()) is None:
+    if peers.interpreter(package, peers.default_folder()) is None:
         pytest.skip(f"{package} is not installed")
     monkeypatch.setattr(against_peers, "PEERS", {name: peers.PEERS[name]})
     trial = Trial(quick=True)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 
 from viscache_lab.bench import errors as errors_of_frames
 from viscache_lab.bench import (
     meter,
-    progressive,
     vismap_variance,
     which_cache,
 )
@@ -36,9 +36,15 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
     seconds = {"exact": [3.0] * n, "picks": [2.0] * n}
     assert errors_of_frames.gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
     assert errors_of_frames.gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
-    assert progressive.gain_over(4.0, 3.0, 1.0, 2.0) == 6
-    made = which_cache.gain_figure("x", found["exact"], found["picks"], (3.0, 2.0), passes=4)
+    trial = Trial()
+    which_cache.gain_figure(
+        trial, "x", passes_of({"exact": (4.0, 6.0, 3.0), "a": (1.0, 1.0, 2.0)}), "a"
+    )
+    (made,) = trial.figures
     assert made["ratio"] == pytest.approx(6) and made["gain_rel"] == pytest.approx(9)
+    # Both errors are known to a tenth: their ratio to a tenth of √2, in logarithms
+    ends = [6 * np.exp(sign * 0.1 * np.sqrt(2)) for sign in (-1, 1)]
+    assert [made["low"], made["high"]] == pytest.approx(ends)
     machine = {"processor": "p", "cores": 2}
     printed = text(
         {"bench": "b", "machine": machine, "figures": [made], "skipped": [], "answers": []}
@@ -46,6 +52,17 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> 
     assert "6.00x [" in printed and "relMSE 9.00x" in printed
     assert (made["value"], made["baseline"]) == (1.0, 4.0)
     assert (made["cpu_s"], made["exact_cpu_s"]) == (2.0, 3.0)
+
+
+def passes_of(settings: dict[str, tuple[float, float, float]]) -> xarray.Dataset:
+    """One pass of each setting: its nmse, known to a tenth, relative error and seconds."""
+    nmse, relative, seconds = np.array(list(settings.values())).T[:, :, None]
+    rows = {"nmse": nmse, "nmse_high": 1.1 * nmse, "rel_mse": relative, "cpu_s": seconds}
+    pictures = {"reference": (("row", "column"), np.ones((2, 2)))}
+    return xarray.Dataset(
+        {name: (("setting", "pass"), values) for name, values in rows.items()} | pictures,
+        coords={"setting": list(settings), "pass": [1]},
+    )
 
 
 def test_an_interval_of_a_gain_covers_the_seeds() -> None:
@@ -68,19 +85,6 @@ def test_the_noise_of_the_reference_is_taken_out_of_squared_errors() -> None:
     floor = (errors_of_frames.DARK * 3) ** 2
     assert relative == pytest.approx(0.75 * np.mean([1 / (4 + floor), 1 / (16 + floor)]))
     assert errors.of(truth[:1])[0] == pytest.approx(-0.25 / 9)
-
-
-def test_squares_against_two_references_have_neither_noise() -> None:
-    truth, offset = np.full((16, 16, 3), 2.0), np.zeros((16, 16, 3))
-    offset[::2] = 0.5
-    references = [truth + offset, truth - offset]
-    squares, relative = which_cache.squared(truth + 1.0, references)
-    assert squares.mean() == pytest.approx((1 - 0.25 / 2) / 4)
-    assert relative.mean() == pytest.approx((1 - 0.25 / 2) / (4 + (which_cache.DARK * 2) ** 2))
-    frames: Any = [SimpleNamespace(image=image) for image in (truth + 1.0, *references)]
-    picture: Any = SimpleNamespace(frame=frames[0])
-    nmse, _ = progressive.errors_of(picture, frames[1:])
-    assert nmse == pytest.approx((1 - 0.25 / 2) / 4)
 
 
 def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences() -> None:

@@ -6,9 +6,7 @@ import sys
 import time
 from collections.abc import Iterator
 
-from viscache_lab.experiment import FAMILIES, Experiment
-from viscache_lab.extremes import child
-from viscache_lab.extremes.case import Case
+from viscache_lab.experiment import FAMILIES, Case, Experiment, children
 
 
 def crash() -> float:
@@ -56,4 +54,4 @@ FAMILIES.update(
 )
 
 if __name__ == "__main__":
-    child.main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4] == "full")
+    children.child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4] == "full")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viscache_lab.extremes import chart, scenes
-from viscache_lab.extremes.families.offsets import shift
+from viscache_lab.extremes.families.moves import shift
 from viscache_lab.extremes.moved import moved
 
 

@@ -10,15 +10,14 @@ import pytest
 
 from viscache import cli
 from viscache_lab import extremes
-from viscache_lab.experiment import FAMILIES, Experiment
-from viscache_lab.extremes import runner
-from viscache_lab.extremes.case import Case, Check, checked
+from viscache_lab.experiment import FAMILIES, Experiment, children
+from viscache_lab.experiment.checks import Case, Check, checked
 from viscache_lab.extremes.compare import differences
 
 
 @pytest.fixture
 def broken(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "CHILD", (str(Path(__file__).with_name("broken_child.py")),))
+    monkeypatch.setattr(children, "CHILD", (str(Path(__file__).with_name("broken_child.py")),))
     for name in ("broken", "stops", "ends"):
         family = Experiment(description="made up", function=lambda full: iter(()))
         monkeypatch.setitem(FAMILIES, name, family)

@@ -15,9 +15,9 @@ import pytest
 
 from viscache import cli
 from viscache_lab import bench
-from viscache_lab.experiment import Trial
+from viscache_lab.experiment import Experiment, Trial
 from viscache_lab.parity import judge as judging
-from viscache_lab.parity import renderers, suite, zoo
+from viscache_lab.parity import renderers, zoo
 from viscache_lab.parity.judge import Effort, Judged, judge
 from viscache_lab.parity.renderers import FloatImage, Loaded
 
@@ -33,8 +33,9 @@ def no_shared_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("VISCACHE_SCENES", raising=False)
 
 
-def run(folder: Path | None = None, only: str = CUBES) -> suite.Suite:
-    return suite.run_suite(quick=True, only=only, output=folder)
+def run(folder: Path | None = None, only: str = CUBES) -> list[Judged]:
+    options = {"only": only, "output": folder}
+    return bench.parity.parity(Trial(quick=True, options=options))
 
 
 def brighter(factor: float, load: Callable[..., Loaded]) -> Callable[..., Loaded]:
@@ -59,15 +60,14 @@ class TestWithMitsuba:
     def test_a_cube_agrees_and_five_per_cent_more_light_does_not(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        (right,) = run().results
+        (right,) = run()
         assert right.verdict == "agrees"
         assert right.compared is not None
         assert right.compared.power < 0.1
         load = judging.load_viscache
         monkeypatch.setattr(judging, "load_viscache", brighter(1.05, load))
-        found = run()
-        assert [r.verdict for r in found.results] == ["differs"]
-        assert re.fullmatch(r"energy \+[45]\.\d%", found.silent_misses[0].why)
+        (wrong,) = run()
+        assert wrong.silent_miss and re.fullmatch(r"energy \+[45]\.\d%", wrong.why)
 
     def test_a_light_that_is_five_per_cent_brighter_in_one_file_is_found(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -114,14 +114,12 @@ class TestWithMitsuba:
         from PIL import Image
 
         found = run(tmp_path, "shape/cube-*")
-        assert found.page is not None
-        page = found.page.read_text("utf-8")
-        assert "{{" not in page
+        page = (tmp_path / "index.html").read_text("utf-8")
         assert not re.search(r"""(src|href)=["']?http|url\(""", page)
         data = re.search(r'id="data" type="application/json">(.*?)</script>', page, re.S)
         assert data is not None
         pictures = json.loads(data[1])["pictures"]
-        assert sorted(pictures) == sorted(r.name for r in found.results)
+        assert sorted(pictures) == sorted(r.name for r in found)
         for four in pictures.values():
             sizes = [Image.open(io.BytesIO(base64.b64decode(p))).size for p in four]
             assert sizes == [(64, 64), (64, 64), (64, 64), (8, 8)]
@@ -175,16 +173,19 @@ def miss(share: float) -> Judged:
 
 
 def test_silent_misses_come_worst_first() -> None:
-    found = suite.Suite(results=[miss(0.9), miss(0.2), miss(0.5)])
-    assert [r.name for r in found.silent_misses] == ["x/0.2", "x/0.5", "x/0.9"]
+    trial = Trial()
+    bench.parity.record(trial, [miss(0.9), miss(0.2), miss(0.5)], 1.0)
+    named = [a["what"].partition(",")[0] for a in trial.answers[1:]]
+    assert named == ["x/0.2", "x/0.5", "x/0.9"]
 
 
 def test_a_silent_miss_fails_the_bench(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    made = suite.Suite(results=[miss(0.2)])
-    monkeypatch.setattr(bench.parity, "run_suite", lambda **_: made)
-    monkeypatch.setattr(renderers, "missing", lambda: None)
+    info = Experiment(
+        description="", function=lambda trial: bench.parity.record(trial, [miss(0.2)], 1.0)
+    )
+    monkeypatch.setitem(bench.BENCHES, "parity", info)
     assert cli.main(["bench", "parity", "--quick"]) == 1
     shown = capsys.readouterr().out
     assert "WRONG scenes that differ without a warning: 1 > 0" in shown

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from viscache_lab.parity import renderers, zoo
-from viscache_lab.parity.zoo.shapes import SHAPES, TRANSFORMS
+from viscache_lab.parity.zoo.surfaces import SHAPES, TRANSFORMS
 
 #: Surface and light plugins that Mitsuba 3 documents and RGB files use.
 MATERIALS = {

@@ -1,4 +1,4 @@
-"""The families of checks, a file each, which declare themselves by `@FAMILIES.add`."""
+"""The families of checks, which declare themselves by `@FAMILIES.add`."""
 
 from viscache_lab.experiment.registry import FAMILIES
 

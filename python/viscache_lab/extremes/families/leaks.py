@@ -10,10 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.families.rotation import turn
+from viscache_lab.extremes.families.moves import turn
 
 #: Closed shapes: vertices, triangles, and the height of what is inside over its width.
 SHAPES = {

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import METHODS, bad_pixels, picture, rel_l1
 
 #: What asks every light.

@@ -9,10 +9,18 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
-from viscache_lab.extremes.pictures import METHODS, SHARED, Method, bad_pixels, differing, picture
+from viscache_lab.extremes.pictures import (
+    METHODS,
+    SHARED,
+    bad_pixels,
+    differing,
+    lit,
+    one,
+    picture,
+    two,
+)
 
 #: Samples of a pixel.
 MANY = 100_000
@@ -32,14 +40,15 @@ def picture_sizes(full: bool) -> Iterator[Case]:
         for size in sizes[:1] if method.maps and not full else sizes:
             yield Case(
                 name=f"{name}, {size[0]}×{size[1]}: pixels that are not finite",
-                measure=partial(_bad, method, size),
+                measure=partial(one, bad_pixels, method=name, size=size),
                 why="tiles of one pixel or one column are tiles",
             )
     for name, form in FORMS.items():
+        fine = {"visibility": vc.Aqvc(c_e=1e-3, exact_groups=(), **form)}
         for size in sizes:
             yield Case(
                 name=f"vanishing cells, {name}, {size[0]}×{size[1]}: pixels that differ from exact",
-                measure=partial(_vanishing, form, size),
+                measure=partial(two, differing, fine, integrator=SHARED, size=size),
                 why="a cell that holds one eye point approximates nothing",
             )
     for name, expected in {"coverage": 1.0, "depth": 5.0, "albedo": 0.5}.items():
@@ -55,17 +64,6 @@ def picture_sizes(full: bool) -> Iterator[Case]:
         limit=4,
         why="sums of many samples do not drift; 1 in 16000 by chance",
     )
-
-
-def _bad(method: Method, size: tuple[int, int]) -> float:
-    return bad_pixels(picture(scenes.lit_box(), method, size=size))
-
-
-def _vanishing(form: dict[str, Any], size: tuple[int, int]) -> float:
-    fine = vc.Aqvc(c_e=1e-3, exact_groups=(), **form)
-    given: dict[str, Any] = {"integrator": SHARED, "size": size}
-    box = scenes.lit_box()
-    return differing(picture(box, visibility=fine, **given), picture(box, **given))
 
 
 @cache
@@ -93,10 +91,10 @@ def _drift() -> float:
         "size": (2, 1),
         "integrator": vc.Direct(n_area=1, n_brdf=0, n_environment=0),
     }
-    box, part = scenes.lit_box(), MANY // 100
+    part = MANY // 100
 
     def energy(**more: Any) -> float:
-        return float(picture(box, **given, **more).image.astype(float).mean())
+        return float(lit(**given, **more).image.astype(float).mean())
 
     parts = [energy(spp=part, first_sample=MANY + k * part) for k in range(100)]
     spread = np.std(parts, ddof=1) * np.sqrt(2 / len(parts))

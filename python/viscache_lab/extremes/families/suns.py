@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache_lab.experiment import FAMILIES
+from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.case import Case
 from viscache_lab.extremes.pictures import bad_pixels, picture
 
 #: Every way of estimating the light of a sky.

@@ -7,7 +7,6 @@ import html
 import io
 import json
 import math
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from importlib import resources
@@ -21,6 +20,7 @@ from viscache.base import tonemap
 from viscache.base.files import write_whole
 from viscache.report.assemble import facts
 from viscache.report.pictures import scale_colors
+from viscache_lab.experiment.page import document
 from viscache_lab.parity.judge import VERDICTS, Judged
 
 __all__ = ["write_page"]
@@ -30,6 +30,13 @@ FULL_DIFFERENCE, FULL_Z = 0.25, 6.0
 #: Colours of each picture; this makes them small enough to embed hundreds.
 PALETTE = 128
 
+#: How to read the page.
+_READ = (
+    '<p class="quiet">A block of pixels agrees within 3 σ + 1 %, where σ comes from pictures of'
+    " independent seeds. A scene agrees if 95 % of its blocks do and its energy is within 3 σ +"
+    " 1 %. <b>Finds</b> is the relative difference of a block that would have been found at 95 %:"
+    " the median over the lit blocks. Choose a row to see its pictures; a heading sorts.</p>"
+)
 _HEADS = ("scene", "verdict", "blocks within", "worst z", "energy", "finds", "pictures", "why")
 
 
@@ -44,18 +51,26 @@ def write_page(target: Path, results: Sequence[Judged], about: Mapping[str, str]
         Rows of the page's head.
     """
     ordered = sorted(results, key=lambda r: (VERDICTS.index(r.verdict), -_size(r), r.name))
-    pieces = {
-        "STYLE": _file("viscache.report", "page/style.css")
-        + _file("viscache_lab.parity", "page/parity.css"),
-        "SCRIPT": _file("viscache_lab.parity", "page/parity.js"),
-        "FACTS": facts(about),
-        "COUNTS": _counts(results),
-        "HEADS": "".join(f'<th scope="col"><button>{head}</button></th>' for head in _HEADS),
-        "ROWS": "\n".join(_row(result) for result in ordered),
-        "DATA": json.dumps({"pictures": {r.name: _pictures(r) for r in ordered}}),
-    }
-    template = _file("viscache_lab.parity", "page/template.html")
-    write_whole(target, re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], template))
+    pictures = json.dumps({"pictures": {r.name: _pictures(r) for r in ordered}})
+    parts = [
+        "<p>Direct light of viscache and of Mitsuba 3 on the same files"
+        ' <button class="tool" id="theme" type="button">Dark / light</button></p>',
+        f'<dl class="facts">{facts(about)}</dl>',
+        f'<div class="verdicts" role="group" aria-label="Verdicts">{_counts(results)}</div>',
+        '<div class="tools above"><label>Find <input id="find" type="search"'
+        ' placeholder="name or warning"></label><output id="shown"></output></div>',
+        '<div class="scroll"><table id="scenes"><thead><tr>',
+        *(f'<th scope="col"><button>{head}</button></th>' for head in _HEADS),
+        "</tr></thead>",
+        *map(_row, ordered),
+        f"</table></div>{_READ}",
+    ]
+    style = _file("viscache.report", "page/style.css") + _file(
+        "viscache_lab.parity", "page/parity.css"
+    )
+    script = _file("viscache_lab.parity", "page/parity.js")
+    title = "Does my scene come out right?"
+    write_whole(target, document(title, parts, style=style, script=script, data=pictures))
 
 
 def _file(package: str, path: str) -> str:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from viscache_lab.parity.zoo.cameras import camera_cases
 from viscache_lab.parity.zoo.case import Case
 from viscache_lab.parity.zoo.files import write_files
-from viscache_lab.parity.zoo.lights import light_cases
 from viscache_lab.parity.zoo.materials import material_cases
-from viscache_lab.parity.zoo.shapes import shape_cases
-from viscache_lab.parity.zoo.textures import texture_cases
+from viscache_lab.parity.zoo.surfaces import shape_cases, texture_cases
+from viscache_lab.parity.zoo.views import camera_cases, light_cases
 
 __all__ = ["Case", "cases", "write"]
 

@@ -1,9 +1,16 @@
-"""Runs families in child processes: a crash or a hang is a failed check and ends nothing else."""
+"""Runs families in child processes: a crash or a hang is a failed check and ends nothing else.
+
+A child is `python -m viscache_lab.experiment.children FAMILY DESCRIPTOR SKIP full|quick`. It writes
+a line of JSON before and after each case, so that the parent knows which case was running when the
+process crashed or was ended.
+"""
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
+import resource
 import select
 import signal
 import subprocess
@@ -19,19 +26,24 @@ from typing import Any
 from viscache.base import provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
-from viscache_lab.experiment import FAMILIES
-from viscache_lab.extremes import families  # registers them
-from viscache_lab.extremes.case import Check
-from viscache_lab.extremes.isas import instruction_sets
+from viscache_lab.experiment.checks import Check, checked, unmeasured
+from viscache_lab.experiment.registry import FAMILIES
 
+#: The instruction sets of the kernels, from the plainest.
+ISAS = ("portable", "avx2", "avx512")
 #: Seconds that a case may take. In the default run none takes 10 s on one loaded core.
 LIMIT_S, FULL_LIMIT_S = 120.0, 900.0
 #: Seconds for a process to start: the imports, on a crowded machine.
 START_S = 120.0
 #: The process of a family.
-CHILD = ("-m", "viscache_lab.extremes.child")
+CHILD = ("-m", "viscache_lab.experiment.children")
 
 Told = Callable[[Check], None]
+
+
+def instruction_sets() -> tuple[str, ...]:
+    """Those that this CPU has."""
+    return ISAS[: ISAS.index(provenance.isa()[1]) + 1]
 
 
 def run(
@@ -62,7 +74,7 @@ def run(
     ValueError
         An unknown name; the message gives the nearest known one.
     """
-    assert families
+    FAMILIES.load()
     chosen = list(FAMILIES if names is None else names)
     for name in chosen:
         require(name in FAMILIES, f"family must be known{nearest(name, FAMILIES)}", name)
@@ -99,40 +111,37 @@ def _family(
     """The checks of a family. After a crash or a hang, a new process goes on with the next case."""
     prefix = f"{isa}, {name}" if isa else name
     done = 0
+
+    def of_family(check: Check, error: str = "") -> Check:
+        error = error or check.error
+        return replace(check, name=f"{prefix}: {check.name}", error=error, family=name, isa=isa)
+
     while not stop.is_set():
         child = _Child(name, isa, done, full)
-        running: dict[str, Any] | None = None
+        running: Check | None = None
         try:
             for message in child.messages(limit_s, stop):
                 if "begins" in message:  # "ready" and "end" only show that it lives
-                    running, done = message, done + 1
+                    running, done = Check.from_dict(message["begins"]), done + 1
                 elif "check" in message:
-                    check = Check.from_dict(message["check"])
                     running = None
-                    yield replace(
-                        check,
-                        name=f"{prefix}: {check.name}",
-                        family=name,
-                        isa=isa,
-                        cpu_s=message["cpu_s"],
-                    )
+                    yield of_family(Check.from_dict(message["check"]))
         finally:
             error = child.finish(stop)
-        if running is None and not error:
+        if running is None:
+            if error:  # nothing to go on with
+                yield of_family(_WHOLE, error)
             return
-        what = running["begins"] if running else "the process starts and ends by itself"
-        limit = running["limit"] if running else 0
-        yield Check(
-            name=f"{prefix}: {what}",
-            value=None,
-            limit=tuple(limit) if isinstance(limit, list) else limit,
-            why=running["why"] if running else "every process ends with status 0",
-            error=error or "the process ended without an answer",
-            family=name,
-            isa=isa,
-        )
-        if running is None:  # nothing to go on with
-            return
+        yield of_family(running, error or "the process ended without an answer")
+
+
+#: What a process that fails between cases has failed.
+_WHOLE = Check(
+    name="the process starts and ends by itself",
+    value=None,
+    limit=0,
+    why="every process ends with status 0",
+)
 
 
 class _Child:
@@ -189,3 +198,28 @@ class _Child:
             return self._hung
         ended = signal.Signals(-status).name if status < 0 else f"status {status}"
         return ": ".join([f"ended by {ended}", *last])
+
+
+def child(name: str, descriptor: int, skip: int, full: bool) -> None:
+    """Measure the cases of a family from number `skip` on."""
+    family = FAMILIES[name]
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash is reported, not stored
+    if family.most_bytes is not None:
+        most = resource.getrlimit(resource.RLIMIT_AS)[1]
+        resource.setrlimit(resource.RLIMIT_AS, (family.most_bytes, most))
+
+    def tell(**what: Any) -> None:
+        os.write(descriptor, (json.dumps(what) + "\n").encode())
+
+    tell(ready=True)
+    for case in itertools.islice(family.function(full), skip, None):
+        tell(begins=unmeasured(case).as_dict())
+        start = time.process_time()
+        check = replace(checked(case), cpu_s=time.process_time() - start)
+        tell(check=check.as_dict())
+    tell(end=True)
+
+
+if __name__ == "__main__":
+    FAMILIES.load()
+    child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4] == "full")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, TypeAlias
 
 #: The most that a value may be, or the interval that it must lie in.
@@ -40,20 +40,16 @@ class Check:
     @property
     def holds(self) -> bool:
         """Whether the value is within the limit; NaN never is."""
-        return self.value is not None and holds(self.value, self.limit)
+        low, high = self.limit if isinstance(self.limit, tuple) else (-math.inf, self.limit)
+        return self.value is not None and low <= self.value <= high
 
     def as_dict(self) -> dict[str, Any]:
-        """The check for JSON."""
-        limit = list(self.limit) if isinstance(self.limit, tuple) else self.limit
-        told = {"name": self.name, "value": self.value, "limit": limit, "holds": self.holds}
-        more = {
-            "family": self.family,
-            "isa": self.isa,
-            "why": self.why,
-            "error": self.error,
-            "cpu_s": round(self.cpu_s, 3),
-        }
-        return told | {name: value for name, value in more.items() if value}
+        """The check for JSON; what is empty is left out."""
+        told = asdict(self) | {"holds": self.holds, "cpu_s": round(self.cpu_s, 3)}
+        if isinstance(self.limit, tuple):
+            told["limit"] = list(self.limit)
+        must = ("name", "value", "limit", "holds")
+        return {name: value for name, value in told.items() if name in must or value}
 
     @classmethod
     def from_dict(cls, told: dict[str, Any]) -> Check:
@@ -72,21 +68,18 @@ class Check:
         return f"{state} {self.name} ({self.value:.4g}, limit {words})"
 
 
-def holds(value: float, limit: Limit) -> bool:
-    """Whether a value is within a limit."""
-    low, high = limit if isinstance(limit, tuple) else (-math.inf, limit)
-    return low <= value <= high
+def unmeasured(case: Case) -> Check:
+    """The check of a case before there is a value."""
+    return Check(name=case.name, value=None, limit=case.limit, why=case.why)
 
 
 def checked(case: Case) -> Check:
     """The case, measured now. Whatever it raises fails the check."""
+    check = unmeasured(case)
     try:
         value = float(case.measure())
     except Exception as error:
-        told = f"{type(error).__name__}: {error}"
-        return Check(name=case.name, value=None, limit=case.limit, why=case.why, error=told)
+        return replace(check, error=f"{type(error).__name__}: {error}")
     if math.isnan(value):
-        return Check(
-            name=case.name, value=None, limit=case.limit, why=case.why, error="not a number"
-        )
-    return Check(name=case.name, value=value, limit=case.limit, why=case.why)
+        return replace(check, error="not a number")
+    return replace(check, value=value)
