@@ -204,7 +204,7 @@ private:
         const uint64_t sample = (b.stream >> kBranchBits) - first_stream_, spp = uint64_t(t_.frame.spp);
         // Pixel and branch, without the number of the sample: eye points of one place share
         // sequences
-        out_.block.place.push_back(sample / spp << kBranchBits | (b.stream & 1023));
+        out_.block.place.push_back(sample / spp << kBranchBits | b.stream % kBranches);
         out_.block.turn.push_back(uint32_t(t_.frame.first_sample + sample % spp));
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);
@@ -240,7 +240,8 @@ private:
         branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
         // Branches are numbered as nodes of a binary heap: those of k are 2k + 1 and 2k + 2. After
         // nine levels numbers repeat, which correlates such deep branches and biases none
-        branch.stream = (branch.stream & ~uint64_t{1023}) | ((branch.stream & 1023) * 2 + 1 + which) % 1024;
+        const uint64_t number = branch.stream % kBranches;
+        branch.stream += (number * 2 + 1 + which) % kBranches - number;
         ++branch.depth;
         if (survives(branch)) next_.push_back(branch);
     }
