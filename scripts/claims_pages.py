@@ -2,7 +2,7 @@
 """Writes the tables of full runs into the documentation.
 
 `scripts/claims_pages.py out/reproduce --machine C` first takes the results in that folder, which
-come from `viscache reproduce all`; figures that are not in it keep their last run.
+come from `viscache reproduce`; figures that are not in it keep their last run.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def take(folder: Path, machine: str) -> None:
     """Put the results of a folder into the file of full runs."""
-    summary = json.loads((folder / "summary.json").read_text("utf-8"))
-    runs = RUNS | {result["figure"]: kept(result, machine) for result in summary["figures"]}
+    files = {name: folder / f"{name}.json" for name in FIGURES}
+    found = {n: json.loads(file.read_text("utf-8")) for n, file in files.items() if file.exists()}
+    runs = RUNS | {name: kept(result, machine) for name, result in found.items()}
     FILE.write_text(written({name: runs[name] for name in FIGURES if name in runs}), "utf-8")
 
 
@@ -37,7 +38,7 @@ def fill() -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", nargs="?", type=Path, help="of `viscache reproduce all -o`")
+    parser.add_argument("folder", nargs="?", type=Path, help="of `viscache reproduce -o`")
     parser.add_argument("--machine", help="its name in docs/performance/method.md")
     given = parser.parse_args()
     if given.folder is None:

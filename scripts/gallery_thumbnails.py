@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Thumbnails of the gallery: scripts/gallery_thumbnails.py DIR
-Run `viscache reproduce all --quick -o DIR` before. manifest.json notes which text of this file made
-each, and when its figure was run."""
+Run `viscache reproduce NAME --quick -o DIR` before, or `all`. Figures that are not in it keep their
+thumbnail. manifest.json notes which `thumbnail` made each, and when its figure was run."""
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import inspect
 import io
 import json
-import re
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +33,9 @@ def thumbnail(picture: Path) -> bytes:
 
 
 def recipe(name: str) -> str:
-    """What a thumbnail depends on here: its figure, and the text of this file without imports."""
-    text = re.sub(r"^(?:from|import) .*\n", "", Path(__file__).read_text("utf-8"), flags=re.M)
-    return digest((text + FIGURES[name].description).encode())
+    """What a thumbnail depends on here: its figure, and how it is made."""
+    made_by = f"{SIZE_PX} {inspect.getsource(thumbnail)}"
+    return digest((made_by + FIGURES[name].description).encode())
 
 
 def digest(data: bytes) -> str:
@@ -48,9 +48,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, metavar="DIR")
     results: Path = parser.parse_args().results
-    made: dict[str, Any] = {}
-    FOLDER.mkdir(exist_ok=True)
-    for name in FIGURES:
+    made = json.loads((FOLDER / MANIFEST).read_text("utf-8"))
+    for name in (name for name in FIGURES if (results / f"{name}.json").exists()):
         found = json.loads((results / f"{name}.json").read_text("utf-8"))
         files = [Path(file).name for file in found["files"] if file.endswith(".png")]
         entry: dict[str, Any] = {"recipe": recipe(name), "date": found["provenance"]["date"]}
@@ -59,7 +58,8 @@ def main() -> None:
             (FOLDER / f"{name}.webp").write_bytes(data)
             entry["picture"] = digest(data)
         made[name] = entry
-    (FOLDER / MANIFEST).write_text(json.dumps(made, indent=1) + "\n", encoding="utf-8")
+    kept = {name: made[name] for name in FIGURES if name in made}
+    (FOLDER / MANIFEST).write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -71,6 +71,7 @@ py::array_t<int64_t> array_that_owns(std::vector<int64_t>& v, const PairTable& t
     return py::array_t<int64_t>({t.n_pairs, t.n_distances, t.n_angles}, kept->data(), owner);
 }
 
+/// Σq² may exceed 64 bits: it is high·2³² + low, which Python adds up.
 py::dict dict_of(PairTable& t) {
     using namespace py::literals;
     return py::dict("n"_a = array_that_owns(t.n, t), "n_undefined"_a = array_that_owns(t.n_undefined, t),
@@ -135,6 +136,7 @@ void require_alike(const WordArray& a, const WordArray& b) {
     if (a.shape(1) != b.shape(1))
         throw py::value_error("bits_a and bits_b must have rows of the same length, got " + shape_text(a) +
                               " and " + shape_text(b));
+    // Products of two counts stay below 2³¹ in the kernels
     if (size_t(a.shape(1)) > words_for(kMaxDirections))
         throw py::value_error("bits must have at most " + std::to_string(words_for(kMaxDirections)) +
                               " words a row, got " + std::to_string(a.shape(1)));

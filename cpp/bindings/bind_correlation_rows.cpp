@@ -122,6 +122,7 @@ py::tuple point_rows(const Scene& scene, OracleSource& source, const FloatArray&
         },
         progress);
     py::dict engine;
+    // A value is a number or a text, which pybind11 converts
     for (const auto& [name, value] : found.report.engine) engine[py::str(name)] = value;
     return py::make_tuple(call.bits, found.rays, engine);
 }

@@ -31,6 +31,7 @@ Affine relative(const SceneDescription& d, Affine to_world) {
 }
 
 Affine affine_from(const DoubleArray& a) {
+    // A last row of (0, 0, 0, 1) may be left out
     if (a.ndim() != 2 || a.shape(1) != 4 || (a.shape(0) != 3 && a.shape(0) != 4))
         throw py::value_error("to_world must have shape (3, 4) or (4, 4), got " + shape_text(a));
     Affine t;
@@ -55,6 +56,7 @@ int add_mesh(SceneDescription& d, const DoubleArray& vertices, const UintArray& 
     else
         mesh.vertices = relative({}, vertices, "vertices");  // its instances are placed
     require_rows(triangles, 3, "triangles");
+    // Rows of three numbers without gaps, as the array type ensures
     const auto* t = reinterpret_cast<const Vec3u*>(triangles.data());
     mesh.triangles.assign(t, t + triangles.shape(0));
     if (normals) mesh.normals = vec3s(*normals, "normals");
@@ -73,6 +75,7 @@ SpotCone cone_from(Float3 axis, std::array<float, 2> cone_deg, const std::string
         throw py::value_error("cone_deg must be 0 <= inner <= outer <= 180, outer > 0, got " +
                               std::to_string(inner) + " and " + std::to_string(outer));
     const Vec3 unit = normalize(vec3(axis));
+    // NaN fails too
     if (!(std::fabs(length(unit) - 1) < 1e-3f)) throw py::value_error("axis must not be zero or non-finite");
     // Number 0 is the falloff of lights without a cone.
     for (size_t i = 1; i < std::size(kFalloffNames); ++i)
@@ -119,6 +122,7 @@ void bind_meshes(py::class_<SceneDescription>& d) {
           "Returns its index.");
 }
 
+/// In the order of the struct's members: a member that is added has a place in both lists.
 void bind_materials(py::class_<SceneDescription>& d) {
     d.def(
         "add_material",
@@ -308,6 +312,7 @@ void bind_what_was_added(py::class_<SceneDescription>& d) {
             "n_lights",
             [](const SceneDescription& d) {
                 size_t emitters = 0;
+                // Triangles would be too many to count here, and meshes are what the user has added
                 for (const Mesh& mesh : d.meshes) emitters += max_component(mesh.emission) > 0;
                 return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() +
                        emitters + d.environment.has_value();
@@ -357,6 +362,7 @@ void bind_description(py::module_& m) {
     bind_images(d);
     bind_sky_and_cameras(d);
     bind_what_was_added(d);
+    // For other processes; files of scenes have formats of their own
     d.def(py::pickle([](const SceneDescription& d) { return py::bytes(description_bytes(d)); },
                      [](const py::bytes& bytes) { return description_from(bytes); }));
 }

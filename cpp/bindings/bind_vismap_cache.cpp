@@ -58,6 +58,7 @@ py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const RayCaster& c
 }
 
 py::dict select_points(const MapCache& cache, const Points& points, int threads) {
+    // Arrays are made with the interpreter's lock; threads then write rows of their own
     const auto n = py::ssize_t(points.size()), best = py::ssize_t(cache.parameters().n_best);
     py::array_t<int64_t> ids({n, best});
     py::array_t<float> beta({n, best}), tested(n), nearest(n), difference(n);
@@ -87,6 +88,7 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
                 t[i] = s.tested;
                 near[i] = s.nearest;
                 c[i] = s.candidates;
+                // What the insertion would decide, for figures of its test
                 delta[i] = cache.mean_difference(s);
                 v[i] = points[i].usable() ? uint8_t(cache.judge(points[i], s)) : uint8_t(Verdict::kServed);
             }
@@ -137,6 +139,7 @@ void add_records(MapCache& cache, const FloatArray& positions, const FloatArray&
         if (a->ndim() < 1 || a->shape(0) != count)
             throw py::value_error(std::string(name) + " must have one row per position, " +
                                   std::to_string(count) + ", got " + shape_text(*a));
+    // The same check as for query points, with numbers that pass for what records lack
     for (py::ssize_t i = 0; i < count; ++i) check_point({p[i], n[i], 1, 0}, size_t(i));
     if (cache.size() + size_t(count) > cache.parameters().max_records)
         throw py::value_error("the cache must hold at most max_records records, " +
@@ -157,6 +160,7 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
                                   std::to_string(cache.size()) + ", got " + shape_text(*a));
     for (size_t i = 0; i < cache.size(); ++i) {
         const auto k = py::ssize_t(i);
+        // A rate above 1 would remove a record that is right
         if (misses.at(k) > rays.at(k))
             throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
                                   std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));

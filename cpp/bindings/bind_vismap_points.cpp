@@ -32,6 +32,7 @@ Points points_of(const FloatArray& positions, const FloatArray& normals, const F
     return points;
 }
 
+/// Negative indices do not count from the end: they are mistakes of callers here.
 Points taken(const Points& points, const IdArray& indices) {
     if (indices.ndim() != 1)
         throw py::value_error("indices must have shape (K,), got " + shape_text(indices));
@@ -98,6 +99,7 @@ void bind_hits(py::module_& v) {
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height, size_t n,
            uint64_t seed, const PixelRules& rules) {
             check_view(camera, width, height, rules);
+            // Each ray is one record at most; more would fill any memory
             if (n < 1 || n > 1 << 24)
                 throw py::value_error("n must be in [1, 2^24], got " + std::to_string(n));
             PixelPoints found;
@@ -143,6 +145,7 @@ void bind_vismap_points(py::module_& m) {
         [](const FloatArray& positions) {
             const Vec3* rows = rows3(positions, "positions");
             const size_t n = size_t(positions.shape(0));
+            // The last number stands for "no record"
             if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
             std::vector<uint32_t> order;
             {

@@ -14,6 +14,7 @@ namespace {
 constexpr const char* kKinds[] = {"points", "directions", "surfaces", "solid_angle"};
 
 /// An optional entry of a dict as an array.
+/// An array of another type is converted; what cannot be is named in the error.
 std::optional<FloatArray> given(const py::dict& d, const char* name) {
     if (!d.contains(name) || d[name].is_none()) return std::nullopt;
     auto a = FloatArray::ensure(d[name]);
@@ -99,6 +100,7 @@ py::dict eye_block_dict(const EyeBlock& eyes) {
     return py::dict(
         "positions"_a = from_vec3s(eyes.position), "normals"_a = from_vec3s(eyes.normal),
         "origins"_a = from_vec3s(eyes.origin), "density"_a = py::array_t<float>(n, eyes.density.data()),
+        // Arrays of points have no places in a tile
         "order"_a = eyes.order_x.size() == eyes.size() ? py::object(order) : py::object(py::none()),
         "tile"_a = py::make_tuple(eyes.tile_width, eyes.tile_height));
 }
@@ -106,15 +108,18 @@ py::dict eye_block_dict(const EyeBlock& eyes) {
 FarEnds far_ends_from(const py::dict& d, float extent) {
     FarEnds ends;
     ends.semantic = semantic_of(d["kind"].cast<std::string>());
+    // The group selects counters and settings, so a wrong one would write beyond them
     ends.group = d["group"].cast<int>();
     if (ends.group < 0 || ends.group >= kLightGroups)
         throw py::value_error("group must be in [0, " + std::to_string(kLightGroups) + ")");
     ends.t_max = d["t_max"].cast<float>();
     if (!(ends.t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(ends.t_max));
     const FloatArray p = needed(d, "positions");
+    // Directions must be unit vectors, as those of a frame are
     const auto positions = is_direction(ends.semantic) ? units(p, "directions") : usable(p, "positions");
     const size_t n = positions.size();
     ends.count = n;
+    // Only surfaces have a side, from which rays must keep off
     const bool surfaces = ends.semantic == Semantic::kSurface;
     std::optional<FloatArray> normals = given(d, "normals"), stops = given(d, "ends");
     if (surfaces && !normals) throw py::value_error("normals must be given for surfaces");

@@ -23,7 +23,6 @@ _NAMES = {
     "settings.audit": "AuditPixels AuditQueries",
     "settings.integrators": "AmbientOcclusion Bdpt Direct Whitted",
     "settings.rays": "Bsp Embree Vlf",
-    "settings.visibility": "Aqvc Exact NeePlusPlus PaperForm ShadowMap Unoccluded VisMaps",
     "settings.vpls": "Vpls",
     "shot.connections": "Connections connections",
     "shot.query_record": "record_queries",
@@ -36,6 +35,8 @@ _NAMES = {
     "vlf": "aligned_occlusion",
     "vlf.field": "VisibilityField",
 }
+#: The module whose `__all__` has more of them: a new method of visibility is listed there alone.
+_METHODS = "viscache.settings.visibility"
 #: Modules that are names themselves, and those that `dir` leaves out.
 _MODULES = (
     "aqvc correlation metrics notebook plots report scenes testing vismap vlf"
@@ -45,14 +46,13 @@ _FURTHER = "base.tonemap base.workers passes.over_time"
 
 _WHERE = {name: module for module, names in _NAMES.items() for name in names.split()}
 _PATHS = {path.rpartition(".")[2]: path for path in f"{_MODULES} {_FURTHER}".split()}
-__all__ = sorted(
-    {"SceneDescription", *_WHERE, *_PATHS} - {path.rpartition(".")[2] for path in _FURTHER.split()}
-)
 
 
 def __dir__() -> list[str]:
     """The public names, without modules that imports added."""
-    return __all__
+    further = {path.rpartition(".")[2] for path in _FURTHER.split()}
+    methods = _import_module(_METHODS).__all__
+    return sorted({"SceneDescription", *_WHERE, *_PATHS, *methods} - further)
 
 
 def __getattr__(name: str) -> _Any:
@@ -64,6 +64,10 @@ def __getattr__(name: str) -> _Any:
     elif name in _WHERE:
         module = _import_module(f"viscache.{_WHERE[name]}")
         found = getattr(module, "VERSION" if name == "__version__" else name)
+    elif name == "__all__":
+        found = __dir__()
+    elif name in _import_module(_METHODS).__all__:
+        found = getattr(_import_module(_METHODS), name)
     else:
         raise AttributeError(f"module 'viscache' has no attribute {name!r}")
     return globals().setdefault(name, found)

@@ -42,13 +42,7 @@ from viscache.settings.integrators import Whitted as Whitted
 from viscache.settings.rays import Bsp as Bsp
 from viscache.settings.rays import Embree as Embree
 from viscache.settings.rays import Vlf as Vlf
-from viscache.settings.visibility import Aqvc as Aqvc
-from viscache.settings.visibility import Exact as Exact
-from viscache.settings.visibility import NeePlusPlus as NeePlusPlus
-from viscache.settings.visibility import PaperForm as PaperForm
-from viscache.settings.visibility import ShadowMap as ShadowMap
-from viscache.settings.visibility import Unoccluded as Unoccluded
-from viscache.settings.visibility import VisMaps as VisMaps
+from viscache.settings.visibility import *  # noqa: F403 -- what its `__all__` has
 from viscache.settings.vpls import Vpls as Vpls
 from viscache.shot import tiles as tiles
 from viscache.shot.connections import Connections as Connections

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache.settings.registry import NAMES
 
 SPEC = "room?triangles=5000"
 SIZE = (24, 16)
@@ -27,12 +28,10 @@ def test_render_takes_names_for_everything(scene: vc.Scene) -> None:
     assert named.sha256 == made.sha256
     assert named.parameters["rays"]["name"] == "Bsp"
     assert named.parameters["visibility"] == made.parameters["visibility"]
-    for name, settings in (
-        ("exact", vc.Exact()),
-        ({"name": "shadow_map", "resolution": 64}, vc.ShadowMap(resolution=64)),
-        ("nee_plus_plus", vc.NeePlusPlus()),
-        ("unoccluded", vc.Unoccluded()),
-    ):
+    maps = {"name": "shadow_map", "resolution": 64}, vc.ShadowMap(resolution=64)
+    methods = {n: c() for n, c in NAMES["visibility"].items() if n != "vismap"}  # needs a sky
+    assert {"exact", "aqvc", "unoccluded"} < methods.keys()
+    for name, settings in (maps, *methods.items()):
         a, b = (vc.render(scene, "direct", visibility=v, size=SIZE) for v in (name, settings))
         assert a.sha256 == b.sha256
     for name, integrator in (

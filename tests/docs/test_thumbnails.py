@@ -52,7 +52,7 @@ def pixels(data: bytes) -> np.ndarray[Any, Any]:
 
 
 def test_the_thumbnails_are_those_of_the_present_figures() -> None:
-    assert stale(kept()) == [], "viscache reproduce all --quick -o DIR, scripts/gallery_thumbnails"
+    assert stale(kept()) == [], "viscache reproduce NAME --quick -o DIR, scripts/gallery_thumbnails"
 
 
 def test_a_new_figure_and_an_old_script_are_found() -> None:

@@ -10,6 +10,7 @@ import viscache as vc
 from fuzz.values import Dice
 from viscache.settings import aqvc, maps
 from viscache.settings import rays as rays_module
+from viscache.settings.registry import NAMES
 
 GROUPS = ("point", "directional", "area", "environment", "vpl")
 #: Fields whose values other fields or objects decide, or that ask for much work.
@@ -100,13 +101,12 @@ def visibility(dice: Dice) -> Any:
     """Settings of any visibility, or its name."""
     kind = dice.random.randrange(10)
     if kind == 0:
-        return dice.pick("exact", "aqvc", "shadow_map", "nee++", "vismap", "unoccluded", None, "x")
+        return dice.pick(*NAMES["visibility"], None, "x")
     if kind < 5:
         return made(dice, vc.Aqvc, preset=dice.pick("default", "fast", "paper", "as_printed"))
     if kind == 5:
         return made(dice, vc.Aqvc, preset="paper", paper=made(dice, vc.PaperForm))
-    classes = (vc.Exact, vc.ShadowMap, vc.NeePlusPlus, vc.VisMaps, vc.VisMaps, vc.Unoccluded)
-    return made(dice, dice.pick(*classes))
+    return made(dice, dice.pick(vc.VisMaps, *NAMES["visibility"].values()))
 
 
 def map_settings(dice: Dice) -> Any:

@@ -18,6 +18,7 @@ import pytest
 import viscache as vc
 from fuzz import calls_geometry, calls_measure, calls_render, campaign
 from fuzz.values import Dice
+from viscache.settings.registry import NAMES
 
 GROUPS: dict[str, tuple[tuple[Callable[[Dice], None], int], ...]] = {
     **calls_geometry.CALLS,
@@ -77,6 +78,7 @@ def test_every_public_name_is_called() -> None:
         for name in ("calls_geometry", "calls_measure", "calls_render", "settings", "scenes")
     )
     reached = set(re.findall(r"\bvc\.(\w+)", text))
+    reached |= {c.__name__ for c in NAMES["visibility"].values()}  # settings.py picks of them
     assert set(vc.__all__) - reached - WITHOUT_INPUT - set(ELSEWHERE) == set()
 
 

@@ -91,6 +91,8 @@ assert {"viscache.sweeps.tune", "viscache.plots", "viscache.report"} <= there()
 def test_type_checkers_and_programs_see_the_same_names() -> None:
     stub = Path(vc.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
     listed = re.findall(r"^from (\S+) import (\w+)", stub, re.M)
+    for module in re.findall(r"^from (\S+) import \*", stub, re.M):
+        listed += [(module, name) for name in importlib.import_module(module).__all__]
     assert {*vc.__all__} - {"__version__"} < {name for _, name in listed}
     for module, name in listed:
         assert getattr(vc, name) is getattr(importlib.import_module(module), name)

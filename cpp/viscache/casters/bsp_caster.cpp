@@ -41,6 +41,7 @@ BspCaster::BspCaster(std::shared_ptr<const Scene> scene, const BspSettings& sett
     : scene_(std::move(scene)), kernel_(settings.kernel) {
     settings.validate();
     FlatTriangles flat = flat_triangles(*scene_);
+    // Scenes far from the origin of the world keep their digits: the subtraction is exact
     origin_ = exact_origin(flat.bounds);
     for (FlatTriangle& t : flat.triangles) t = {t.a - origin_, t.b - origin_, t.c - origin_};
     tree_ = build_bsp(flat.triangles, settings, threads, control);
@@ -60,6 +61,7 @@ void BspCaster::place_records(std::span<const FlatTriangle> triangles) {
     for (uint32_t& id : tree_.ids) {
         const FlatTriangle& t = triangles[id];
         if (place[id] == kNoHit) {
+            // The first leaf that lists a triangle decides its place; later ones refer to it
             place[id] = next++;
             if (kernel_ == TriangleKernel::kWald)
                 wald_.push_back(wald_triangle(t.a, t.b, t.c, id));
@@ -91,6 +93,7 @@ void BspCaster::count_nodes() {
 template <class Leaf, class OnNode>
 void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) const {
     if (tree_.nodes.empty() || ray.d == Vec3{}) return;
+    // As a length across planes; divided by the direction it is one along the ray
     const float off = kCellUlps * kUlp * std::max(max_abs(ray.o), extent_);
     struct Axis {
         float o, inverse, slack;
@@ -100,6 +103,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
         const float inv = inverse(d);
         return Axis{o, inv, off * std::fabs(inv), inv < 0 ? 1u : 0u};
     };
+    // Signs and inverses once per ray, not once per node
     const Axis axes[3] = {axis_of(ray.o.x, ray.d.x), axis_of(ray.o.y, ray.d.y), axis_of(ray.o.z, ray.d.z)};
     float near = ray.t_min, far = limit;
     for (int a = 0; a < 3; ++a) {
@@ -114,6 +118,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
         uint32_t node;
         float near, far;
     };
+    // One entry per level: only the farther child waits
     Entry stack[kMostBspDepth + 1];
     int entries = 0;
     uint32_t at = 0;
@@ -125,6 +130,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
             const Axis& axis = axes[node.axis()];
             const float t = (node.plane() - axis.o) * axis.inverse;
             const uint32_t first = node.children() + axis.first, second = node.children() + 1 - axis.first;
+            // The plane lies beyond what is left of the ray, or before it: one child
             if (t - axis.slack > far) {
                 at = first;
             } else if (t + axis.slack < near) {
@@ -132,6 +138,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
             } else {
                 stack[entries++] = {second, std::max(near, t - axis.slack), far};
                 at = first;
+                // Both children overlap by the slack, so that a hit in the plane is in both
                 far = std::min(far, t + axis.slack);
             }
             continue;
@@ -140,6 +147,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
         do {
             if (entries == 0) return;
             --entries;
+            // What begins behind the hit cannot be nearer
         } while (stack[entries].near > limit);
         at = stack[entries].node;
         near = stack[entries].near;
@@ -163,6 +171,7 @@ NearestHit BspCaster::nearest_in(const Kernel& kernel, const Ray& local, Steps& 
                 TriangleHit hit;
                 if (!kernel(tree_.ids[i], best.t, hit)) continue;
                 const uint32_t id = kernel.id(tree_.ids[i]);
+                // Textures of holes are looked up last, for hits that would win
                 if (best.nearer(hit, id) && (!cutouts_ || solid(id, hit))) best.take(hit, id);
             }
             return best.t;
@@ -181,6 +190,7 @@ bool BspCaster::any_in(const Kernel& kernel, const Ray& local) const {
                 if (!kernel(tree_.ids[i], limit, hit) || !(hit.t < limit)) continue;
                 if (cutouts_ && !solid(kernel.id(tree_.ids[i]), hit)) continue;
                 found = true;
+                // Any hit is enough: a negative limit ends the walk
                 return -kInfinity;
             }
             return limit;

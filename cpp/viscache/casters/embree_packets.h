@@ -44,10 +44,12 @@ void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, st
                      HitOf hit_of) {
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
+    // Once: Embree does not change these fields
     set_common(packet.ray);
     for (size_t first = 0; first < rays.size(); first += kWidth) {
         const size_t n = std::min<size_t>(kWidth, rays.size() - first);
         for (size_t i = 0; i < kWidth; ++i) {
+            // Lanes past the end repeat the last ray, so that all numbers are valid
             const Ray& r = rays[first + std::min(i, n - 1)];
             valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval contains no hit
             packet.ray.org_x[i] = r.o.x;
@@ -58,6 +60,7 @@ void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, st
             packet.ray.dir_z[i] = r.d.z;
             packet.ray.tnear[i] = r.t_min;
             packet.ray.tfar[i] = r.t_max;
+            // Embree writes where it hits; other lanes keep this
             packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         intersect(query, scene, valid, packet);
@@ -75,6 +78,7 @@ uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPa
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     constexpr size_t kRow = sizeof(float) * kWidth;
+    // Both packets store arrays by component; they differ in their fields between
     std::memcpy(packet.org_x, rays.ox + first, kRow);
     std::memcpy(packet.org_y, rays.oy + first, kRow);
     std::memcpy(packet.org_z, rays.oz + first, kRow);
@@ -204,6 +208,7 @@ void trace_along(Query& query, RTCScene scene, const PointLanes& p, Vec3 axis, f
         std::memcpy(packet.org_z, p.z + at, kRow);
         for (int i = 0; i < kWidth; ++i) {
             const size_t k = at + size_t(i);
+            // The end of the axis that lies above the surface
             const float side = axis.x * p.nx[k] + axis.y * p.ny[k] + axis.z * p.nz[k] >= 0 ? 1.f : -1.f;
             packet.dir_x[i] = side * axis.x;
             packet.dir_y[i] = side * axis.y;
@@ -212,6 +217,7 @@ void trace_along(Query& query, RTCScene scene, const PointLanes& p, Vec3 axis, f
         }
         const uint32_t found =
             blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & asked & ((1u << kWidth) - 1);
+        // Packets of 8 share a word of 16: the first one clears it
         if (at % 16 == 0) blocked[at / 16] = 0;
         blocked[at / 16] = uint16_t(blocked[at / 16] | found << (at % 16));
     }
@@ -238,6 +244,7 @@ void trace_from(Query& query, RTCScene scene, Vec3 o, Vec3 n, const AxisLanes& a
             packet.dir_z[i] = side * z;
             valid[i] = k < axes.count ? -1 : 0;
         }
+        // Directions past the end have no bit
         const size_t left = std::min<size_t>(kWidth, axes.count - at);
         const uint32_t found =
             blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & ((1u << left) - 1);

@@ -13,10 +13,12 @@ namespace {
 
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
+// NaN compares false and infinity is too large, so one comparison checks all
 VISCACHE_INLINE int32_t usable(float x) { return std::fabs(x) <= kMaxCoordinate; }
 
 /// Arranges rays in lanes and checks them in the same pass. Branch-free, for the compiler's vectors.
 VISCACHE_INLINE bool pack_body(const RayBatch::Input& in, size_t packets, RayLanes& out) {
+    // One flag per lane, joined at the end: a branch per ray would cost more than the checks
     int32_t fine[16];
     std::fill_n(fine, 16, 1);
     for (size_t p = 0; p < packets; ++p) {
@@ -32,6 +34,8 @@ VISCACHE_INLINE bool pack_body(const RayBatch::Input& in, size_t packets, RayLan
                        usable(dz) & (t >= 0);
             const int32_t ask = (t > 0) & ((dx != 0) | (dy != 0) | (dz != 0));
             asked[i] = -ask;
+            // Inactive lanes get a ray that is valid: where Embree splits packets, it traces them
+            // too
             t_max[i] = ask ? t : kInfinity;
         }
         std::fill_n(r.t_min, 16, 0.f);
@@ -51,6 +55,7 @@ bool RayBatch::pack(const Input& input, size_t count) {
     size_ = count;
     const size_t packets = (count + 15) / 16;
     if (!pack_(input, packets, lanes_)) return false;
+    // Copies past the end are checked like rays but not asked
     for (size_t i = count; i < 16 * packets; ++i) lanes_.asked[i / 16][i % 16] = 0;
     return true;
 }
@@ -66,6 +71,8 @@ bool RayBatch::gather(const RayArrays& rays, Number number, size_t count) {
         to[2] = v.z;
     };
     for (size_t i = 0; i < padded; ++i) {
+        // Rays in an order of our own lie anywhere in the caller's arrays: each is fetched well
+        // before it is copied
         const size_t k = number(std::min(i, count - 1)), ahead = number(std::min(i + kAhead, count - 1));
         __builtin_prefetch(rays.origin.data + ptrdiff_t(ahead) * rays.origin.stride);
         __builtin_prefetch(rays.direction.data + ptrdiff_t(ahead) * rays.direction.stride);
@@ -82,6 +89,7 @@ bool RayBatch::gather(const RayArrays& rays, Number number, size_t count) {
 }
 
 bool RayBatch::take(const RayArrays& rays, size_t first, size_t count) {
+    // Rows without gaps in whole packets are read where they lie
     const bool in_place = rays.origin.stride == 3 && rays.direction.stride == 3 && count % 16 == 0;
     if (!in_place || rays.t_stride > 1) return gather(rays, [&](size_t i) { return first + i; }, count);
     const float* ends = rays.t_max + first;

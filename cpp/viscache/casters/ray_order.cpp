@@ -26,6 +26,7 @@ constexpr size_t kRuns = 16;       // places of the sample
 VISCACHE_INLINE uint32_t spread_step(float v) {
     const float below = v < kEdge - 1.f ? v : kEdge - 1.f;
     const uint32_t step = uint32_t(int32_t(below > 0 ? below : 0.f));
+    // Room for the other two axes: joined, they are a Morton code of nine bits
     return (step & 1) | (step & 2) << 2 | (step & 4) << 4;
 }
 
@@ -49,6 +50,7 @@ VISCACHE_INLINE void classify_body(const RayOrder::Cells& cells, const float* or
 
 RayOrder::Cells cells_of(const RayArrays& rays, size_t first, size_t count, size_t stride) {
     Bounds box;
+    // The box only scales the cells: rays outside of it fall into those at the border
     for (size_t i = first; i < first + count; i += stride) box.add(rays.origin[i]);
     const auto per_unit = [](float extent) { return extent > 1e-30f ? kEdge / extent : 0.f; };
     const Vec3 extent = box.hi - box.lo;
@@ -84,6 +86,8 @@ void RayOrder::classify(const RayArrays& rays, const Cells& cells, size_t first,
 
 double RayOrder::share_in_order(const RayArrays& rays, size_t first, size_t count) {
     if (count < 2) return 1;
+    // Runs of neighbours at places spread over the batch: what counts is whether a ray resembles
+    // the one before it
     const size_t runs = std::clamp<size_t>(count / (2 * kRun), 1, kRuns);
     const size_t length = std::min(count, runs == 1 ? count : kRun + 1);
     class_.resize(std::max(class_.size(), runs * length));
@@ -100,6 +104,8 @@ double RayOrder::share_in_order(const RayArrays& rays, size_t first, size_t coun
 std::span<const uint32_t> RayOrder::sort(const RayArrays& rays, size_t first, size_t count) {
     class_.resize(count);
     classify(rays, cells_of(rays, first, count, kBoxStride), first, count, 0);
+    // Counting sort, stable: equal rays keep the caller's order, and the order is the same
+    // everywhere
     begin_.assign(kClasses + 1, 0);
     for (size_t i = 0; i < count; ++i) ++begin_[class_[i] + 1u];
     for (size_t c = 1; c <= kClasses; ++c) begin_[c] += begin_[c - 1];

@@ -12,6 +12,7 @@ double value_at(const unsigned char* p, bool normalized) {
     T v;
     std::memcpy(&v, p, sizeof v);
     if constexpr (std::is_integral_v<T>)
+        // As the standard says: signed integers have one value more below zero, which counts as −1
         if (normalized) return std::max(double(v) / double(std::numeric_limits<T>::max()), -1.0);
     return double(v);
 }
@@ -47,6 +48,7 @@ GltfReader::Elements GltfReader::elements(int index, const std::string& where) c
     if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
         fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
     const auto& data = model_.buffers[size_t(view.buffer)].data;
+    // The file is not trusted: each index and size is checked before it is used
     const int n = tinygltf::GetNumComponentsInType(uint32_t(a.type));
     const int size = tinygltf::GetComponentSizeInBytes(uint32_t(a.componentType));
     if (n <= 0 || size <= 0 || a.componentType == TINYGLTF_COMPONENT_TYPE_INT ||
@@ -84,6 +86,7 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
         if (e.n != 1 || e.component == TINYGLTF_COMPONENT_TYPE_FLOAT)
             fail(where, "indices must be unsigned integers");
         for (size_t i = 0; i < e.count; ++i) {
+            // A double holds every index of 32 bits
             const double x = e.get(i, 0);
             if (!(x >= 0 && x < double(n)))
                 fail(where, "index " + std::to_string(int64_t(x)) + ", the primitive has " +
@@ -99,6 +102,8 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
         for (size_t i = 0; i + 2 < m; i += 3)
             mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
     } else {
+        // Every second triangle of a strip runs the other way, so two of its corners change places.
+        // Those of a fan share corner 0
         const bool strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
         for (size_t i = 0; i + 2 < m; ++i)
             mesh.triangles.push_back(strip ? Vec3u{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]}
@@ -108,6 +113,7 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
 
 std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primitive& p,
                                                          const std::string& where) {
+    // A file that says nothing means triangles
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         mode != TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -132,6 +138,7 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
         // Row 0 of an image is v = 0 in glTF.
         for (size_t i = 0; i < e.count; ++i) mesh.uvs.push_back({float(e.get(i, 0)), 1 - float(e.get(i, 1))});
     }
+    // Once per mesh, so that textures are looked up without a matrix
     transform_uvs(mesh, seen.uv.get());
     tinygltf::Primitive known = p;
     known.mode = mode;

@@ -11,6 +11,7 @@ std::vector<uint32_t> corners(const PbrtParam& indices, size_t n, size_t vertice
         fail(indices.where, n == 3 ? "'indices' must be triples" : "'indices' must be fours");
     std::vector<uint32_t> flat;
     for (double x : indices.numbers) {
+        // The tokens are doubles: a fraction must not be cut to the vertex below
         if (!(x >= 0 && x < double(vertices)) || x != std::floor(x))
             fail(indices.where, "'indices' holds " + std::to_string(x) + ", the mesh has " +
                                     std::to_string(vertices) + " vertices");
@@ -35,6 +36,7 @@ Mesh inline_mesh(const PbrtParams& params, const std::string& where) {
     else
         add_triangles(mesh, *indices);
     mesh.normals = params.vec3s("N");
+    // Older files say "st"
     mesh.uvs = params.vec2s(params.has("uv") ? "uv" : "st");
     return mesh;
 }
@@ -44,10 +46,12 @@ double light_area(const Mesh& mesh, const std::string& type) {
     double area = 0;
     for (Vec3u t : mesh.triangles) {
         const Vec3 a = mesh.vertices[t.x];
+        // In the world: the mesh is transformed already
         area += length(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)) / 2;
     }
     const bool is_mesh = type == "trianglemesh" || type == "plymesh" || type == "loopsubdiv";
     const bool is_patches = type == "bilinearmesh";
+    // A patch is two triangles here, and one light in pbrt
     return area / (is_mesh      ? double(mesh.triangles.size())
                    : is_patches ? double(mesh.triangles.size()) / 2
                                 : 1);
@@ -67,9 +71,11 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
         const PbrtParam* file = params.find("filename");
         if (!file) fail(where, "a plymesh needs a filename");
         const std::string path = path_named(params.string("filename", ""), file->where);
+        // A missing file is an error or a warning, as the caller of the loader wishes
         if (!loading_.has_mesh_file(path, file->where)) return {};
         return read_ply(path, file->where);
     }
+    // Spheres, disks and cylinders become triangles
     if (auto mesh = round_shape(type, params, where)) return mesh;
     loading_.warn(where, "shape '" + type + "' is not modelled; skipped");
     return {};
@@ -87,11 +93,13 @@ Mesh PbrtReader::bilinear_mesh(const PbrtParams& params, const std::string& wher
     bool flat_patches = true;
     for (size_t i = 0; i < flat.size(); i += 4) {
         const uint32_t p00 = flat[i], p10 = flat[i + 1], p01 = flat[i + 2], p11 = flat[i + 3];
+        // pbrt's corners are in the order of (0, 0), (1, 0), (0, 1), (1, 1)
         mesh.triangles.push_back({p00, p10, p11});
         mesh.triangles.push_back({p00, p11, p01});
         const Vec3 a = mesh.vertices[p10] - mesh.vertices[p00], b = mesh.vertices[p01] - mesh.vertices[p00],
                    c = mesh.vertices[p11] - mesh.vertices[p00];
         const float size = length(a) * length(b) * length(c);
+        // The volume that the corners span, relative to its edges: 0 for a plane
         flat_patches = flat_patches && std::fabs(dot(cross(a, b), c)) <= 1e-4f * size;
     }
     mesh.normals = params.vec3s("N");
@@ -123,9 +131,11 @@ void PbrtReader::orient(Mesh& mesh) {
     const bool mirrored = now_.ctm.determinant() < 0;
     transform_mesh(mesh, now_.ctm);
     if (mesh.normals.empty()) {
+        // The winding gives the side. ReverseOrientation and a mirror cancel
         if (mirrored != now_.reversed) flip_winding(mesh);
         return;
     }
+    // Normals first, then the side that the file asks for
     wind_by_normals(mesh);
     if (now_.reversed) flip_normals(mesh);
 }
@@ -133,6 +143,7 @@ void PbrtReader::orient(Mesh& mesh) {
 /// True if the shape is a full sphere that emits outwards.
 bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where) {
     const auto scale = uniform_scale(now_.ctm);
+    // Our sphere lights have one radius, one colour, and shine outwards; all else becomes a mesh
     if (!now_.area_light || now_.area_light->image >= 0 || object_ || !scale || now_.reversed ||
         !is_whole_sphere(params))
         return false;
@@ -151,10 +162,13 @@ int PbrtReader::shape_material(const PbrtParams& params, const std::string& wher
     if (!alpha) return now_.material;
     const PbrtTexture t = color_texture(params, "alpha", kOne);
     if (t.image < 0 && t.color.x >= 1) return now_.material;
+    // A copy: other shapes have the same material without the cut-out
     Material m = loading_.scene.materials[size_t(now_.material)];
+    // A number below one is a share of the surface, an image a mask
     if (t.image < 0) m.opacity = t.color.x;
     m.alpha_texture = t.image;
     const int index = loading_.add_material(m);
+    // The base colour is seen more clearly than the edges of holes
     material_uv_[index] = m.base_texture >= 0 ? material_uv_[now_.material] : t.uv;
     if (material_uv_[index] != t.uv)
         loading_.warn(where,
@@ -178,6 +192,7 @@ void PbrtReader::shape(const std::string& where) {
     check_mesh(*mesh, where);
     mesh->material = shape_material(params, where);
     const bool shines_image = now_.area_light && !object_ && now_.area_light->image >= 0;
+    // Coordinates cost memory, so only meshes with an image get those that pbrt makes up
     if (shines_image || uses_image(loading_.scene.materials[size_t(mesh->material)]))
         add_default_uvs(*mesh, type, params);
     orient(*mesh);
@@ -191,12 +206,14 @@ void PbrtReader::shape(const std::string& where) {
         mesh->emits_two_sided = now_.area_light->two_sided;
     }
     const int index = loading_.add_mesh(std::move(*mesh), where);
+    // Meshes of an object are placed by its instances
     if (object_) object_->push_back(index);
 }
 
 /// The radiance that a light of this area has.
 Rgb PbrtReader::radiance(const AreaLight& light, double area) const {
     if (!(light.power > 0) || !(area > 0)) return light.radiance;
+    // Power of a Lambertian emitter: π·A·L per side
     return light.radiance * float(light.power / (area * kPi * (light.two_sided ? 2 : 1)));
 }
 
@@ -213,6 +230,7 @@ void PbrtReader::area_light(const std::string& where) {
             loading_.add_image(path_named(params.string("filename", ""), file->where), file->where, true);
         if (light.power > 0)
             loading_.warn(where, "the power of a light with an image is not modelled; its scale is used");
+        // Its mean radiance would be needed, which is known when the image is decoded, later
         light.power = 0;
     }
     now_.area_light = light;
@@ -224,6 +242,7 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     const char* const name = params.has("mapname") ? "mapname" : "filename";
     if (params.has("portal")) loading_.warn(where, "portals are not modelled; the whole sky shines");
     const double illuminance = params.number("illuminance", 0);
+    // A constant sky of radiance L gives an upward surface π·L
     if (illuminance > 0) env.scale = env.scale * float(illuminance / kPi);
     if (is_v4_ && params.has(name))
         return loading_.warn(where,
@@ -243,10 +262,12 @@ void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) 
     const Vec3 from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
     const Vec3 axis = normalize(now_.ctm.vector(to - from));
     const double outer = params.number("coneangle", 30),
-                 inner = std::max(0.0, outer - params.number("conedeltaangle", 5));
+                 // pbrt names the width of the border, we name the angle where it begins
+        inner = std::max(0.0, outer - params.number("conedeltaangle", 5));
     if (length2(axis) == 0) fail(where, "a spot light needs two different points");
     if (!(outer > 0 && outer <= 180 && inner <= outer))
         fail(where, "a spot light needs 0 < coneangle <= 180 and conedeltaangle >= 0");
+    // Versions differ in how light falls off between both angles
     const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis, float(std::cos(inner * kDegree)),
                         float(std::cos(outer * kDegree))};
     loading_.scene.point_lights.push_back(
@@ -261,6 +282,7 @@ void PbrtReader::light(const std::string& where) {
         const double power = params.number("power", 0);
         loading_.scene.point_lights.push_back(
             {position, color(params, "I", kOne) * color(params, "scale", kOne) *
+                           // Power over all directions
                            float(power > 0 ? power / (4 * kPi) : 1)});
     } else if (type == "spot") {
         spot_light(params, where);

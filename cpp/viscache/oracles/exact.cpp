@@ -16,10 +16,12 @@ std::span<const uint32_t> ExactOracle::order_of(const EyeBlock& eyes, const FarE
     constexpr size_t kFewColumns = 64;
     const size_t sets = lights.sets();
     if (order_given_ == PacketOrder::kByPixel || eyes.size() <= 16) return {};
+    // An earlier group of the tile may have paid for the order already
     const bool sorted = order_.size() == eyes.size();
     const bool in_space = sorted || lights.count / sets >= kFewColumns;
     if (in_space && !sorted) order_ = packet_order(eyes.origin);
     if (sets == 1) return in_space ? std::span<const uint32_t>(order_) : std::span<const uint32_t>();
+    // A stable counting sort by set: within a set, the order in space remains
     std::vector<uint32_t> begin(sets + 1);
     for (size_t eye = 0; eye < eyes.size(); ++eye) ++begin[lights.set_of(eyes, eye) + 1];
     for (size_t set = 0; set < sets; ++set) begin[set + 1] += begin[set];
@@ -39,6 +41,8 @@ Answer ExactOracle::block(const BlockAsk& ask, Counters& counters) {
     uint64_t queries = 0;
     const std::span<const uint32_t> order = order_of(eyes, lights);
     if (!order.empty()) {
+        // Rows are moved to where they are traced and back, which costs little beside the rays:
+        // packets are then rows that follow each other
         gather_rows(wanted, order, wanted_in_order_);
         visible_in_order_.reset(wanted.rows(), wanted.columns());
         queries = trace_rows(eyes, order, lights, wanted_in_order_, visible_in_order_);
@@ -49,6 +53,7 @@ Answer ExactOracle::block(const BlockAsk& ask, Counters& counters) {
     if (ask.log)
         for (uint32_t i = 0; i < wanted.rows(); ++i)
             for_each_bit(wanted.row_span(i), [&](size_t k) {
+                // Each query is a cluster of its own, whose representative is the eye point itself
                 ask.log->answered(i, uint32_t(k), {i * uint64_t(lights.count) + k, i, 0, true});
             });
     GroupCounters& group = counters.group(lights.group);
@@ -83,14 +88,17 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
     size_t rays = 0;
     const size_t n = std::min<size_t>(16, wanted.rows() - first);
     for (size_t i = 0; i < 16; ++i) {
+        // Lanes past the end repeat the last eye point; their columns have no bits
         const size_t row = first + std::min(i, n - 1);
         const Vec3 o = eyes.origin[order.empty() ? row : order[row]];
         origin.ox[i] = o.x;
         origin.oy[i] = o.y;
         origin.oz[i] = o.z;
     }
+    // By the spread of the origins: one answer for all lights
     const Coherence flag = flag_given_.value_or(flag_from(caster_, origin));
     for (size_t w = 0; w < words_for(lights.count); ++w) {
+        // Rows of eye points become masks of 16, one per light
         columns16(wanted, first, w, columns);
         bool any = false;
         for (int j = 0; j < 64; ++j) {
@@ -117,6 +125,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
 /// Traces one eye point towards all its lights, 16 consecutive lights at a time. Returns the number of rays.
 size_t ExactOracle::row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes, const FarEnds& lights,
                                  const BitMatrix& wanted, BitMatrix& visible) {
+    // Rays to different lights go apart
     const Coherence flag = flag_given_.value_or(Coherence::kIncoherent);
     RayPacket16 packet;
     size_t lane_light[16];
@@ -174,6 +183,7 @@ struct SampleSource {
 template <class Source>
 void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, Counters& counters) {
     constexpr uint32_t kBinEdge = 16, kBins = kBinEdge * kBinEdge;
+    // Bins have fewer numbers than this
     constexpr uint16_t kLeftOut = 0xffff;
     bin_.resize(source.size());
     begin_.assign(kBins + 1, 0);
@@ -181,12 +191,15 @@ void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, 
         const Vec3 origin = eyes.origin[source.eye(i)], target = source.target(i);
         if (!is_traceable(origin) || !is_traceable(target)) {
             bin_[i] = kLeftOut;
+            // Embree may abort on coordinates that are not finite, so such connections stay blocked
+            // without a ray
             ++counters.bypassed;
             continue;
         }
         bin_[i] = uint16_t(direction_bin<kBinEdge>(source.is_direction(i) ? target : target - origin));
         ++begin_[bin_[i] + 1u];
     }
+    // Counting sort: one pass counts, one places
     for (size_t b = 0; b < kBins; ++b) begin_[b + 1] += begin_[b];
     order_by_direction_.resize(begin_.back());
     for (size_t i = 0; i < source.size(); ++i)
@@ -237,6 +250,7 @@ Answer ExactOracle::pairs(const PairsAsk& ask, Counters& counters) {
             GroupCounters& group = counters.group(ask.queries[i].group);
             group.queries += 1;
             group.rays += 1;
+            // Queries may be of any group, so they are counted one by one
             group.occluded += !get_bit(visible.data(), i);
         }
     }

@@ -6,6 +6,7 @@ namespace viscache {
 
 namespace {
 
+/// Of a bit with this mean: how wrong the mean may be as an answer.
 double deviation(double mean) { return std::sqrt(mean * (1 - mean)); }
 
 }  // namespace
@@ -19,6 +20,7 @@ MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, floa
       weighted_(s.weighted),
       voxels_(map) {
     wrap(exact_);
+    // Each band has half of the contribution of the one before, and gets half of its rays
     for (size_t b = 0; b < kPlanes; ++b) bands_below_[b] = float(std::ldexp(s.certain, -int(b)));
 }
 
@@ -33,6 +35,7 @@ void MeanOracle::make_rows(const BlockAsk& ask) {
         for (size_t k = 0; k < far.size(); ++k) {
             const double mean = map_.mean(voxel, far[k]), d = deviation(mean);
             weights_.push_back(float(mean));
+            // Half of the deviation allows half of the rays; 1/2 is the largest there is
             for (size_t j = 0; j < kPlanes && d <= std::ldexp(0.25, -int(j)); ++j)
                 set_bit(steady_.data() + first + j * words, k);
         }
@@ -56,6 +59,7 @@ void MeanOracle::draw_evenly(const BlockAsk& ask, uint32_t eye) {
 void MeanOracle::draw_by_contribution(const BlockAsk& ask, uint32_t eye) {
     const EyeBlock& eyes = ask.eyes;
     const BitMatrix& wanted = ask.wanted;
+    // Arrays of points have no samples of pixels
     const uint32_t turn = eyes.place.empty() ? 0 : eyes.turn[eye];
     const uint64_t key = keys_.of_turns(eyes, eye, ask.lights.group, kPlanes);
     if (ask.contributions) {
@@ -74,6 +78,8 @@ void MeanOracle::draw_by_contribution(const BlockAsk& ask, uint32_t eye) {
     for (size_t w = 0; w < words; ++w) {
         Word left = wanted.row(eye)[w];
         if (!left) continue;
+        // Halvings of both kinds add up: n of them are b by contribution and n − b by deviation,
+        // for some b
         std::array<Word, kPlanes + 1> small, steady;  // at least so many halvings
         small[0] = steady[0] = ~Word{0};
         for (size_t b = 0; b < kPlanes; ++b) {
@@ -84,12 +90,14 @@ void MeanOracle::draw_by_contribution(const BlockAsk& ask, uint32_t eye) {
             Word plane = 0;
             for (size_t b = 0; b <= n; ++b) plane |= small[b] & steady[n - b];
             planes_.row(n - 1)[w] = plane;
+            // Outside of the plane nothing is cleared; inside, half of the bits at random
             left &= ~plane | (mix64(key + (w * kPlanes + n) * 0x9E3779B97F4A7C15ull) ^
                               (turn >> (n - 1) & 1 ? ~Word{0} : Word{0}));
         }
         drawn[w] = left;
     }
     for_each_bit(drawn_.row_span(eye), [&](size_t k) {
+        // Planes are nested, so their number at a query is the number of its halvings: q = 2^−h
         int h = 0;
         for (size_t n = 0; n < kPlanes; ++n) h += get_bit(planes_.row(n), k);
         inverse_.push_back(std::ldexp(1.f, h));
@@ -135,6 +143,7 @@ Answer MeanOracle::block(const BlockAsk& ask, Counters& counters) {
         std::ranges::copy(wanted.row_span(i), visible.row(i));
         const std::span<const float> mean = means.weights_of(i);
         for_each_bit(drawn_.row_span(i), [&](size_t k) {
+            // The residual over its probability: in the mean, the truth
             const float change = float(seen.bits->get(i, k)) - mean[k], times = inverse_[number++];
             corrections_.push_back({uint32_t(k), weighted_ ? change * times : change, 1 / times});
         });
@@ -160,6 +169,7 @@ Answer MeanOracle::pairs(const PairsAsk& ask, Counters& counters) {
         const ShadowQuery& q = queries[i];
         const double mean = map_.mean(map_.voxel(ask.eyes.position[q.eye]), map_.far_cell(q.semantic, q.far));
         const RandomShare share(
+            // A deviation of 1/2 is certain to be traced; the least share is that of blocks
             share_.value_or(std::max(std::ldexp(1.0, -int(kPlanes)), 2 * deviation(mean))));
         weights_.push_back(float(mean));
         ++counters.group(q.group).queries;
@@ -183,6 +193,7 @@ Answer MeanOracle::pairs(const PairsAsk& ask, Counters& counters) {
     }
     BitMatrix& visible = new_bits(1, queries.size());
     for (size_t i = 0; i < queries.size(); ++i)
+        // A weight of 0 is an answer of "blocked"
         if (weights_[i] != 0) visible.set(0, i);
     if (traces_all()) return {.bits = &visible, .exact = LightGroupSet().set()};
     return {.bits = &visible, .weights = weights_};

@@ -6,6 +6,7 @@ namespace {
 
 /// 32 random bits of one connection, from the key of the eye point and the index of the far end.
 inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
+    // 32 bits, so that the compiler draws 8 or 16 connections at a time
     uint32_t x = low + number * 0x9E3779B9u;
     x ^= x >> 16;
     x *= 0x7FEB352Du;
@@ -20,6 +21,7 @@ inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
 Answer LearningOracle::block(const BlockAsk& ask, Counters& counters) {
     const Answer answer = exact_.block(ask, counters);
     const FarEnds& lights = ask.lights;
+    // Cells of far ends once per block, not once per query
     std::vector<uint32_t> far(lights.count);
     for (size_t k = 0; k < far.size(); ++k)
         far[k] = map_.far_cell(lights.semantic, {lights.x[k], lights.y[k], lights.z[k]});
@@ -48,9 +50,12 @@ void RouletteOracle::make_rows(const BlockAsk& ask) {
     voxels_.make(ask, [&](uint32_t voxel, std::span<const uint32_t> far) {
         for (const uint32_t cell : far) {
             const RandomShare share(map_.probability(voxel, cell));
+            // Less one, so that a probability of 1, whose threshold is 2³², fits into 32 bits; it
+            // is compared with <=
             thresholds_.push_back(uint32_t(share.threshold - 1));
             weights_.push_back(share.inverse);
         }
+        // Whole words, because rows are drawn by words
         thresholds_.resize((thresholds_.size() + kWordBits - 1) / kWordBits * kWordBits);
     });
 }
@@ -64,6 +69,7 @@ void RouletteOracle::draw_row(const BlockAsk& ask, size_t eye, Word* drawn) cons
     const uint32_t* threshold = thresholds_.data() + voxels_.of_eyes()[eye] * words * kWordBits;
     for (size_t w = 0; w < words; ++w) {
         if (!wanted[w]) continue;
+        // Comparisons first, bits afterwards: the first loop is vectorised
         uint8_t passes[kWordBits];
         for (size_t j = 0; j < kWordBits; ++j) {
             const uint32_t k = uint32_t(w * kWordBits + j);
@@ -106,6 +112,7 @@ Answer RouletteOracle::pairs(const PairsAsk& ask, Counters& counters) {
             number_.push_back(uint32_t(i));
             traced_.push_back(q);
         } else {
+            // As in a block, a query that is not traced counts as blocked
             ++counters.group(q.group).queries;
             ++counters.group(q.group).occluded;
         }

@@ -23,6 +23,7 @@ size_t faces_of(Semantic s) { return is_direction(s) ? 1 : kFaces; }
 /// Texel of a coordinate in [-1, 1]. A coordinate outside, or NaN, belongs to the border.
 inline uint32_t texel_of(float u, float resolution) {
     float t = 0.5f * (u + 1.f) * resolution;
+    // Comparisons that are false for NaN, so that it ends at the border
     t = t > 0 ? t : 0;
     t = t < resolution - 1 ? t : resolution - 1;
     return uint32_t(t);
@@ -41,6 +42,7 @@ ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
     // Check the memory of all maps before any is allocated
     const size_t square = size_t(resolution_) * size_t(resolution_);
     uint64_t bytes = 0;
+    // All groups together, in 64 bits: one map of 16384² has 1 GiB
     for (const FarEnds* l : lights) bytes += l->count * faces_of(l->semantic) * square * sizeof(float);
     if (bytes > settings.max_bytes)
         throw std::invalid_argument("max_bytes must be >= " + std::to_string(bytes) +
@@ -75,6 +77,7 @@ ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
 void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size_t k, size_t first,
                             size_t last) {
     Group& group = groups_[size_t(lights.group)];
+    // Bands of a map write separate rows: no lock
     float* depth = group.depth.data() + k * group.texels;
     const size_t columns = size_t(resolution_);
     std::vector<Ray> rays;
@@ -86,6 +89,7 @@ void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size
         rays.clear();
         texels.clear();
     };
+    // In squares, so that the rays of a packet stay close in both directions
     for (size_t left = 0; left < columns; left += kBandRows)
         for (size_t row = first; row < last; ++row)
             for (size_t column = left; column < std::min(left + kBandRows, columns); ++column) {
@@ -103,6 +107,7 @@ Ray ShadowMaps::texel_ray(const FarEnds& lights, size_t k, size_t row, size_t co
     const float v = (2 * float(row % size_t(resolution_)) + 1) / resolution - 1;
     const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]};
     if (is_direction(lights.semantic)) {
+        // From outside of the bounding sphere, across it
         const Frame3 f = frame_around(-end);
         const float r = extent_.radius * kGrow;
         return {extent_.center + f.x * (u * r) + f.y * (v * r) - f.z * (kBehind * r), 0, f.z, kInfinity};
@@ -142,6 +147,7 @@ uint16_t ShadowMaps::lit_by_point(const float* depth, Vec3 light, const Receiver
         // The face of the largest coordinate, and the coordinates on that face
         const float qx = p.x[i] - light.x, qy = p.y[i] - light.y, qz = p.z[i] - light.z;
         const float ax = std::fabs(qx), ay = std::fabs(qy), az = std::fabs(qz);
+        // Ties go to x, then y, in every lane: no branch, and no face is left out
         const bool is_x = ax >= ay && ax >= az, is_y = !is_x && ay >= az;
         const float along = is_x ? qx : is_y ? qy : qz;
         const float qu = is_x ? qy : is_y ? qz : qx, qv = is_x ? qz : is_y ? qx : qy;
@@ -152,11 +158,13 @@ uint16_t ShadowMaps::lit_by_point(const float* depth, Vec3 light, const Receiver
         texel[i] =
             face * square + texel_of(qv * inverse, resolution) * columns + texel_of(qu * inverse, resolution);
         // Plane n·q = c along d = q/z: ∂z/∂u = −z² n_u / (n·q)
+        // A grazing plane gains without a bound: such a receiver counts as lit
         const float facing = std::fabs(p.nx[i] * qx + p.ny[i] * qy + p.nz[i] * qz);
         const float gain = z * z * (std::fabs(nu) + std::fabs(nv)) / std::max(facing, 1e-30f);
         limit[i] = z - bias_ - slope_ * gain;
     }
     uint32_t lit = 0;
+    // Not "<=": NaN counts as lit, which hides nothing
     for (int i = 0; i < 16; ++i) lit |= uint32_t(!(limit[i] > depth[texel[i]])) << i;
     return uint16_t(lit);
 }

@@ -16,7 +16,8 @@ constexpr int kPathTileEdge = 16;      // in pixels; a work item is one sample o
 constexpr size_t kFirstRound = 4;      // items in the first round; later rounds grow
 constexpr size_t kItemsPerRound = 64;  // up to this size
 
-/// One work item's contribution to the frame.
+/// One work item's contribution to the frame. It is kept until the end of its round, because light paths
+/// may fall on pixels of other items.
 struct ItemResult {
     EyeLight light;
     std::array<std::vector<Rgb>, kLightGroups> sums;  ///< per pixel of the tile
@@ -39,20 +40,25 @@ public:
         out.counters = {};
         out.stages = {};
         out.splats.clear();
+        // Both kinds of sub-paths first: rays of many paths are traced together
         tracer_.trace_light(work, light_paths_, out.counters, control);
         tracer_.trace_eye(work, eye_paths_, out.light, out.counters, control);
         clock.lap(out.stages.eye_paths);
         const size_t pixels = out.light.emitted.size();
         for (size_t g = 0; g < out.sums.size(); ++g)
+            // Light on the camera goes to splats, whose pixels are those of the frame
             out.sums[g].assign(frame.groups[g].empty() || g == size_t(LightGroup::kCamera) ? 0 : pixels, {});
         connections_.clear();
         Connector connector(c_, connections_, out.counters);
         const int width = work.tile.x1 - work.tile.x0;
+        // Paths are numbered along the curve, so consecutive ones have neighbouring eye points
         const auto places = morton_pixels(width, work.tile.y1 - work.tile.y0);
         for (size_t p = 0; p < places.size(); ++p)
+            // One eye path with the light path of the same number (N_P = N_S)
             connector.join(eye_paths_, light_paths_, p,
                            uint32_t(places[p].second) * uint32_t(width) + places[p].first);
         clock.lap(out.stages.contributions);
+        // All connections of an item in one call, so that the oracle can sort them
         oracle_->begin_tile(connections_.eyes);
         const Answer answer = oracle_->pairs({connections_.eyes, connections_.queries}, out.counters);
         clock.lap(out.stages.visibility);
@@ -68,6 +74,7 @@ private:
             const uint32_t pixel = connections_.pixel[i];
             const uint8_t group = connections_.queries[i].group;
             if (group == uint8_t(LightGroup::kCamera))
+                // In the order of the connections, which is the same for any number of threads
                 out.splats.emplace_back(pixel, value);
             else
                 out.sums[group][pixel] += value;
@@ -98,6 +105,8 @@ FrameResult empty_bdpt_result(const BdptContext& c) {
         if (there) out.groups[size_t(g)].resize(n);
     };
     const SceneDescription& d = c.scene.description();
+    // A group exists if the scene and the length of paths can bring it light; a frame shows no
+    // empty layers
     const bool lit = !c.lights.empty();
     has(LightGroup::kPoint, !d.point_lights.empty());
     has(LightGroup::kDirectional, !d.directional_lights.empty());
@@ -109,6 +118,7 @@ FrameResult empty_bdpt_result(const BdptContext& c) {
 }
 
 void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
+    // Several samples of a tile are separate items, so their light adds up here
     const size_t width = size_t(tile.x1 - tile.x0);
     for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
@@ -124,6 +134,7 @@ void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
             out.normal[to] += first.normal;
             out.albedo[to] += first.albedo;
         }
+    // Last, in a fixed order: the sum of a pixel depends on it in its last bits
     for (const auto& [pixel, value] : item.splats) out.groups[size_t(LightGroup::kCamera)][pixel] += value;
     out.counters.merge(item.counters);
     out.stages.merge(item.stages);
@@ -135,6 +146,8 @@ void finish(FrameResult& out) {
         out.color[i] = out.emitted[i];
         for (const auto& group : out.groups)
             if (!group.empty()) out.color[i] += group[i];
+        // First hits are means over the samples that hit anything; light was divided by all samples
+        // before
         const float hits = out.coverage[i], share = hits > 0 ? 1 / hits : 0.f;
         out.coverage[i] = hits / float(out.spp);
         out.depth[i] *= share;
@@ -146,6 +159,7 @@ void finish(FrameResult& out) {
 /// The order of the items: sample by sample. Within a sample, tiles follow each other in steps of the golden
 /// ratio, so that the first samples of a cluster are spread over it.
 SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
+    // Coprime to the number of tiles, so that the steps visit each of them once
     size_t step = std::max<size_t>(1, size_t(0.6180339887 * double(tiles.size())));
     while (std::gcd(step, tiles.size()) != 1) ++step;
     return {tiles[number % tiles.size() * step % tiles.size()], uint32_t(number / tiles.size())};
@@ -156,6 +170,7 @@ SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
 FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camera& camera,
                         const BdptSettings& settings, const FrameSettings& frame, OracleSource& source,
                         Control& control) {
+    // Before anything is made: an error names the camera, not what follows from it
     check_camera(camera);
     const double start = wall_seconds();
     const LightSampler lights(scene);
@@ -165,10 +180,13 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
     out.tile_edge_px = kPathTileEdge;
     const auto tiles = cut_tiles(frame.width, frame.height, kPathTileEdge);
     const size_t items = tiles.size() * size_t(frame.spp);
+    // More threads than items of a round would have nothing to do
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::min(items, kItemsPerRound)));
     std::vector<std::unique_ptr<ItemWorker>> workers(size_t(out.threads));
+    // One slot per item of a round, reused from round to round
     std::vector<ItemResult> results(kItemsPerRound);
     out.lights_s = wall_seconds() - start;
+    // For sources that learn from a small frame of the same view
     const auto render = [&](const FrameSettings& small, OracleSource& asked, Control& c) {
         return render_bdpt(scene, caster, camera, settings, small, asked, c);
     };
@@ -178,12 +196,15 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
     control.total = items;
 
     size_t first = 0;
+    // What the cache learns in the first rounds saves rays in all later ones, so the first are short;
+    // long rounds keep all threads busy. Sizes depend on the number of items alone, and so do answers
     for (size_t size = kFirstRound; first < items; first += size, size += size / 2) {
         size = std::min({size, kItemsPerRound, items - first});
         source.begin_round(size);
         parallel_for(size, out.threads, [&](size_t i, int worker) {
             control.check();
             auto& mine = workers[size_t(worker)];
+            // Made on the thread that uses it, when its first item comes
             if (!mine) mine = std::make_unique<ItemWorker>(context, source.make(), control);
             mine->run(item_at(first + i, tiles), out, results[i], control);
             source.end_item(mine->oracle(), i);

@@ -19,8 +19,10 @@ struct Nearest {
 
 /// Möller and Trumbore 1997.
 void meet(const EmissiveTriangle& t, const Ray& ray, size_t light, Nearest& nearest) {
+    // A light with holes would need its texture here; light samples alone find it, with weight one
     if (!t.opaque) return;
     const Vec3 e1 = t.b - t.a, e2 = t.c - t.a, p = cross(ray.d, e2);
+    // A ray along the plane has det = 0, and the comparisons below refuse what is not finite
     const float det = dot(e1, p);
     const Vec3 s = ray.o - t.a, q = cross(s, e1);
     const float u = dot(s, p) / det, v = dot(ray.d, q) / det, distance = dot(e2, q) / det;
@@ -29,12 +31,16 @@ void meet(const EmissiveTriangle& t, const Ray& ray, size_t light, Nearest& near
 }
 
 void meet(const SphereLight& s, const Ray& ray, size_t light, Nearest& nearest) {
+    // In double: far from a small sphere, r² and the squared distance cancel to nothing in float
     const double x = double(ray.o.x) - s.center.x, y = double(ray.o.y) - s.center.y;
     const double z = double(ray.o.z) - s.center.z, r = s.radius;
+    // Along the ray, and squared beside it. The ray meets the sphere where it passes nearer than
+    // the radius
     const double along = x * ray.d.x + y * ray.d.y + z * ray.d.z;
     const double aside2 = x * x + y * y + z * z - along * along;
     if (!(aside2 < r * r)) return;
     const double half = std::sqrt(r * r - aside2);
+    // From inside, the nearer one lies behind the origin
     for (const double t : {-along - half, -along + half})
         if (t > double(ray.t_min) && t < double(nearest.t)) {
             nearest = {light, float(t)};
@@ -52,8 +58,11 @@ void meet(const AreaLights& lights, size_t light, const Ray& ray, Nearest& neare
 
 /// Distance at which the ray enters a box, widened for rounding; infinity if it misses.
 float entry(const Bounds& box, Vec3 origin, Vec3 inverse, float t_max) {
+    // Slab test: the ray is inside of the box between the last entry and the first exit of the
+    // three axes
     float near = 0, far = t_max;
     for (int axis = 0; axis < 3; ++axis) {
+        // The product below would be 0·∞, which is NaN
         if (!std::isfinite(inverse[axis])) {  // along the planes of the box
             if (origin[axis] < box.lo[axis] || origin[axis] > box.hi[axis]) return kInfinity;
             continue;
@@ -63,6 +72,8 @@ float entry(const Bounds& box, Vec3 origin, Vec3 inverse, float t_max) {
         near = std::max(near, std::min(a, b));
         far = std::min(far, std::max(a, b));
     }
+    // A relative 1e-5 is over a hundred roundings of float, so no light in a box is missed by those
+    // of the slabs
     return near <= far * 1.00001f ? near : kInfinity;
 }
 
@@ -72,12 +83,15 @@ void descend(const LightTree& tree, const AreaLights& lights, const Ray& ray, Ne
         uint32_t node;
         float near;
     };
+    // The nearer child first: a hit there often removes the farther one, which waits with its
+    // distance
     std::array<Entry, LightTree::kMostWaiting> stack;
     size_t size = 0;
     const auto& nodes = tree.nodes();
     stack[size++] = {0, entry(nodes[0].box, ray.o, inverse, nearest.t)};
     while (size > 0) {
         const Entry at = stack[--size];
+        // A hit since it was put here may be nearer
         if (!(at.near < nearest.t)) continue;
         const LightTree::Node& node = nodes[at.node];
         if (node.leaf) {
@@ -102,6 +116,7 @@ std::optional<EmitterHit> nearest_emitter(const Scene& scene, const Ray& ray) {
     const AreaLights& lights = scene.area_lights();
     Nearest nearest;
     nearest.t = ray.t_max;
+    // One past the last: nothing found yet
     nearest.light = lights.size();
     if (lights.size() <= kFewLightsToTest)
         for (size_t i = 0; i < lights.size(); ++i) meet(lights, i, ray, nearest);
@@ -110,6 +125,8 @@ std::optional<EmitterHit> nearest_emitter(const Scene& scene, const Ray& ray) {
     if (nearest.light == lights.size()) return std::nullopt;
     if (nearest.light < lights.triangles.size()) {
         const EmissiveTriangle& t = lights.triangles[nearest.light];
+        // One-sided lights keep their normal, so that the caller sees that the emitting side faces
+        // away
         const bool behind = dot(t.normal, ray.d) > 0;
         return EmitterHit{nearest.light,
                           t.a + (t.b - t.a) * nearest.u + (t.c - t.a) * nearest.v,
@@ -117,6 +134,8 @@ std::optional<EmitterHit> nearest_emitter(const Scene& scene, const Ray& ray) {
                           {nearest.u, nearest.v}};
     }
     const SphereLight& s = lights.spheres[nearest.light - lights.triangles.size()];
+    // The point is put back onto the sphere: its density divides by a cosine, which rounding along
+    // a long ray would spoil
     const Vec3 n = normalize(ray.o + ray.d * nearest.t - s.center);
     return EmitterHit{nearest.light, s.center + n * s.radius, n, {}};
 }

@@ -10,6 +10,7 @@
 namespace viscache {
 
 void PixelSums::begin(const FrameResult& frame, size_t pixels) {
+    // What the frame lacks stays empty, which estimators ask instead of settings
     for (size_t g = 0; g < groups.size(); ++g) groups[g].assign(frame.groups[g].empty() ? 0 : pixels, {});
     last_pass.assign(frame.last_pass.empty() ? 0 : pixels, {});
     variance.assign(frame.variance.empty() ? 0 : pixels, {});
@@ -25,6 +26,7 @@ constexpr size_t kRowsPerCheck = 256;       // eye points between checks for an 
 /// Shows audits an answer of a light group. `source` has the contributions that were asked about.
 template <class Source>
 void note_answer(TileWork& work, const Answer& answer, int group, const Source& source) {
+    // Exact answers need no audit. One answer that is not exact makes the group worth auditing
     if (answer.is_exact(group)) return;
     work.inexact.set(size_t(group));
     if (!work.sums.unoccluded.empty()) source.add_to(work.eyes.pixel, work.sums.unoccluded);
@@ -49,12 +51,15 @@ private:
         for (size_t i = 0; i < eyes.size(); ++i) {
             if (i % kRowsPerCheck == 0) work.control.check();
             const ColumnRange asked = lights.ends.columns_of(eyes.block, i);
+            // Black points keep an empty row: rows and eye points have the same numbers
             if (!is_black(eyes.shading[i]))
                 out.counters.non_finite += wanted_row(lights, work.shade(i), asked, wanted_.row(i));
+            // Called for black points too: picks have one entry per eye point
             picks_.add(work.shade(i), eyes, uint32_t(i), wanted_.row(i));
         }
         work.clock.lap(out.stages.contributions);
         // Their answer
+        // Contributions are computed when an oracle or an audit asks for them; many never do
         const TileContributions contributions(lights, eyes, picks_, wanted_);
         const BlockAsk ask{eyes.block, lights.ends, wanted_, &contributions};
         const Answer answer = work.oracle.block(ask, out.counters);
@@ -62,6 +67,7 @@ private:
         work.clock.lap(out.stages.visibility);
         if (work.audit)
             work.audit->block(ask, answer, contributions, [&](size_t i, const Word* row) {
+                // Weights of picks are part of a contribution; those of the oracle's answer are not
                 return reflected(weighted.with(picks_.of(i), {}), work, i, row);
             });
         note_answer(work, answer, lights.ends.group, contributions);
@@ -70,12 +76,16 @@ private:
         std::vector<Rgb>& sum = work.sums.groups[size_t(lights.ends.group)];
         for (size_t i = 0; i < eyes.size(); ++i) {
             if (i % kRowsPerCheck == 0) work.control.check();
+            // The lights with the weights of this eye point, or as they are where it has none
             const SharedLights& counted = weighted.with(picks_.of(i), answer.weights_of(i));
             sum[eyes.pixel[i]] += reflected(counted, work, i, answer.bits->row(i));
             const std::span<const Correction> corrections = answer.corrections_of(i);
             if (corrections.empty()) continue;
+            // Weights of corrections are complete: those of the answer have no part in them
             const SharedLights& once = weighted.with(picks_.of(i), {});
             for (const Correction& c : corrections) {
+                // One column at a time, by the function that sums rows: a correction has the
+                // contribution of the answer that it corrects
                 one_.assign(wanted_.row_words(), 0);
                 set_bit(one_.data(), c.column);
                 const Rgb change = reflected(once, work, i, one_.data()) * c.weight;
@@ -89,6 +99,7 @@ private:
     /// Light of the columns in `row` that eye point i sends to its pixel.
     static Rgb reflected(const SharedLights& lights, const TileWork& work, size_t i, const Word* row) {
         const ShadingPoint& sp = work.eyes.shading[i];
+        // A diffuse surface has base/π for all lights, a lobe another value for each
         const Rgb light = sp.kind == MaterialKind::kGlossy
                               ? sum_row_glossy(lights, work.shade(i), sp, row)
                               : sum_row(lights, work.shade(i), row) * (sp.base * (1 / kPi));
@@ -116,10 +127,13 @@ public:
 
     void add(TileWork& work, TileRecord& out) override {
         const EyeTile& eyes = work.eyes;
+        // Most tiles of most scenes have no lobes; an empty call of the oracle is not free
         if (kind_.only_lobes && !std::ranges::any_of(eyes.shading, has_lobe)) return;
         // Batches follow the order and the runs that suit the oracle
         const int group = int(kind_.group);
         const PairOrder order = work.oracle.order(eyes.block, group);
+        // Batches bound memory, and are large enough that a cache finds queries of the same cell
+        // together
         const size_t most = std::clamp<size_t>(kPairsPerBatch / size_t(kind_.most), 1, kEyesPerBatch);
         size_t run = 0;
         for (size_t first = 0; first < eyes.size();) {
@@ -128,6 +142,7 @@ public:
                 run < order.run_end.size() ? order.run_end[run++] : std::min(first + most, eyes.size());
             samples_.begin(kind_.semantic, kind_.group);
             for (size_t i = first; i < last; ++i)
+                // In the order of the oracle if it has one, otherwise along the tile's curve
                 kind_.make(work.frame, eyes, order.eye.empty() ? uint32_t(i) : order.eye[i], samples_,
                            out.counters);
             work.clock.lap(out.stages.contributions);
@@ -151,11 +166,13 @@ private:
         const LocalSamples& at = samples_.at;
         size_t row = 0;
         for_each_bit(answer.row(0), [&](size_t i) {
+            // Bits come in ascending order, so the row only goes forward
             while (at.end[row] <= i) ++row;
             const Rgb value = samples_.contribution[i];
             sum[pixel_of[at.eye[row]]] += answer.weights.empty() ? value : value * answer.weights[i];
         });
         row = 0;
+        // Corrections are in the weights already; what is left is their variance
         for (const Correction& c : answer.corrections) {
             while (at.end[row] <= c.column) ++row;
             sums.add_variance(pixel_of[at.eye[row]], samples_.contribution[c.column] * c.weight, c.share);
@@ -184,10 +201,12 @@ public:
     void add(TileWork& work, TileRecord& out) override {
         // Without several passes, no layer has the last one
         PixelSums& sums = work.sums;
+        // The estimator always writes a last pass; here it goes where nobody reads it
         if (sums.last_pass.empty()) sums.last_pass.assign(work.pixels(), {});
         ProductSeconds s;
         product_.add(work.tile, work.eyes, work.oracle, sums.groups[size_t(LightGroup::kEnvironment)],
                      sums.last_pass, out.counters, s, work.control);
+        // Product sampling times its own steps, which are finer than the stages of a tile
         out.stages.contributions += s.trees + s.maps + s.samples;
         out.stages.visibility += s.visibility;
         out.stages.shading += s.finish;
@@ -210,6 +229,8 @@ std::vector<std::unique_ptr<Estimator>> make_estimators(const FrameContext& c) {
     };
     const auto has_lobes = [](const SharedLights& lights) { return lights.has_lobes(); };
     const IntegratorSettings& s = c.integrator;
+    // Each where the scene and the integrator have such light. The order is that of the sums of a
+    // pixel
     made.push_back(std::make_unique<SharedLightEstimator>(c));
     if (s.direct && !c.scene.area_lights().empty() && s.n_area > 0)
         add_samples({Semantic::kSurface, LightGroup::kArea, most_area_samples(c.scene, s), add_area_samples});

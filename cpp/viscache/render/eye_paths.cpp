@@ -30,6 +30,7 @@ void EyeTile::reset(int w, int h) {
     width = w;
     height = h;
     block.clear();
+    // `EyeBlock::clear` leaves these, because arrays of points have none
     block.tile_width = block.tile_height = 0;
     shading.clear();
     throughput.clear();
@@ -50,6 +51,8 @@ public:
           out_(out),
           counters_(counters),
           inverse_spp_(1.f / tracer.frame.spp),
+          // Frames that go on have other random numbers: their streams follow those of the samples
+          // before
           first_stream_(tracer.frame.first_sample * uint64_t(tracer.film.width) *
                         uint64_t(tracer.film.height)) {}
 
@@ -59,6 +62,7 @@ public:
         while (!next_.empty()) {
             std::swap(branches_, next_);
             next_.clear();
+            // Generation by generation, so that rays of all branches are traced in full calls
             for (size_t first = 0; first < branches_.size(); first += kRaysPerCall)
                 step(std::span(branches_).subspan(first, std::min(kRaysPerCall, branches_.size() - first)),
                      Coherence::kIncoherent, control);
@@ -68,6 +72,7 @@ public:
 private:
     /// Traces all samples of the tile, pixel by pixel along its Morton curve.
     void trace_primary(const Tile& tile, const Control& control) {
+        // For the order of Sec. 4.3 of AQVC, the samples of a pixel lie on a grid inside of it
         const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
         out_.block.tile_width = uint32_t(out_.width * grid);
@@ -81,6 +86,7 @@ private:
         for (auto [px, py] : morton_pixels(out_.width, out_.height)) {
             const int x = tile.x0 + px, y = tile.y0 + py;
             const uint64_t pixel_id = uint64_t(y) * uint64_t(t_.film.width) + uint64_t(x);
+            // The same places for every method, and one sequence over frames that go on
             const PixelPlaces places(t_.frame.seed, pixel_id, first);
             for (int s = 0; s < spp; ++s) {
                 const Vec2 jitter =
@@ -89,6 +95,7 @@ private:
                 b.pixel = uint32_t(py * out_.width + px);
                 b.order_x = uint32_t(px * grid + s % grid);
                 b.order_y = uint32_t(py * grid + s / grid);
+                // Room below for the number of a branch
                 b.stream = (first_stream_ + pixel_id * uint64_t(spp) + uint64_t(s)) << kBranchBits;
                 if (branches_.size() == kRaysPerCall) flush();
             }
@@ -100,6 +107,7 @@ private:
     Branch primary(float x, float y) const {
         const FilmCamera& film = t_.film;
         const Vec3 raw = film.direction(x, y);
+        // Directions of the film have the length 1/cosine to the optical axis
         const float norm = length(raw);
         Branch b;
         b.ray = {film.origin(x, y), 0, raw / norm, kInfinity};
@@ -113,6 +121,7 @@ private:
         rays_.resize(n);
         hits_.resize(n);
         for (size_t i = 0; i < n; ++i) rays_[i] = branches[i].ray;
+        // Primary rays of a run along the curve are coherent; branches are not
         t_.caster.intersect(rays_, hits_, coherence);
         for (size_t i = 0; i < n; ++i) arrive(branches[i], hits_[i]);
         counters_.camera_rays += n;
@@ -120,6 +129,7 @@ private:
 
     void arrive(Branch& b, const Hit& hit) {
         if (!hit.valid()) {
+            // Ambient occlusion shows no light but its own
             if (const EnvironmentMap* env = t_.scene.environment(); env && !t_.integrator.ambient)
                 out_.emitted[b.pixel] += b.throughput * env->eval(b.ray.d) * inverse_spp_;
             return;
@@ -128,8 +138,10 @@ private:
         SurfacePoint s = t_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
         const Vec3 wo = -b.ray.d;
         const bool front = dot(s.ng, wo) >= 0;
+        // Seen directly or in mirrors. Lights that are found otherwise are connections
         if (!t_.integrator.ambient && max_component(s.emission) > 0 && (front || s.emits_two_sided))
             out_.emitted[b.pixel] += b.throughput * s.emission * inverse_spp_;
+        // What the pixel shows first, mirrors and glass included: for layers that filters use
         if (b.depth == 0) {
             FirstHits& first = out_.first[b.pixel];
             ++first.count;
@@ -148,6 +160,7 @@ private:
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: store(b, s, material, front); break;
             case MaterialKind::kMirror:
+                // The back of a one-sided mirror absorbs
                 if (material.two_sided || front)
                     reflect(b, s, front,
                             mirror_reflectance(material.specular, t_.scene.metal(s.material),
@@ -159,7 +172,9 @@ private:
 
     /// Stores a point on a diffuse or glossy surface as an eye point.
     void store(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
+        // Backs of one-sided surfaces are black
         if (!front && !material.two_sided && !t_.integrator.ambient) return;
+        // `Direct` shades what the camera sees itself; behind mirrors only emitters count
         if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
         const Vec3 ng = front ? s.ng : -s.ng;
         ShadingPoint sp;
@@ -178,6 +193,7 @@ private:
         sp.metal = t_.scene.metal(s.material);
         sp.beckmann = material.has_beckmann();
         sp.mirror = material.coat == CoatKind::kSmooth;
+        // Bounded below, since cells of a cache grow as the density falls
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), kLeastCosine);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
@@ -186,7 +202,9 @@ private:
         out_.block.order_x.push_back(b.order_x);
         out_.block.order_y.push_back(b.order_y);
         const uint64_t sample = (b.stream >> kBranchBits) - first_stream_, spp = uint64_t(t_.frame.spp);
-        out_.block.place.push_back(sample / spp << kBranchBits | (b.stream & 1023));
+        // Pixel and branch, without the number of the sample: eye points of one place share
+        // sequences
+        out_.block.place.push_back(sample / spp << kBranchBits | b.stream % kBranches);
         out_.block.turn.push_back(uint32_t(t_.frame.first_sample + sample % spp));
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);
@@ -196,6 +214,8 @@ private:
 
     /// D_e = N_S·P_e: eye samples per unit area at the point.
     float density(const Branch& b, float cos_eye) const {
+        // The pixel's area at the unfolded distance: mirrors and glass are passed as if they were
+        // not there
         return float(t_.frame.spp) * cos_eye / t_.film.pixel_area_at(b.camera_cos, b.distance);
     }
 
@@ -206,6 +226,7 @@ private:
     bool survives(Branch& branch) const {
         const float s = strength(branch);
         if (s >= kWeak) return true;
+        // Keyed by the branch: whether it survives does not depend on any other
         Rng rng(t_.frame.seed, Purpose::kBranch, branch.stream, uint64_t(branch.depth));
         if (!(rng.next() * kWeak < s)) return false;
         branch.throughput = branch.throughput * (kWeak / s);
@@ -215,18 +236,24 @@ private:
     /// Continues a branch from the surface with its new throughput and medium.
     void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
         if (branch.depth >= t_.integrator.max_depth) return lose(branch);
+        // From the side on which the path goes on
         branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
-        branch.stream = (branch.stream & ~uint64_t{1023}) | ((branch.stream & 1023) * 2 + 1 + which) % 1024;
+        // Branches are numbered as nodes of a binary heap: those of k are 2k + 1 and 2k + 2. After
+        // nine levels numbers repeat, which correlates such deep branches and biases none
+        const uint64_t number = branch.stream % kBranches;
+        branch.stream += (number * 2 + 1 + which) % kBranches - number;
         ++branch.depth;
         if (survives(branch)) next_.push_back(branch);
     }
 
+    /// Light that no path brings any more is counted, so that a picture that is too dark says so.
     void lose(const Branch& b) { counters_.lost_throughput += double(strength(b)); }
 
     void reflect(const Branch& b, const SurfacePoint& s, bool front, Rgb factor) {
         const Vec3 ng = front ? s.ng : -s.ng;
         Vec3 n = front ? s.ns : -s.ns;
         Vec3 direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        // Into the surface: the geometric normal cannot do that
         if (dot(direction, ng) <= 0) {
             n = ng;
             direction = b.ray.d - n * (2 * dot(b.ray.d, n));
@@ -243,13 +270,17 @@ private:
         const float cos_i = dot(s.ns, -b.ray.d);  // the sign tells the side
         const float fresnel = fresnel_dielectric(cos_i, material.eta);
         reflect(b, s, front, Rgb{fresnel, fresnel, fresnel});
+        // Total reflection
         if (fresnel >= 1) return;
         const float eta = front ? 1 / material.eta : material.eta;  // incoming index over the other
         // The change of index compresses radiance. This cancels where the path leaves the glass again
         Branch through = b;
         through.throughput = b.throughput * ((1 - fresnel) * eta * eta);
+        // What `strength` undoes: a branch inside of glass is not weaker than it will be outside
         through.index2 = b.index2 / (eta * eta);
         const auto transmitted = viscache::refract(-b.ray.d, n, eta);
+        // The shading normal bends it back to its own side, or rounding at the edge of total
+        // reflection
         if (!transmitted || dot(*transmitted, ng) >= 0) return lose(through);
         follow(through, s, -ng, *transmitted, 1);
     }

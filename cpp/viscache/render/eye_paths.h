@@ -25,6 +25,7 @@ struct FirstHits {
 
 /// Bits of `EyeTile::stream` that tell branches of a sample apart.
 constexpr int kBranchBits = 10;
+constexpr uint64_t kBranches = uint64_t{1} << kBranchBits;
 
 /// Eye points with the data for shading and the EyeBlock for the oracle. All arrays use the same index.
 struct EyeTile {

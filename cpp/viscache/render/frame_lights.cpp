@@ -13,6 +13,7 @@ std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const Fi
                            const IntegratorSettings& integrator, const FrameSettings& frame, Control& control,
                            Counters& counters) {
     const size_t n = size_t(integrator.n_vpls);
+    // More candidates than lights, of which those are kept that reach what the camera sees
     const auto candidates = trace_vpls(scene, caster, n * kVplCandidates, integrator.vpl_max_depth,
                                        frame.seed, frame.threads, control, counters);
     return resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
@@ -27,6 +28,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
     std::vector<SharedLights> groups;
     const SceneDescription& d = scene.description();
     auto keep = [&](SharedLights& lights, Semantic semantic, LightGroup group) {
+        // A group without lights would cost every tile a pass, and the frame an empty layer
         if (lights.empty()) return;
         lights.ends.semantic = semantic;
         lights.ends.group = int(group);
@@ -37,19 +39,23 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         SharedLights points, directions;
         std::vector<Vec3> places;
         for (const PointLight& l : d.point_lights) places.push_back(l.position);
+        // Neighbouring lights in neighbouring columns: their rays meet the same triangles
         for (const uint32_t i : morton_order(places)) {
             const PointLight& l = d.point_lights[i];
             if (!(max_component(l.intensity) > 0)) continue;
+            // Density 0: a lamp has no extent, so a cache's cells need none on its side
             points.add(l.position, {}, l.position, l.intensity, 0);
             points.set_cone(l.cone);
         }
         for (const DirectionalLight& l : d.directional_lights)
             if (max_component(l.irradiance) > 0)
                 directions.add(l.direction, {}, l.direction, l.irradiance, 0);
+        // Mirrors can never reflect towards a light without an extent
         points.punctual = true;
         directions.punctual = true;
         keep(points, Semantic::kPoint, LightGroup::kPoint);
         keep(directions, Semantic::kDirection, LightGroup::kDirectional);
+        // Other ways to sample the sky belong to single eye points and have estimators of their own
         if (scene.environment() && integrator.environment == EnvironmentSampling::kShared) {
             SharedLights sky = shared_sky(*scene.environment(), integrator, frame.seed);
             keep(sky, Semantic::kDirection, LightGroup::kEnvironment);
@@ -62,6 +68,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         const auto density = vpl_densities(vpls, frame.threads, control);
         SharedLights lights;
         const float bound = float(integrator.vpl_bound) * scene.bounds().diagonal();
+        // Bounded geometry: a virtual light in a corner would be a bright spot otherwise
         lights.bound2 = bound * bound;
         // Nearby lights are stored together, because their rays meet the same triangles
         std::vector<Vec3> places;

@@ -9,10 +9,13 @@
 namespace viscache {
 namespace {
 
+// Bodies are compiled once per instruction set, so all that they call must be inlined into them: a
+// shared copy would have the instructions of one set only
 #define VISCACHE_INLINED __attribute__((always_inline))
 #define VISCACHE_INLINE inline VISCACHE_INLINED
 
-/// Unit directions to the sixteen columns from k on, and the factor of f·cos.
+/// Unit directions to the sixteen columns from k on, and the factor of f·cos. Diffuse kernels do without a
+/// unit direction, but a lobe is a function of its angles.
 template <Semantic kSemantic>
 VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z,
                          float* scale) {
@@ -25,11 +28,14 @@ VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, floa
             scale[i] = 1;
         } else {
             const float dx = e.x[k + i] - p.x, dy = e.y[k + i] - p.y, dz = e.z[k + i] - p.z;
+            // A division and a correctly rounded root, as in every instruction set; no approximate
+            // reciprocal
             const float d2 = dx * dx + dy * dy + dz * dz, inverse = 1 / __builtin_sqrtf(d2);
             x[i] = dx * inverse;
             y[i] = dy * inverse;
             z[i] = dz * inverse;
             if constexpr (kSemantic == Semantic::kPoint) {
+                // The cosine at the eye point is a part of what the lobe returns
                 scale[i] = 1 / d2;
             } else {
                 const float far_cos = -(e.nx[k + i] * x[i] + e.ny[k + i] * y[i] + e.nz[k + i] * z[i]);
@@ -49,6 +55,7 @@ VISCACHE_INLINE void for_each_block(const SharedLights& s, const EyeShade& eye, 
     const bool balanced = s.has_lobes() && lobe.share > 0;
     const float* const cone = cone_row(s, eye.position);
     for (size_t w = 0; w < row_words_for(s.ends.count); ++w)
+        // Ends as soon as no set bit is left in the word
         for (size_t q = 0; q < kWordBits && row[w] >> q; q += 16) {
             const uint32_t mask = row[w] >> q & 0xffff;
             if (!mask) continue;
@@ -56,6 +63,8 @@ VISCACHE_INLINE void for_each_block(const SharedLights& s, const EyeShade& eye, 
             aim<kSemantic>(s, eye.position, k, x, y, z, scale);
             if (cone)
                 for (size_t i = 0; i < 16; ++i) scale[i] *= cone[k + i];
+            // 1/(1 + ratio·pdf) is the weight of light sampling; samples of the lobe carry the
+            // rest, so that both together count once
             if (balanced) {
                 density16(lobe, x, y, z, pdf);
                 for (size_t i = 0; i < 16; ++i) scale[i] *= 1 / (1 + s.lobe_ratio[k + i] * pdf[i]);
@@ -69,6 +78,8 @@ template <Semantic kSemantic>
 VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
                            const Word* row) {
     alignas(64) float r[16] = {}, g[16] = {}, b[16] = {};
+    // The same sixteen running sums as `sum_row`, so that the order is one for both kinds of
+    // surfaces
     const auto add = [&](size_t k, uint32_t mask, const RgbBlock& f, const float* scale) VISCACHE_INLINED {
         for (uint32_t i = 0; i < 16; ++i) {
             // Columns whose bit is not set may hold any value
@@ -81,6 +92,7 @@ VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const Lob
         }
     };
     for_each_block<kSemantic>(s, eye, lobe, row, add);
+    // A fixed tree: the same bits with every instruction set
     for (size_t step = 8; step; step /= 2)
         for (size_t i = 0; i < step; ++i) {
             r[i] += r[i + step];
@@ -104,6 +116,7 @@ VISCACHE_INLINE Rgb sum_body(const SharedLights& s, const EyeShade& eye, const L
 template <Semantic kSemantic>
 VISCACHE_INLINE float contributions_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
                                        const Word* row, float* c) {
+    // Counts as floats stay in vector registers; rows are far shorter than 2²⁴
     alignas(64) float sum[16] = {}, positive[16] = {};
     const auto write = [&](size_t k, uint32_t mask, const RgbBlock& f, const float* scale) VISCACHE_INLINED {
         alignas(64) float kept[16];
@@ -114,6 +127,7 @@ VISCACHE_INLINE float contributions_as(const SharedLights& s, const EyeShade& ey
         }
         for (uint32_t i = 0; i < 16; ++i) sum[i] += kept[i];
         for (uint32_t i = 0; i < 16; ++i) positive[i] += kept[i] > 0 ? 1.f : 0.f;
+        // Blocks without a set bit keep the zeros of the caller
         std::copy_n(kept, 16, c + k);
     };
     for_each_block<kSemantic>(s, eye, lobe, row, write);

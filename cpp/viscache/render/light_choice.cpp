@@ -21,6 +21,8 @@ LightsAt::LightsAt(const Scene& scene, ChoiceWay way, const Receiver& receiver)
         tree_ = &scene.light_tree();
         return;
     }
+    // Running sums in double: of 256 lights whose powers differ by many orders, none loses its
+    // share
     double sum = 0;
     for (size_t i = 0; i < lights_.size(); ++i) {
         sum += estimated_light(lights_, i, receiver_);
@@ -36,6 +38,7 @@ void LightsAt::pick(std::span<const double> u, std::span<LightPick> picks) const
     std::array<LightDraw, kMostPicks> draws;
     for (size_t i = 0; i < u.size(); ++i) draws[i] = {u[i], uint32_t(i)};
     const auto end = draws.begin() + ptrdiff_t(u.size());
+    // Sorted numbers fall into runs at every node, so the tree is walked once for all
     std::sort(draws.begin(), end, [](const LightDraw& a, const LightDraw& b) { return a.u < b.u; });
     tree_->sample(receiver_, {draws.data(), u.size()}, picks);
 }
@@ -55,6 +58,7 @@ double LightsAt::pmf(size_t light) const {
     if (way_ == ChoiceWay::kTree) return tree_->pmf(receiver_, light);
     const double total = sums_[lights_.size() - 1];
     if (!(total > 0)) return 0;
+    // From the very sums that `pick_one` searches: choice and density agree to the last bit
     return (sums_[light] - (light ? sums_[light - 1] : 0)) / total;
 }
 

@@ -32,6 +32,7 @@ inline ShadingPoint shading_from(const PathVertex& v, Vec3 wo) {
 }
 
 /// f·|cos| with the shading normal, for light that arrives from `light` and leaves to `eye`.
+/// The roles are those of the picture, whichever sub-path the vertex belongs to.
 inline Rgb reflected(const PathVertex& v, Vec3 eye, Vec3 light) {
     const ShadingPoint sp = shading_from(v, eye);
     return eval_bsdf(sp, light) * dot(sp.ns, light);
@@ -44,9 +45,12 @@ inline double scatter_pdf(const PathVertex& v, Vec3 from, Vec3 to) {
 
 /// Converts a density per sr at `from` to one per m² at `to`. It stays per sr if `to` is at infinity.
 inline double to_area(double pdf, const PathVertex& from, const PathVertex& to) {
+    // Nothing to convert: directions have no area
     if (to.infinite) return pdf;
     const Vec3 d = to.position - from.position;
     const double d2 = double(length2(d));
+    // cos/d² with a d that is not normalised: dot/d³. In double, since these products make the
+    // weights
     return d2 > 0 ? pdf * std::fabs(double(dot(to.surface.ng, d))) / (d2 * std::sqrt(d2)) : 0;
 }
 

@@ -5,13 +5,20 @@ namespace viscache {
 double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> light,
                    const JoinDensities& join, StrategyRules rules) {
     const size_t t = eye.size(), s = light.size();
+    // All densities relative to the strategy that made the path: ratios stay in range where
+    // products of ten densities would not
     double others = 0;
     // Strategies with fewer eye vertices: the light makes the last ones
     double ratio = 1;
+    // Moving vertex i from the eye's sub-path to the light's replaces its forward density by its
+    // reverse one
     for (size_t i = t - 1; i >= 1; --i) {
         const double reverse = i == t - 1 ? join.eye_last : i == t - 2 ? join.eye_before : eye[i].reverse;
         ratio *= reverse / eye[i].forward;
+        // A path of one edge from the light to the camera is left to eye paths
         const bool allowed = i > 1 || (rules.to_camera && s + t > 2);
+        // Strategies whose connection would touch a mirror cannot make this path, but ratios go on
+        // through it
         if (allowed && eye[i].connects && eye[i - 1].connects) others += ratio;
     }
     // Strategies with more eye vertices
@@ -21,6 +28,7 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
                                : i + 2 == s ? join.light_before
                                             : light[i].reverse;
         ratio *= reverse / light[i].forward;
+        // i = 0: the eye path finds the light itself, without a connection
         const bool allowed = i == 0 ? rules.hittable : light[i - 1].connects;
         if (allowed && light[i].connects) others += ratio;
     }

@@ -13,6 +13,7 @@ constexpr size_t kQuarters = 4;  // samples of B per cell
 
 /// Ṽ of every cell.
 void blend(const BlendedMaps& maps, std::vector<float>& visible) {
+    // Ṽ is the blend of bits with weights β that sum to one
     std::fill(visible.begin(), visible.end(), 0.f);
     for (int i = 0; i < maps.count; ++i)
         for (size_t z = 0; z < visible.size(); ++z)
@@ -33,9 +34,13 @@ struct Relighting::Worker {
         for (size_t first = 0; first < visible.size(); first += kBlock) {
             float sum[3][kBlock]{};
             bool any = false;
+            // Blocks of a hidden part of the sky are not stored: a point in a room keeps few of
+            // them
             for (size_t k = 0; k < kBlock; ++k) any |= visible[first + k] > 0;
             if (!any) continue;
             any = false;
+            // One level finer than the maps: along the Morton curve the four quarters of a cell
+            // follow each other, so 64 samples serve 16 cells
             for (size_t q = 0; q < kQuarters; ++q) {
                 const size_t child = kQuarters * first + q * kBlock;
                 reflection.sample(m + 1, uint32_t(child), quarters);
@@ -45,6 +50,8 @@ struct Relighting::Worker {
                         sum[c][(q * kBlock + i) / kQuarters] += channels[c][i] / float(kQuarters);
             }
             for (int c = 0; c < colours; ++c)
+                // The mean of the quarters, times Ṽ. Below the horizon B̃ vanishes, and the block
+                // is left out
                 for (size_t k = 0; k < kBlock; ++k) any |= (sum[c][k] *= visible[first + k]) > 0;
             if (!any) continue;
             part.block.push_back(uint16_t(first / kBlock));
@@ -59,12 +66,14 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
     const int threads = resolve_threads(tracer.frame.threads);
     parts_.resize(tiles.size());
     std::vector<Worker> workers{size_t(threads)};
+    // Counters by tile, merged in order: they do not depend on threads
     std::vector<Counters> counted(tiles.size());
     std::vector<size_t> without_record(tiles.size());
     control.total = tiles.size();
     parallel_for(tiles.size(), threads, [&](size_t t, int worker) {
         control.check();
         Worker& w = workers[size_t(worker)];
+        // A worker starts empty and is filled when it gets its first tile
         w.visible.resize(map_cells(m_));
         if (!w.maps) w.maps = maps.reader();
         tracer.trace(tiles[t], w.eyes, counted[t], control);
@@ -82,6 +91,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
                 sp.base = {1, 1, 1};
             }
             const SurfaceReflection reflection(sp);
+            // Nothing that any light could change
             if (reflection.black() || !(max_component(colour) > 0)) continue;
             const BlendedMaps found = w.maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
             if (found.count == 0) {
@@ -95,6 +105,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             part.points.push_back({uint32_t(pixel), first_block, uint32_t(part.block.size()) - first_block,
                                    first_value, coloured, colour});
         }
+        // The parts stay for the life of the object, which may be many frames
         part.block.shrink_to_fit();
         part.value.shrink_to_fit();
         control.done.fetch_add(1);
@@ -108,6 +119,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
 /// Calls visit(first cell, values of the block in up to three channels).
 template <class Visit>
 void Relighting::for_each_value(const Part& part, const Point& p, Visit visit) const {
+    // Without colours all three channels point to the same values
     const size_t stride = p.coloured ? kBlock : 0;
     const float* value = &part.value[p.first_value];
     for (uint32_t b = 0; b < p.blocks; ++b, value += p.coloured ? 3 * kBlock : kBlock)
@@ -118,6 +130,7 @@ void Relighting::image(const CellLight& light, std::span<std::array<double, 3>> 
     std::fill(pixels.begin(), pixels.end(), std::array<double, 3>{});
     const double *red = light.channel[0].data(), *green = light.channel[1].data(),
                  *blue = light.channel[2].data();
+    // A pixel belongs to one tile, so threads never add to the same one
     parallel_for(parts_.size(), threads, [&](size_t t, int) {
         for (const Point& p : parts_[t].points) {
             // Separate lanes, added at the end: the order of sums is fixed and the loop uses SIMD
@@ -145,6 +158,7 @@ std::vector<std::array<double, 3>> Relighting::transfer(size_t pixel) const {
     std::vector<std::array<double, 3>> cells(map_cells(m_));
     for (const Part& part : parts_)
         for (const Point& p : part.points)
+            // A pixel may have several eye points: samples, and branches of glass
             if (p.pixel == pixel && p.blocks > 0)
                 for_each_value(part, p, [&](size_t first, const float* r, const float* g, const float* b) {
                     for (size_t k = 0; k < kBlock; ++k) {

@@ -15,24 +15,31 @@ struct SpecularEvent {
 /// The event for a direction on either side of the surface. Mirrors use the shading normal, or the geometric
 /// normal if the shading normal would reflect below the surface.
 std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool through) {
+    // The event may be asked for the way back, from the other side: the normals turn with it
     const bool same_side = dot(v.surface.ng, from) >= 0, front = same_side == v.front;
     const Vec3 ng = same_side ? v.surface.ng : -v.surface.ng;
     Vec3 n = same_side ? v.surface.ns : -v.surface.ns;
+    // A shading normal that faces away from the ray would reflect it into the surface
     if (dot(n, from) <= 0) n = ng;
     const bool glass = v.surface.kind == MaterialKind::kDielectric;
     const bool plate = glass && v.surface.thin;
+    // The probability of reflection is Fresnel's share itself, so the factor of either branch is
+    // one
     const double fresnel =
         plate   ? double(plate_reflectance(dot(n, from), v.surface.eta))
         : glass ? double(fresnel_dielectric(front ? dot(n, from) : -dot(n, from), v.surface.eta))
                 : 1.0;
+    // A thin plate does not bend the ray
     if (through && plate) return SpecularEvent{-from, n, 1 - fresnel, 1};
     if (through) {
         const float eta = front ? 1 / v.surface.eta : v.surface.eta;
         const auto direction = refract(from, n, eta);
+        // Total reflection, or a shading normal that sends the ray back to its own side
         if (!direction || dot(*direction, ng) >= 0) return std::nullopt;
         return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta};
     }
     Vec3 direction = n * (2 * dot(from, n)) - from;
+    // Reflected below the true surface: the geometric normal cannot do that
     if (dot(direction, ng) <= 0) {
         n = ng;
         direction = n * (2 * dot(from, n)) - from;
@@ -41,25 +48,31 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
 }
 
 std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport, Rng& rng) {
+    // Within 2.6 degrees: what is told apart is another event, not rounding
     constexpr float kSameDirection = 0.999f;
     const bool glass = v.surface.kind == MaterialKind::kDielectric;
     const Vec3 from = v.surface.wo;
     auto event = specular_event(v, from, false);
     const bool through = glass && double(rng.next()) >= event->probability;
     if (through) event = specular_event(v, from, true);
+    // The rest of the energy is lost here, as in paths from the eye
     if (!event || !(event->probability > 0)) return std::nullopt;
     Scatter s;
     s.specular = true;
     s.direction = event->direction;
     s.pdf = event->probability;
+    // The next ray starts on the side to which it leaves
     s.side = through ? -v.surface.ng : v.surface.ng;
     // With replaced normals the way back can be another event
     const auto back = specular_event(v, s.direction, through);
     if (back && dot(back->direction, from) > kSameDirection) s.pdf_back = back->probability;
     s.factor =
+        // Glass divides its share by the probability of the event, which is the same number
         glass ? Rgb{1, 1, 1}
               : mirror_reflectance(v.surface.specular, v.surface.metal, std::fabs(dot(v.surface.ns, from)));
     if (transport == Transport::kImportance)
+        // Light paths: cosines of shading normals do not cancel (Veach 1997, Sec. 5.3). Radiance,
+        // but not importance, is compressed by η²
         s.factor = s.factor * adjoint(event->normal, v.surface.ng, from, s.direction);
     else
         s.factor = s.factor * (event->eta * event->eta);  // the change of index compresses radiance
@@ -69,6 +82,7 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
 std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, Rng& rng) {
     const ShadingPoint sp = shading_from(v, v.surface.wo);
     if (is_black(sp)) return std::nullopt;
+    // One number chooses the lobe, two choose the direction in it
     const float u_lobe = rng.next();
     const auto drawn = sample_bsdf(sp, u_lobe, rng.next2());
     if (!drawn || !(drawn->pdf > 0)) return std::nullopt;
@@ -76,10 +90,13 @@ std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, R
     s.direction = drawn->wi;
     s.side = sp.ng;
     s.pdf = double(drawn->pdf);
+    // Density of the same edge walked the other way, which the weights of all strategies need
     s.pdf_back = scatter_pdf(v, drawn->wi, sp.wo);
     s.factor = drawn->weight;
     if (transport == Transport::kImportance)
         s.factor =
+            // For light paths the roles of the two directions change: the eye lies where the path
+            // goes on
             reflected(v, drawn->wi, sp.wo) * (dot(sp.ng, drawn->wi) / (dot(sp.ng, sp.wo) * drawn->pdf));
     return s;
 }
@@ -94,6 +111,7 @@ std::optional<Scatter> scatter(const PathVertex& v, Transport transport, Rng& rn
         case MaterialKind::kMirror:
         case MaterialKind::kDielectric: s = scatter_specular(v, transport, rng); break;
     }
+    // A path that carries nothing, or no number, ends
     if (!s || !is_finite(s->direction) || !is_finite(s->factor) || !(max_component(s->factor) > 0))
         return std::nullopt;
     return s;

@@ -4,11 +4,16 @@
 
 namespace viscache {
 
+// One body of kernels, three instruction sets. Each region fixes how many lanes a register has; the
+// order of sums is always that of 16 lanes, so all three give the same bits.
 namespace portable {
 constexpr size_t kWidth = 4;
+// Columns start at any float of an array, so loads must not assume the register's alignment
 typedef float F __attribute__((vector_size(16), aligned(4), may_alias));
 typedef int I __attribute__((vector_size(16)));
+// IEEE square roots are correctly rounded everywhere, which approximate reciprocals are not
 inline F vec_sqrt(F v) { return F{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])}; }
+// Comparisons give lanes of all ones or all zeros; one bit of each is enough
 inline Word sign_bits(I m) { return Word((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
 #include "shared_kernels.inc"
 }  // namespace portable
@@ -32,6 +37,7 @@ namespace avx512 {
 constexpr size_t kWidth = 16;
 typedef float F __attribute__((vector_size(64), aligned(4), may_alias));
 typedef int I __attribute__((vector_size(64)));
+// The masked form has no undefined operand, about which gcc 12 warns in the plain one
 inline F vec_sqrt(F v) { return (F)_mm512_maskz_sqrt_ps(0xffff, (__m512)v); }
 inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 #include "shared_kernels.inc"
@@ -42,6 +48,8 @@ inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 namespace {
 
 template <class Columns>
+/// The arrays of a group as the kernels of one instruction set take them: `Columns` is a type of
+/// each region.
 Columns columns_of(const SharedLights& s, const EyeShade& eye, ColumnRange range) {
     const FarEnds& e = s.ends;
     return {e.x.data(), e.y.data(), e.z.data(), e.nx.data(), e.ny.data(), e.nz.data(),
@@ -58,15 +66,20 @@ Columns columns_of(const SharedLights& s, const EyeShade& eye) {
 
 const float* cone_row(const SharedLights& s, Vec3 position) {
     if (s.cones.empty()) return nullptr;
+    // One row per thread: the kernels need the factors as an array, and they depend on the eye
+    // point
     thread_local std::vector<float> row;
     row.assign(s.ends.x.size(), 1.f);
     for (size_t k = 0; k < s.cones.size(); ++k)
+        // Only spot lights cost a normalisation; plain points keep their 1
         if (s.cones[k].falloff != Falloff::kNone)
             row[k] =
                 spot_factor(s.cones[k], normalize(position - Vec3{s.ends.x[k], s.ends.y[k], s.ends.z[k]}));
     return row.data();
 }
 
+// The instruction set is chosen once per row, not per column: the cost of the switch vanishes in a
+// row of lights
 uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, ColumnRange range, Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
@@ -130,6 +143,8 @@ Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     }
 }
 
+/// Columns stand in arrays by component, so that a kernel loads the same component of many lights
+/// at once.
 void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
     FarEnds& e = ends;
     e.x.push_back(p.x);
@@ -151,11 +166,15 @@ void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
 void SharedLights::set_cone(const SpotCone& cone) {
     if (cone.falloff == Falloff::kNone) return;
     cones.resize(ends.count);
+    // Lights before the first spot light get the cone that lets everything through
     cones.back() = cone;
 }
 
 void SharedLights::pad() {
+    // Lights after the last spot light have no entry yet
     if (!cones.empty()) cones.resize(ends.count);
+    // Kernels read whole registers behind the last column. A padded column has the value 0, so its
+    // contribution is never positive and its bit never set
     const size_t padded = row_words_for(ends.count) * kWordBits;
     if (!lobe_ratio.empty()) lobe_ratio.resize(padded, 0.f);
     for (auto* v : {&ends.x, &ends.y, &ends.z, &ends.nx, &ends.ny, &ends.nz, &ends.tx, &ends.ty, &ends.tz,

@@ -19,6 +19,7 @@ struct StageSeconds {
 /// Measures stages that follow each other: `lap` adds the CPU time since the last call to a stage.
 class StageClock {
 public:
+    // CPU time of the thread: waiting for other threads is no cost of a stage
     void skip() { last_ = thread_cpu_seconds(); }
     void lap(double& stage) {
         const double now = thread_cpu_seconds();

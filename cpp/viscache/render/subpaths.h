@@ -25,6 +25,7 @@ struct BdptContext {
     /// Density of a primary ray over the whole film: per sr, or per m² across parallel rays. `cosine`:
     /// between the ray and the optical axis.
     double film_pdf(double cosine) const {
+        // On a film at distance one: area dA = dω/cos³ of the angle to the axis
         const double film_area = double(film.pixel_area()) * film.width * film.height;
         if (film.camera.is_orthographic()) return 1 / film_area;
         return 1 / (film_area * cosine * cosine * cosine);
@@ -42,6 +43,7 @@ struct SampleTile {
 
 /// Vertices of many sub-paths, and the start of each.
 struct Subpaths {
+    // One array for all paths, so that a tile of paths allocates once
     size_t stride = 0;  ///< most vertices per path
     std::vector<PathVertex> vertex;
     std::vector<uint32_t> count;

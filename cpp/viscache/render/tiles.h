@@ -30,6 +30,7 @@ constexpr TileRule kTilesOfDirections = {.least = 64, .most = 256, .enough = 16}
 /// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp, rounded to a power of two
 /// of at least 4.
 inline int tile_edge(int samples_edge, int spp) {
+    // The edge shrinks by the root of the samples, so that a tile holds about as many eye samples
     const double edge = samples_edge / std::sqrt(double(spp));
     return std::max(4, int(std::exp2(std::round(std::log2(edge)))));
 }
@@ -39,6 +40,7 @@ inline int tile_edge(const TileRule& rule, int width, int height, int spp) {
     const auto tiles = [&](int edge) {
         return size_t((width + edge - 1) / edge) * size_t((height + edge - 1) / edge);
     };
+    // Halved until there are enough tiles, but never below the least: small frames then have fewer
     int samples = rule.most;
     while (samples > rule.least && tiles(tile_edge(samples, spp)) < rule.enough) samples /= 2;
     return tile_edge(samples, spp);
@@ -61,6 +63,7 @@ inline std::vector<Tile> tiles_of_part(const std::vector<Tile>& tiles, int part,
 
 /// Pixels of a tile along a Morton curve, as (x, y) relative to its corner.
 inline std::vector<std::pair<uint16_t, uint16_t>> morton_pixels(int width, int height) {
+    // The curve of the smallest square that holds the tile; what lies outside is skipped
     const uint32_t side = std::bit_ceil(uint32_t(std::max({width, height, 1})));
     std::vector<std::pair<uint16_t, uint16_t>> pixels;
     pixels.reserve(size_t(width) * height);

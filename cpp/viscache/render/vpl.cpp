@@ -11,9 +11,12 @@ namespace viscache {
 
 namespace {
 
+// Chunks are the unit of work of threads, and candidates are joined in their order: the set is the
+// same for any number of threads
 constexpr size_t kPathsPerChunk = 256;
 constexpr size_t kCandidatesPerChunk = 256;
 constexpr size_t kPilotPaths = 4096;
+// Where light hardly enters the scene, the number of paths must not grow without a bound
 constexpr size_t kMaxPathsPerCandidate = 256;
 constexpr double kFloor = 0.1;          // share of the probability that depends on flux only
 constexpr float kCompatibleCos = 0.7f;  // normals within 45°
@@ -35,6 +38,7 @@ struct Landing {
 
 /// Continues the photon. False if its flux is not finite.
 bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux, float extent) {
+    // From the side on which the photon leaves, off the surface by more than rounding
     photon = {{spawn(l.s.position, side, extent), 0, direction, kInfinity}, flux};
     return is_finite(flux);
 }
@@ -43,6 +47,7 @@ bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux
 /// shading normal would reflect below the surface.
 bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
     Vec3 n = l.ns, direction = n * (2 * dot(l.wi, n)) - l.wi;
+    // As in paths from the eye, so that both see the same mirror
     if (dot(direction, l.ng) <= 0) {
         n = l.ng;
         direction = n * (2 * dot(l.wi, n)) - l.wi;
@@ -60,12 +65,14 @@ Rgb tint(const Landing& l, const Scene& scene) {
 bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
     if (l.material.thin) {
         const float reflectance = plate_reflectance(dot(l.ns, l.wi), l.material.eta);
+        // One branch at random, with the probability of its share: the photon keeps its flux
         if (rng.next() < reflectance) return mirror(photon, l, {1, 1, 1}, extent);
         return leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
     }
     const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
     if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
     const auto through = refract(l.wi, l.ns, l.front ? 1 / eta : eta);
+    // The shading normal would bend it back to its own side
     if (!through || dot(*through, l.ng) >= 0) return false;
     return leave(photon, l, -l.ng, normalize(*through), photon.flux * adjoint(l.ns, l.ng, l.wi, *through),
                  extent);
@@ -74,6 +81,7 @@ bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
 /// Stores a VPL and continues in a cosine-distributed direction, with the probability of the albedo. VPLs do
 /// not carry the glossy lobe: they reflect the rest diffusely.
 bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
+    // Only what the diffuse part of the albedo depends on
     ShadingPoint sp;
     sp.kind = l.material.kind;
     sp.ng = l.ng;
@@ -83,9 +91,14 @@ bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<V
     sp.specular = l.s.specular;
     sp.coat = l.coat;
     const Rgb albedo = diffuse_albedo(sp);
+    // Light arrives by the shading normal, flux by the geometric one: the quotient turns one into
+    // the other
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
     if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
+    // Over π: a Lambertian patch of this exitance
     out.push_back({l.s.position, l.ng, reflected / kPi});
+    // Russian roulette by albedo: photons keep about the same flux. Below one, so that white scenes
+    // end
     const float survive = std::min(0.95f, max_component(albedo));
     if (rng.next() >= survive) return false;
     const Vec3 local = square_to_cosine_hemisphere(rng.next2());
@@ -104,9 +117,11 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         if (!hit.valid()) return;
         const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
                                              hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        // A degenerate triangle has no sides
         if (length2(s.ng) == 0) return;
         const Material& material = scene.materials()[size_t(s.material)];
         const bool front = dot(s.ng, photon.ray.d) < 0;
+        // Backs of one-sided surfaces absorb
         if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
         const Landing l{
             s,    material, scene.coat(s.material), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
@@ -130,9 +145,12 @@ std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, con
     parallel_for(chunks, threads, [&](size_t chunk, int) {
         control.check();
         for (size_t i = chunk * kPathsPerChunk; i < std::min(paths, (chunk + 1) * kPathsPerChunk); ++i) {
+            // Two streams: how many numbers a light takes to emit does not shift those of the
+            // bounces
             Rng emission(seed, Purpose::kVplEmission, i, pass), bounce(seed, Purpose::kVplBounce, i, pass);
             const auto emitted = lights.emit(emission);
             if (!emitted) continue;
+            // Each path carries its share, so the sum over all virtual lights is the estimate
             Photon photon{emitted->ray, emitted->flux / float(paths)};
             trace_path(scene, caster, photon, max_depth, bounce, found[chunk], counted[chunk]);
         }
@@ -155,6 +173,7 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
     // The VPLs of the pilot are dropped, so that the number of paths is independent of the paths that count.
     const auto pilot =
         trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
+    // At least one, so that a dark pilot does not ask for endless paths
     const double per_path = std::max(double(pilot.size()), 1.0) / double(kPilotPaths);
     const double paths = std::min(std::ceil(double(candidates) / per_path),
                                   double(kMaxPathsPerCandidate) * double(candidates));
@@ -167,6 +186,7 @@ namespace {
 std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
                                      int count, uint64_t seed, std::vector<float>& albedo,
                                      Counters& counters) {
+    // A grid of about square cells with one random point in each
     const int columns = std::max(1, int(std::lround(std::sqrt(double(count) * film.width / film.height))));
     const int rows = std::max(1, (count + columns - 1) / columns);
     std::vector<EyeShade> points;
@@ -177,14 +197,17 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
                     y = (i / columns + u.y) / rows * film.height;
         const Ray ray{film.origin(x, y), 0, normalize(film.direction(x, y)), kInfinity};
         Hit hit;
+        // Few rays, once per frame: a packet would not pay for the code
         caster.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;
         if (!hit.valid()) continue;
         const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
                                              hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
         if (length2(s.ng) == 0) continue;
+        // Normals on the side of the camera
         const float side = dot(s.ng, ray.d) < 0 ? 1.f : -1.f;
         points.push_back({s.position, s.ng * side, s.ns * side});
+        // Black surfaces count a little: what they do not show, lobes on them may
         albedo.push_back(std::max(0.05f, luminance(s.base_color)));
     }
     return points;
@@ -199,6 +222,7 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
     std::vector<size_t> who;
     std::vector<float> what;
     std::vector<uint8_t> blocked;
+    // One eye point at a time, so that a call traces rays with one origin
     for (size_t e = 0; e < eyes.size(); ++e) {
         rays.clear();
         who.clear();
@@ -209,6 +233,7 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
             const float d2 = length2(d), near_cos = dot(eyes[e].ng, d), far_cos = -dot(v.normal, d);
             if (!(near_cos > 0 && far_cos > 0 && d2 > 0)) continue;
             const float g = near_cos * far_cos / (d2 * (d2 + bound2)) * luminance(v.flux) * albedo[e];
+            // A candidate at the eye point itself would win against all others
             if (!std::isfinite(g)) continue;
             rays.push_back(segment_to_point(spawn(eyes[e].position, eyes[e].ng, extent),
                                             spawn(v.position, v.normal, extent), extent));
@@ -219,6 +244,7 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
         caster.occluded(rays, blocked);
         traced += rays.size();
         for (size_t j = 0; j < rays.size(); ++j)
+            // Candidates of a chunk belong to this thread alone
             if (!blocked[j]) value[who[j]] += what[j];
     }
     return traced;
@@ -229,6 +255,7 @@ std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vec
                               const std::vector<float>& albedo, float extent, const RayCaster& caster,
                               float bound2, int threads, Control& control, Counters& counters) {
     std::vector<double> value(candidates.size(), 0.0);
+    // A count, whose order does not matter
     std::atomic<uint64_t> rays{0};
     parallel_for((candidates.size() + kCandidatesPerChunk - 1) / kCandidatesPerChunk, threads,
                  [&](size_t chunk, int) {
@@ -249,12 +276,14 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
                                Control& control, Counters& counters) {
     if (candidates.empty() || wanted == 0) return {};
     std::vector<float> albedo;
+    // Candidates that the camera's points see get most of the probability
     const auto eyes = judging_points(scene, caster, film, kVplEyePoints, frame.seed, albedo, counters);
     const float bound = float(settings.vpl_bound) * scene.bounds().diagonal();
     // With an unbounded geometry term single pairs would dominate: use the default bound here
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
     const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,
                                  judge_bound * judge_bound, frame.threads, control, counters);
+    // Two distributions: by contribution, and by flux for what no judging point sees
     double total_value = 0, total_flux = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {
         total_value += value[i];
@@ -263,6 +292,7 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
     if (!(total_flux > 0)) return {};
     // Systematic resampling: one random offset, `wanted` equal steps through the cumulative probability
     std::vector<Vpl> kept;
+    // One offset for all steps: a candidate with probability q is picked ⌊q·n⌋ or ⌈q·n⌉ times
     const double offset = Rng(frame.seed, Purpose::kVplResampling, 0, 0).next();
     double cumulative = 0;
     size_t next = 0;
@@ -277,6 +307,7 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
         }
         if (!picks) continue;
         Vpl v = candidates[i];
+        // Times picks over their expectation, which keeps the sum unbiased
         v.flux = v.flux * float(double(picks) / (q * double(wanted)));
         kept.push_back(v);
     }
@@ -290,8 +321,10 @@ float density_at(const std::vector<Vpl>& vpls, size_t i) {
     std::array<float, 4> nearest;  // squared distances, ascending
     nearest.fill(kInfinity);
     for (size_t j = 0; j < vpls.size(); ++j) {
+        // Lights on the other side of a wall or on another wall serve other eye points
         if (j == i || !(dot(vpls[i].normal, vpls[j].normal) > kCompatibleCos)) continue;
         float d2 = length2(vpls[i].position - vpls[j].position);
+        // Insertion into four sorted distances: what is swapped out is compared with the next
         for (float& n : nearest)
             if (d2 < n) std::swap(d2, n);
     }
@@ -305,6 +338,7 @@ float density_at(const std::vector<Vpl>& vpls, size_t i) {
 
 std::vector<float> vpl_densities(const std::vector<Vpl>& vpls, int threads, Control& control) {
     std::vector<float> density(vpls.size(), 0.f);
+    // Quadratic in the number of lights, which is small; chunks keep the threads even
     constexpr size_t kChunk = 16;
     parallel_for((vpls.size() + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
         control.check();

@@ -15,7 +15,10 @@ public:
     /// `weights`: one per column; empty: the group itself.
     const SharedLights& with(std::span<const float> weights) {
         if (weights.empty()) return lights_;
+        // Copied once per group, and only for oracles with weights
         if (!scaled_) scaled_ = lights_;
+        // Rows of weights lie in the oracle and do not change within a block, so their address
+        // names them
         if (weights.data() == last_) return *scaled_;
         last_ = weights.data();
         for (size_t k = 0; k < lights_.ends.count; ++k) {
@@ -30,6 +33,7 @@ public:
     const SharedLights& with(std::span<const PickedLight> picked, std::span<const float> weights) {
         if (picked.empty()) return with(weights);
         if (!scaled_) scaled_ = lights_;
+        // Columns of earlier picks keep old weights; none of their bits is set
         last_ = nullptr;
         for (const PickedLight& p : picked) {
             const float weight = weights.empty() ? p.weight : p.weight * weights[p.column];

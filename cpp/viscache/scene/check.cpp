@@ -10,6 +10,7 @@ namespace viscache {
 namespace {
 
 constexpr float kMaxPlace = 1e16f;  // of cameras and lights, as rays may have it (visibility/query.h)
+/// Beyond these, the inverse that rays need has no digits left in single precision.
 constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // for the transforms of instances
 constexpr float kMaxShift = 1e3f;                            // of a camera's picture, in sizes of it
 
@@ -21,6 +22,7 @@ template <class... Parts>
 }
 
 bool usable(Vec3 p) { return is_finite(p) && std::max(max_component(p), max_component(-p)) <= kMaxPlace; }
+/// Light that is negative would take away what others bring, and cancel in means.
 bool usable_color(Rgb c) { return is_finite(c) && std::min({c.x, c.y, c.z}) >= 0; }
 std::string text(Vec3 p) {
     std::ostringstream s;
@@ -42,6 +44,7 @@ void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
                    text(m.vertices[i]));
     for (size_t i = 0; i < m.triangles.size(); ++i) {
         const Vec3u t = m.triangles[i];
+        // One comparison per triangle; the largest index is the one to name
         const uint32_t worst = std::max({t.x, t.y, t.z});
         if (worst >= m.vertices.size())
             refuse(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(),
@@ -80,6 +83,7 @@ void check_material(const Material& m, size_t index, size_t images) {
             refuse(name, ": base_color and specular must be in [0, 1], got ", text(c));
     if (!(m.roughness >= 1e-3f && m.roughness <= 1))
         refuse(name, ": roughness must be in [0.001, 1], got ", m.roughness);
+    // Also refuses NaN, as all conditions here that are written as what must hold
     if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
     // The rest are combinations that no part of the shading is written for.
     if (m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
@@ -93,6 +97,7 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
         refuse(name, ": metallic_roughness_texture and roughness_texture exclude each other");
     check_metal(m, name);
+    // A rough coat says by its kind which distribution it has
     const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;
     if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
         refuse(name,
@@ -192,6 +197,7 @@ void check_description(const SceneDescription& d) {
 
 void check_camera(const Camera& c) {
     if (!usable(c.origin)) refuse("camera '", c.name, "': origin must be finite, got ", text(c.origin));
+    // Near 180 degrees the picture's plane would be infinitely wide
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
         refuse("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
                c.fov_y_rad * 180 / kPi);

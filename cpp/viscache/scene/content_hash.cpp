@@ -24,6 +24,7 @@ public:
             std::memcpy(&w, p, 8);
             word(w);
         }
+        // The last bytes are filled up with zeros; lengths are hashed apart
         uint64_t rest = 0;
         if (n) std::memcpy(&rest, p, n);
         word(rest);
@@ -74,6 +75,8 @@ std::string content_hash(const SceneDescription& d) {
         h.array(m.uvs);
         h.word(uint64_t(m.material) << 2 | uint64_t(m.emits_two_sided) << 1 | uint64_t(m.in_world));
         h.vec(m.emission);
+        // Only where it is given, with a number that marks it: scenes without such a field keep the
+        // hash that they had before there was one
         if (m.emission_texture >= 0) h.word(uint64_t(m.emission_texture) << 8 | 5);
     }
     h.word(d.instances.size());
@@ -87,6 +90,7 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(m.base_color);
         h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
+        // The same for all fields that came later
         if (m.opacity < 1) h.floats({m.opacity});
         if (m.mixes_metal())
             h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
@@ -96,11 +100,13 @@ std::string content_hash(const SceneDescription& d) {
             h.vec(m.metal.k);
         }
     }
+    // Pixels count, not paths: a scene that was moved has the same hash
     for (const Image& i : d.images) {
         h.look_up(i);
         h.values(i);
     }
     for (const PointLight& l : d.point_lights) {
+        // Kinds of lights have numbers, so that no list runs into the next
         h.word(1);
         h.vec(l.position);
         h.vec(l.intensity);
@@ -141,6 +147,7 @@ std::string content_hash(const SceneDescription& d) {
     return h.hex();
 }
 
+/// What rays can hit, and holes in it. Names, colours and lights are left out.
 std::string geometry_hash(const SceneDescription& d) {
     Hasher h;
     for (const Mesh& m : d.meshes) {

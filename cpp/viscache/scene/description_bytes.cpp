@@ -41,6 +41,8 @@ void fields(Archive& a, SceneDescription& d) {
 }
 
 template <class T>
+/// Copied as they lie in memory. The bytes are for processes of the same build, which the tag
+/// ensures.
 constexpr bool kPlain = std::is_trivially_copyable_v<T>;
 
 class Writer {
@@ -53,6 +55,7 @@ public:
 
 private:
     void raw(const void* data, size_t n) { bytes.append(static_cast<const char*>(data), n); }
+    // Lengths stand before contents
     void count(uint64_t n) { raw(&n, sizeof n); }
     template <class T>
     void one(T& value) {
@@ -90,6 +93,7 @@ public:
 
 private:
     void raw(void* data, size_t n) {
+        // Never reads beyond the end, whatever a damaged length says
         if (n > rest_.size()) throw SceneError("the bytes of a scene must be whole, some are missing");
         if (n) std::memcpy(data, rest_.data(), n);
         rest_.remove_prefix(n);
@@ -98,6 +102,7 @@ private:
     size_t count(size_t least) {
         uint64_t n = 0;
         raw(&n, sizeof n);
+        // A length that the rest cannot hold is refused before memory is taken for it
         if (n > rest_.size() / least)
             throw SceneError("the bytes of a scene must be whole, some are missing");
         return size_t(n);
@@ -126,6 +131,7 @@ private:
     void one(std::optional<Environment>& value) {
         uint64_t there = 0;
         raw(&there, sizeof there);
+        // Whether there is one was written as a number
         if (there) one(value.emplace());
     }
     std::string_view rest_;
@@ -148,6 +154,7 @@ SceneDescription description_from(std::string_view bytes) {
     reader(tag);
     if (tag != kTag) throw SceneError("the bytes must be those of a scene of this version of viscache");
     reader(description);
+    // Bytes that are left over would be those of another version
     if (!reader.at_end()) throw SceneError("the bytes of a scene must be whole, some are left over");
     return description;
 }

@@ -13,6 +13,7 @@ namespace {
 constexpr size_t whole_lanes(size_t n) {
     return (n + kEqualAreaLanes - 1) / kEqualAreaLanes * kEqualAreaLanes;
 }
+// Whole registers: the last lanes repeat a direction
 static_assert(Distribution2D::kBatch % kEqualAreaLanes == 0);
 
 }  // namespace
@@ -25,6 +26,7 @@ EnvironmentMap EnvironmentMap::constant(Rgb radiance) {
         throw SceneError(s.str());
     }
     EnvironmentMap map;
+    // One texel, and no distribution: a constant sky is sampled evenly
     map.texels_ = OctahedralTexels(1);
     map.texels_[0] = radiance;
     map.total_power_ = map.texels_.power();
@@ -41,6 +43,7 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
     if (map.total_power_ > 0) {
         const auto n = size_t(map.resolution());
         map.choice_ = Distribution2D(n, n, [&](size_t row, size_t column) {
+            // Texels have equal areas on the sphere, so luminance alone is the weight
             return luminance_in_double(map.texels_[map.texels_.index(column, row)]);
         });
     }
@@ -49,6 +52,7 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
 
 size_t EnvironmentMap::texel(Vec2 p) const {
     const int n = resolution();
+    // 1 may come from rounding
     return texels_.index(size_t(std::min(int(p.x * float(n)), n - 1)),
                          size_t(std::min(int(p.y * float(n)), n - 1)));
 }
@@ -73,6 +77,8 @@ void EnvironmentMap::look_up(std::span<const Vec3> wi, std::span<Sample> found) 
         if (!is_constant()) directions_to_equal_area(x, y, z, whole, u, v);
         for (size_t i = 0; i < count; ++i) {
             place[i] = &texels_[is_constant() ? 0 : texel({u[i], v[i]})];
+            // Texels of a large map lie anywhere in memory: all are on their way before the first
+            // is read
             __builtin_prefetch(place[i]);
         }
         for (size_t i = 0; i < count; ++i) found[first + i] = {wi[first + i], *place[i], density(*place[i])};

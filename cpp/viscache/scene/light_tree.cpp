@@ -19,18 +19,23 @@ Vec3 rotated(Vec3 v, Vec3 axis, double angle) {
 NormalCone united(const NormalCone& first, const NormalCone& second) {
     if (first.empty()) return second;
     if (second.empty()) return first;
+    // The wider one first: it may hold the other whole
     const NormalCone& a = first.angle >= second.angle ? first : second;
     const NormalCone& b = first.angle >= second.angle ? second : first;
     const double between = std::acos(std::clamp(double(dot(a.axis, b.axis)), -1.0, 1.0));
     if (std::min(between + b.angle, M_PI) <= a.angle) return a;
+    // The new cone touches the far sides of both: its axis lies between theirs, turned from the
+    // wider one
     const double angle = 0.5 * (a.angle + between + b.angle);
     const Vec3 side = normalize(cross(a.axis, b.axis));
+    // Opposite axes have no plane to turn in: all directions are safe
     if (angle >= M_PI || !(length2(side) > 0)) return {a.axis, M_PI};
     return {normalize(rotated(a.axis, side, angle - a.angle)), angle};
 }
 
 namespace {
 
+/// Cuts are tried between bins of equal width, as in builders of ray tracing trees.
 constexpr int kBins = 12;
 constexpr int kDepthOfHalves =
     40;  // below this depth, groups are cut into halves: bounds the depth of the tree
@@ -65,6 +70,7 @@ struct Group {
 Group group_of(const EmissiveTriangle& t) {
     Group g;
     for (const Vec3 p : {t.a, t.b, t.c}) g.box.add(p);
+    // Two sides shine every way
     g.normals = {t.normal, t.two_sided ? M_PI : 0.0};
     g.intensity = luminance_in_double(t.radiance) * t.area;
     return g;
@@ -76,11 +82,13 @@ Group group_of(const SphereLight& s) {
     g.box.add(s.center - side);
     g.box.add(s.center + side);
     g.normals = {{0, 0, 1}, M_PI};
+    // The disk that a far point sees
     g.intensity = luminance_in_double(s.radiance) * M_PI * double(s.radius) * s.radius;
     return g;
 }
 
 LightGroupBounds bounds_of(const Group& g) {
+    // Grown, so that bounds in float never leave out a light of the group
     constexpr double kConeSlack = 1e-3;  // radians, for rounding
     LightGroupBounds b;
     b.center = g.box.center();
@@ -99,6 +107,7 @@ public:
     Builder(std::vector<Group> lights, std::vector<LightTree::Node>& nodes, std::vector<uint32_t>& leaf_of)
         : lights_(std::move(lights)), order_(lights_.size()), nodes_(nodes), leaf_of_(leaf_of) {
         std::iota(order_.begin(), order_.end(), 0u);
+        // A binary tree with one light per leaf has 2n − 1 nodes
         nodes_.reserve(2 * lights_.size());
         leaf_of_.resize(lights_.size());
         build(order_, 0, 0);
@@ -108,6 +117,7 @@ private:
     using Range = std::span<uint32_t>;
 
     Group build(Range range, uint32_t parent, int depth) {
+        // The first child follows its parent, so a node stores the place of the other alone
         const uint32_t at = uint32_t(nodes_.size());
         nodes_.push_back({});
         nodes_[at].parent = parent;
@@ -138,6 +148,7 @@ private:
         if (depth < kDepthOfHalves)
             for (int axis = 0; axis < 3; ++axis)
                 if (extent[axis] > 0) try_axis(range, centers, axis, best);
+        // Lights at one place, or a tree that is too deep
         if (best.axis < 0) return halve(range, extent);
         const auto middle = std::partition(
             range.begin(), range.end(), [&](uint32_t i) { return bin(i, centers, best.axis) < best.bins; });
@@ -152,6 +163,8 @@ private:
 
     int bin(uint32_t light, const Bounds& centers, int axis) const {
         const float from = centers.lo[axis], size = centers.hi[axis] - from;
+        // The same expression decides in which bin a light counts and on which side of the cut it
+        // lies
         const float place = (lights_[light].box.center()[axis] - from) / size;
         return std::clamp(int(place * kBins), 0, kBins - 1);
     }
@@ -159,6 +172,7 @@ private:
     void try_axis(Range range, const Bounds& centers, int axis, Cut& best) const {
         std::array<Group, kBins> bins;
         for (const uint32_t i : range) bins[size_t(bin(i, centers, axis))].add(lights_[i]);
+        // Costs of all lower parts in one sweep, of the upper ones in another
         std::array<double, kBins> below{};
         Group sum;
         for (size_t i = 0; i + 1 < kBins; ++i) {
@@ -173,6 +187,7 @@ private:
         Group above;
         for (size_t i = kBins - 1; i > 0; --i) {
             above.add(bins[i]);
+            // A cut with nothing on one side is none
             if (above.normals.empty() || below[i - 1] == 0) continue;
             const double cost = factor * (below[i - 1] + above.cost());
             if (cost < best.cost) best = {cost, axis, int(i)};
@@ -188,6 +203,7 @@ private:
         std::nth_element(range.begin(), range.begin() + ptrdiff_t(half), range.end(),
                          [&](uint32_t a, uint32_t b) {
                              const float x = lights_[a].box.center()[axis], y = lights_[b].box.center()[axis];
+                             // Ties by number: the same tree everywhere
                              return x < y || (x == y && a < b);
                          });
         return half;
@@ -216,6 +232,7 @@ double LightTree::node_importance(uint32_t node, const Receiver& r) const {
 
 namespace {
 
+/// Largest double below 1: a rescaled number must stay in [0, 1).
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
 /// Draws whose ways have reached a node.
@@ -228,6 +245,7 @@ struct Arrived {
 }  // namespace
 
 void LightTree::sample(const Receiver& r, std::span<LightDraw> draws, std::span<LightPick> picks) const {
+    // All samples walk together: draws are sorted, so those of a node are one range
     std::array<Arrived, kMostWaiting> stack;
     size_t size = 0;
     stack[size++] = {0, 0, uint32_t(draws.size()), 1};
@@ -239,10 +257,13 @@ void LightTree::sample(const Receiver& r, std::span<LightDraw> draws, std::span<
             continue;
         }
         const double a = node_importance(at.node + 1, r), b = node_importance(node.other, r);
+        // Neither side can shine at the receiver
         if (!(a + b > 0)) {
             for (uint32_t i = at.first; i < at.last; ++i) picks[draws[i].sample] = {};
             continue;
         }
+        // Numbers below the share go to the first child; each part is stretched to [0, 1) again,
+        // which keeps its stratification
         const double share = a / (a + b);
         uint32_t middle = at.first;
         for (; middle < at.last && draws[middle].u < share; ++middle)
@@ -256,6 +277,7 @@ void LightTree::sample(const Receiver& r, std::span<LightDraw> draws, std::span<
 
 double LightTree::pmf(const Receiver& r, size_t light) const {
     double pmf = 1;
+    // From the leaf up: the product of the choices that lead to it
     for (uint32_t at = leaf_of_[light]; at != 0; at = nodes_[at].parent) {
         const uint32_t one = nodes_[at].parent + 1, other = nodes_[nodes_[at].parent].other;
         const double a = node_importance(one, r), b = node_importance(other, r);

@@ -23,6 +23,7 @@ constexpr double kPerNanometre = 1 / 106.7502593994140625;  // one over the inte
 
 /// Bernstein polynomials of degree five: weights of the control points (Hosek and Wilkie 2012, Eq. 11).
 void control_weights(double elevation, double weights[kControls]) {
+    // The cube root puts more control points at low suns, where the sky changes most
     const double x = std::cbrt(2 / M_PI * elevation);
     constexpr double binomial[kControls] = {1, 5, 10, 10, 5, 1};
     for (int k = 0; k < kControls; ++k)
@@ -33,6 +34,7 @@ void control_weights(double elevation, double weights[kControls]) {
 std::pair<int, double> between(double x, int count) {
     const double inside = std::clamp(x, 0.0, double(count - 1));
     const int below = std::min(int(inside), count - 2);
+    // The last interval also serves the end itself
     return {below, inside - below};
 }
 
@@ -56,9 +58,11 @@ void check_sky(const SkySettings& s) {
 
 ClearSky::ClearSky(const SkySettings& settings) : settings_(settings) {
     check_sky(settings);
+    // The model knows the sun's height alone: the azimuth turns the whole sky
     elevation_ = std::asin(std::clamp(double(settings.to_sun.y), -1.0, 1.0));
     double weights[kControls];
     control_weights(std::max(0.0, elevation_), weights);
+    // Four corners of the table, between two turbidities and two albedos
     const auto [haze, more_haze] = between(settings.turbidity - 1, kTurbidities);
     for (int channel = 0; channel < 3; ++channel) {
         mean_[channel] = 0;
@@ -78,9 +82,11 @@ ClearSky::ClearSky(const SkySettings& settings) : settings_(settings) {
 
 ClearSky::Ring ClearSky::ring(double zenith) const {
     Ring r;
+    // Stretched skies look up a smaller angle, so that the model's horizon comes to lie lower
     const double angle = zenith / settings_.stretch;
     r.cos_zenith = std::cos(angle);
     r.sin_zenith = std::sin(angle);
+    // Below the horizon of the model: black, or the horizon's colour continued
     if (r.cos_zenith <= 0) {
         r.is_black = !settings_.extend;
         r.cos_zenith = 0;
@@ -101,6 +107,7 @@ Rgb ClearSky::radiance(const Ring& r, double cos_sun) const {
     float rgb[3];
     for (int k = 0; k < 3; ++k) {
         const double* c = coefficients_[k];
+        // x^1.5 as x·√x, which is cheaper than a power
         const double near = 1 + c[8] * c[8] - 2 * c[8] * cos_sun;
         const double mie = (1 + cos_2) / (near * std::sqrt(near));
         const double around_sun = c[3] * std::exp(c[4] * gamma) + c[5] * cos_2 + c[6] * mie;
@@ -114,6 +121,7 @@ Rgb ClearSky::radiance(Vec3 d) const {
     if (r.is_black) return {};
     const double flat = horizontal_length(d), turned = flat > 0 ? r.sin_zenith / flat : 0;
     const Vec3 sun = settings_.to_sun;
+    // The angle to the sun in the stretched sky: the horizontal part has another length there
     return radiance(r, turned * (double(d.x) * sun.x + double(d.z) * sun.z) + r.cos_zenith * sun.y);
 }
 
@@ -158,6 +166,7 @@ Image ClearSky::image(int width) const {
         const double phi = (double(i) + 0.5) * step / 2;
         along_sun[i] = std::sin(phi) * sun.x - std::cos(phi) * sun.z;
     }
+    // Ring by ring, since most of the formula depends on the zenith angle alone
     for (int y = 0; y < 2 * out.height; ++y) {
         const Ring r = ring((y + 0.5) * step / 2);
         if (r.is_black) continue;

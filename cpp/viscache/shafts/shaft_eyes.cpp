@@ -12,6 +12,7 @@ constexpr size_t kChildren = 4;
 
 size_t quarter(size_t n) { return (n + kChildren - 1) / kChildren; }
 
+/// In double: sums of thousands of normals, and cross products of short differences.
 struct Normal {
     double x = 0, y = 0, z = 0;
     double square() const { return x * x + y * y + z * z; }
@@ -49,6 +50,7 @@ ShaftEyeNode node_over(std::span<const Vec3> points, std::span<const Vec3> norma
     ShaftEyeNode node{};
     Bounds box;
     for (const Vec3 p : points) box.add(p);
+    // The slab is thin where points lie on one flat surface: along its normal
     const Normal n = normals.empty() ? across(points) : sum_of(normals);
     node.lo = box.lo;
     node.hi = box.hi;
@@ -60,6 +62,7 @@ ShaftEyeNode node_over(std::span<const Vec3> points, std::span<const Vec3> norma
     const bool usable = length > 0 && std::isfinite(length);
     node.normal =
         usable ? Vec3{float(n.x / length), float(n.y / length), float(n.z / length)} : Vec3{1, 0, 0};
+    // With the normal as it was rounded, in double: no point lies outside of the slab
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (const Vec3 p : points) {
         const double at =
@@ -85,17 +88,21 @@ void ShaftEyes::build(std::span<const Vec3> origin, std::span<const Vec3> normal
     z.resize(filled);
     magnitude_ = 0;
     for (size_t i = 0; i < filled; ++i) {
+        // The last packet repeats its first point, which makes its box no larger
         const size_t from = i < count ? i : count - 1 - (count - 1) % kShaftLanes;
         const Vec3 p = origin[order[from]] * scale;
         x[i] = p.x;
         y[i] = p.y;
         z[i] = p.z;
+        // Repeated points have no part in nodes
         if (i >= count) continue;
         points[i] = p;
         if (!normal.empty()) normals[i] = normal[order[i]];
         magnitude_ = std::max({magnitude_, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     }
     nodes.clear();
+    // Level by level up to one root. Points are sorted along a curve, so four neighbours make a
+    // small parent
     for (size_t n = packets(), points_below = kShaftLanes; n; n = quarter(n), points_below *= kChildren) {
         nodes.emplace_back(n);
         for (size_t i = 0; i < n; ++i) {
@@ -114,6 +121,7 @@ void ShaftColumns::resize(const ShaftEyes& eyes) {
     stride_ = (packets_ + 31) / 32 * 32 + 32;
     wanted_.resize(stride_ * kWordBits);
     visible_.assign(stride_ * kWordBits, 0);
+    // Sizes follow the tree of the tile; memory is reused from tile to tile
     any_.resize(eyes.levels());
     for (size_t l = 0; l < eyes.levels(); ++l) any_[l].assign(eyes.nodes[l].size(), 0);
 }
@@ -121,6 +129,7 @@ void ShaftColumns::resize(const ShaftEyes& eyes) {
 void ShaftColumns::read(Word wanted, const ShaftEyes& eyes) {
     resize(eyes);
     for (auto& level : any_) std::ranges::fill(level, wanted);
+    // Lanes beyond the last point ask nothing
     const size_t last = packets_ - 1, used = eyes.size() - last * kShaftLanes;
     for (size_t k = 0; k < kWordBits; ++k) {
         const bool asked = wanted >> k & 1;
@@ -137,9 +146,11 @@ void ShaftColumns::read(const BitMatrix& wanted, size_t w, const ShaftEyes& eyes
         const size_t first = p * kShaftLanes, last = std::min(first + kShaftLanes, wanted.rows());
         for (size_t i = first; i < last; ++i) all |= wanted.row(i)[w];
         any_[0][p] = all;
+        // A transposition of 16 rows × 64 columns: shafts go light by light
         columns16(wanted, first, w, columns);
         for (size_t k = 0; k < kWordBits; ++k) wanted_[k * stride_ + p] = columns[k];
     }
+    // Upwards, so that a descent can stop where nobody below asks
     for (size_t l = 1; l < any_.size(); ++l)
         for (size_t i = 0; i < any_[l - 1].size(); ++i) any_[l][i / kChildren] |= any_[l - 1][i];
 }

@@ -17,6 +17,7 @@ void ShaftCounts::merge(const ShaftCounts& b) {
     packets += b.packets;
 }
 
+/// Doubles, so that lists of a descent grow in few steps; what they hold is kept.
 ShaftItem* hold(std::vector<ShaftItem>& items, size_t count) {
     if (items.size() < count) items.resize(2 * count);
     return items.data();
@@ -24,18 +25,25 @@ ShaftItem* hold(std::vector<ShaftItem>& items, size_t count) {
 
 namespace {
 
+// Three sets of the same primitives. Numbers may differ between them, since bounds of error cover
+// one or two roundings and approximate reciprocals. What the bounds leave open is traced, so
+// answers do not differ
 namespace portable {
 typedef float Part __attribute__((vector_size(16), may_alias));
 constexpr size_t kPartLanes = 4;
 inline Part all(float v) { return Part{v, v, v, v}; }
+// A comparison gives lanes of all ones; one bit of each is kept
 inline uint32_t lanes_of(decltype(Part{} > Part{}) m) {
     return uint32_t((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
 }
 inline uint32_t at_least(Part a, Part b) { return lanes_of(a >= b); }
+// By the sign bit, as the instructions of the other sets read it: −0 counts as negative
 inline uint32_t negative(Part a) { return lanes_of(reinterpret_cast<decltype(a > a)>(a) < 0); }
 inline Part smaller(Part a, Part b) { return a < b ? a : b; }
 inline Part larger(Part a, Part b) { return a > b ? a : b; }
+// Two roundings here, one with FMA; the bound allows either
 inline Part fused(Part a, Part b, Part c) { return a * b + c; }
+// Exact is within the error that the callers allow
 inline Part about_inverse(Part a) { return 1 / a; }
 inline Part about_inverse_root(Part a) {
     Part r;
@@ -47,6 +55,7 @@ inline Part select(uint32_t lanes, Part a, Part b) {
     const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
     return chosen ? a : b;
 }
+// Chosen lanes move together, in their order, so that lists have no gaps
 template <class Vector>
 inline void keep(float* to, const Vector& from, uint32_t lanes) {
     for (uint32_t m = lanes; m; m &= m - 1) {
@@ -74,6 +83,7 @@ inline Part fused(Part a, Part b, Part c) { return _mm256_fmadd_ps(a, b, c); }
 inline Part about_inverse(Part a) { return _mm256_rcp_ps(a); }
 inline Part about_inverse_root(Part a) { return _mm256_rsqrt_ps(a); }
 inline Part select(uint32_t lanes, Part a, Part b) {
+    // AVX2 has no masks of bits: bit i is spread to all bits of lane i
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
     return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
@@ -82,8 +92,11 @@ template <class Vector>
 inline void keep(float* to, const Vector& from, uint32_t lanes) {
     for (size_t i = 0; i < kShaftLanes / kPartLanes; ++i) {
         const uint32_t m = lanes >> (i * kPartLanes) & 0xff;
+        // A permutation from a mask without a table: bytes 0 … 7 of the chosen lanes are packed and
+        // widened to indices
         const uint64_t bytes = _pdep_u64(m, 0x0101010101010101u) * 0xff;  // bytes of the lanes that stay
         const __m128i order = _mm_cvtsi64_si128(int64_t(_pext_u64(0x0706050403020100u, bytes)));
+        // Stores a whole register; what is beyond the chosen lanes is overwritten by the next part
         _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(from.p[i], _mm256_cvtepu8_epi32(order)));
         to += __builtin_popcount(m);
     }

@@ -15,6 +15,7 @@ namespace viscache {
 
 namespace {
 
+// Tiles are large enough for shafts to share work; rounds bound the memory of prepared tiles
 constexpr size_t kPointsPerMatrixTile = 4096, kTilesPerRound = 64;
 constexpr size_t kPointsPerPiece = 128;  // of a tile that packets answer
 
@@ -28,10 +29,12 @@ public:
     uint32_t occluded(size_t packet, uint32_t mask) override {
         RayPacket16 rays;
         for (size_t i = 0; i < kShaftLanes; ++i) {
+            // Lanes beyond the end repeat the last point; their mask is 0
             const Vec3 o = points_[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]];
             rays.ox[i] = o.x;
             rays.oy[i] = o.y;
             rays.oz[i] = o.z;
+            // SegmentPackets takes ends here and makes directions itself
             rays.dx[i] = target_.x;
             rays.dy[i] = target_.y;
             rays.dz[i] = target_.z;
@@ -74,12 +77,15 @@ public:
         std::ranges::transform(some, places.begin(), [&](uint32_t i) { return q_.points[i]; });
         tile.order = packet_order(places);
         for (uint32_t& i : tile.order) i = some[i];
+        // Answers are ORed into rows, word by word
         for (const uint32_t i : some) std::fill_n(&q_.rows[i * q_.words()], q_.words(), Word{0});
+        // A point far outside of the scene has coordinates for which no bound of rounding holds
         tile.by_shafts = std::ranges::all_of(places, [&](Vec3 p) { return q_.scene.is_near(p); });
         tile.tried = 0;
         if (!tile.by_shafts) return;
         tile.eyes.build(q_.points, {}, tile.order, q_.scene.scale());
         if (!q_.options.choose) return;
+        // The trial counts its own work; what it answers is kept
         const ShaftCounts before = memory_.counts;
         tile.tried = kTrialLights & near_targets(0);
         answer(tile, 0, tile.tried);
@@ -92,6 +98,7 @@ public:
     /// Answers all points for the targets of a word that no trial has answered.
     void answer_rest(const Tile& tile, size_t word) {
         const Word rest = targets_of_word(q_.targets.size(), word) & (word == 0 ? ~tile.tried : ~Word{0});
+        // Targets too far away for the bounds are left to packets
         const Word near = tile.by_shafts ? near_targets(word) & rest : 0;
         if (near) answer(tile, word, near);
         if (rest & ~near) trace(tile, word, rest & ~near);
@@ -117,6 +124,7 @@ private:
         left_ += tile.order.size() * uint64_t(std::popcount(some));
     }
     void answer(const Tile& tile, size_t word, Word some) {
+        // All points ask for the same targets
         columns_.read(some, tile.eyes);
         for (Word rest = some; rest; rest &= rest - 1) {
             control_.check();
@@ -134,6 +142,8 @@ private:
         const ShaftTree& tree = q_.scene.tree(1, control_);
         const Vec3 at = target * q_.scene.scale();
         constexpr float kShare = kSegmentUlps * kUlp;
+        // Segments without normals leave out a share of their length that grows with coordinates
+        // (segment_epsilon); its bounds for this tile
         const float least = max_abs(at), most = std::max(least, tile.eyes.magnitude());
         TileSegments rays(q_.caster, q_.points, tile.order, target);
         const ShaftLight light{.tree = tree,
@@ -146,6 +156,7 @@ private:
                                .bounds = q_.options.bounds,
                                .wanted = columns_.wanted(j),
                                .visible = columns_.visible(j)};
+        // The measure of `shafts_pay`: packets that were asked against those that were traced
         memory_.counts.asked += tile.eyes.packets();
         shaft_kernel(q_.options.isa)(light, memory_, rays);
     }
@@ -165,6 +176,7 @@ std::string reason_against(const Question& q) {
     if (!q.options.choose) return {};
     if (q.targets.size() < kLeastLightsPerPoint) return "too few targets";
     const uint64_t queries = uint64_t{q.points.size()} * q.targets.size();
+    // A tree that is there costs nothing more
     if (!q.scene.has_tree() && queries < kLeastQueriesPerTriangle * q.scene.triangles())
         return "too few queries for the tree of the scene";
     return {};
@@ -183,6 +195,7 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
         visible_matrix(caster, points, targets, rows, threads, control);
         return work;
     }
+    // Before the workers, which all need it, and with all threads
     if (!scene.has_tree()) {
         const double start = wall_seconds();
         scene.tree(threads, control);
@@ -194,6 +207,7 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
         std::optional<MatrixWorker>& own = workers[size_t(t)];
         return own ? *own : own.emplace(q, control);
     };
+    // Tiles of neighbours, whatever the order of the caller
     const std::vector<uint32_t> along = morton_order(points);
     const size_t tiles = (points.size() + kPointsPerMatrixTile - 1) / kPointsPerMatrixTile;
     std::vector<Tile> round(std::min(tiles, kTilesPerRound));

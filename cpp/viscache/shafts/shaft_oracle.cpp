@@ -63,6 +63,7 @@ void add_bits(const BitMatrix& from, BitMatrix& to) {
 }  // namespace
 
 void ShaftTotals::add(const Sums& more) {
+    // Oracles of all threads add here, once per block
     const std::lock_guard lock(mutex_);
     sums_.queries += more.queries;
     sums_.left_to_packets += more.left_to_packets;
@@ -76,6 +77,7 @@ ShaftTotals::Sums ShaftTotals::sums() const {
 
 void ShaftOracle::begin_tile(const EyeBlock& eyes) {
     exact_->begin_tile(eyes);
+    // The points are sorted when the first block wants shafts, which may be never
     is_prepared_ = false;
 }
 
@@ -103,11 +105,15 @@ Answer ShaftOracle::block(const BlockAsk& ask, Counters& counters) {
     const EyeBlock& eyes = ask.eyes;
     const FarEnds& lights = ask.lights;
     const BitMatrix& wanted = ask.wanted;
+    // Directions have no point in which the planes of a shaft meet
     if (is_direction(lights.semantic)) return exact(exact_->block(ask, counters));
     const uint64_t queries = count_bits(wanted);
+    // Sorting and building nodes pays from some queries per eye point on; what is sorted already
+    // costs nothing
     const bool is_few = options_.choose && !is_sorted(eyes) && queries < kLeastLightsPerPoint * eyes.size();
     const bool is_sparse =
         options_.choose && queries * kShaftLanes < kLeastQueriesPerPacket * eyes.size() * lights.count;
+    // A log names who answered each query, which shafts do not know
     if (queries == 0 || is_few || is_sparse || ask.log || !fits(eyes, lights)) {
         totals_.add({0, queries, {}});
         return exact(exact_->block(ask, counters));
@@ -119,11 +125,14 @@ Answer ShaftOracle::block(const BlockAsk& ask, Counters& counters) {
     // A few lights show which is cheaper
     const Word trial = options_.choose ? kTrialLights : 0;
     if (trial) answer_word(0, trial, eyes, lights);
+    // Decided by counted work, never by time, so every run answers alike
     const bool pays = shafts_pay(memory_.counts) || !trial;
     for (size_t w = 0; pays && w < words_for(lights.count); ++w)
         answer_word(w, w == 0 ? ~trial : ~Word{0}, eyes, lights);
     BitMatrix& visible = new_bits(wanted.rows(), wanted.columns());
     scatter_rows(visible_, order_, visible);
+    // Queries count as rays whoever answers them: frames with and without shafts have equal
+    // counters
     const uint64_t answered = pays ? queries : queries_in(wanted, trial);
     GroupCounters& group = counters.group(lights.group);
     group.queries += answered;
@@ -131,6 +140,7 @@ Answer ShaftOracle::block(const BlockAsk& ask, Counters& counters) {
     group.occluded += answered - count_bits(visible);
     totals_.add({answered, queries - answered, memory_.counts});
     if (!pays) {
+        // What the trial has answered stands; packets answer the rest
         copy_without(wanted, trial, rest_);
         add_bits(*exact_->block({eyes, lights, rest_}, counters).bits, visible);
     }
@@ -161,6 +171,7 @@ void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const F
                                .bounds = options_.bounds,
                                .wanted = columns_.wanted(j),
                                .visible = columns_.visible(j)};
+        // The measure of `shafts_pay`: packets that ask against those that were traced
         for (size_t p = 0; p < eyes_.packets(); ++p) memory_.counts.asked += light.wanted[p] != 0;
         answer(light, memory_, rays);
     }

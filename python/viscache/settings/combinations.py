@@ -9,7 +9,7 @@ from typing import Any
 from viscache.settings.audit import AuditQueries
 from viscache.settings.integrators import Bdpt, Direct, Whitted
 from viscache.settings.rays import is_robust
-from viscache.settings.registry import classes, works
+from viscache.settings.registry import classes, listed, works
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
@@ -107,7 +107,7 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.paper.storage == "shared"
                     and not isinstance(r.integrator, Bdpt)),
          lambda r: r.visibility.paper.storage),
-    Rule("other visibility than `Exact`, `VisMaps`, `ShadowMap`; `use=\"correct\"`",
+    Rule(f"other visibility than {listed('visibility', product=True)}; `use=\"correct\"`",
          '`environment="product"`', '`environment="mis"`',
          f"visibility must be {classes('visibility', product=True)} with"
          ' environment="product", without use="correct"',
@@ -166,7 +166,7 @@ RULES: tuple[Rule, ...] = (
          "keep must be left out for parts of a frame",
          lambda r: r.parts > 1 and r.keep,
          lambda r: "rows" if r.keeps_rows else "counts" if r.keeps_voxels else "a table"),
-    Rule("frames in parts", "other visibility than `Exact`, `Aqvc`, `Unoccluded`",
+    Rule("frames in parts", f"other visibility than {listed('visibility', parts=True)}",
          "one machine",
          f"visibility must be {classes('visibility', parts=True)} for parts of a frame",
          lambda r: r.parts > 1 and not works(r.visibility).parts),
@@ -183,7 +183,7 @@ RULES: tuple[Rule, ...] = (
          'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with shared'
          " directions",
          lambda r: r.parts > 1 and r.batch),
-    Rule("`audit=…`", "`Exact`, `VisMaps`", "`Aqvc`, ...",
+    Rule("`audit=…`", listed("visibility", audit=False), "`Aqvc`, ...",
          "visibility must be an approximation other than visibility maps with audit",
          lambda r: r.audit is not None and not works(r.visibility).audit),
     Rule("`audit=…`", '`use="correct"`, whose counters tell the share of wrong answers',

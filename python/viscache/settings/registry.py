@@ -56,9 +56,18 @@ def is_setting(role: Role, given: Any) -> bool:
     return isinstance(given, tuple(NAMES[role].values()))
 
 
+def _fitting(role: Role, found: dict[str, bool]) -> list[str]:
+    """The classes of a role with these attributes, exact ones first."""
+    fit = [c for c in NAMES[role].values() if found.items() <= vars(_WORKS[c]).items()]
+    return [c.__name__ for c in sorted(fit, key=lambda c: not _WORKS[c].exact)]
+
+
 def classes(role: Role, **found: bool) -> str:
     """The classes of a role with these attributes, in words: `vc.Exact(...) or vc.Aqvc(...)`."""
-    fit = [c for c in NAMES[role].values() if found.items() <= vars(_WORKS[c]).items()]
-    fit.sort(key=lambda c: not _WORKS[c].exact)
-    *names, last = (f"vc.{c.__name__}(...)" for c in fit)
+    *names, last = (f"vc.{name}(...)" for name in _fitting(role, found))
     return f"{', '.join(names)} or {last}" if names else last
+
+
+def listed(role: Role, **found: bool) -> str:
+    """The same in a table of the docs: `Exact`, `Aqvc`."""
+    return ", ".join(f"`{name}`" for name in _fitting(role, found))

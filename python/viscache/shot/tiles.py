@@ -93,7 +93,7 @@ def render(
         number of parts: a live view.
     audit : AuditPixels, AuditQueries, "pixels" or "queries", optional
         As `viscache.render` takes it.
-    visibility : Exact, Aqvc or Unoccluded
+    visibility : Exact, Aqvc or another one whose tiles are independent
     use, rays, size, spp, seed, threads, camera, env
         See `viscache.Shot`.
 

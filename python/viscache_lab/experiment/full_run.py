@@ -1,6 +1,6 @@
 """The last full run of each figure, as `full_run.json` keeps it.
 
-`scripts/claims_pages.py DIR` writes that file from the folder of `viscache reproduce all`, and the
+`scripts/claims_pages.py DIR` writes that file from the folder of `viscache reproduce`, and the
 tables of the documentation from the file.
 """
 
