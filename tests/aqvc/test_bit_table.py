@@ -11,7 +11,6 @@ def random_keys(n, seed=1):
 
 
 def test_a_table_gives_back_what_was_put_and_nothing_else():
-    """Values of few keys in a large table."""
     table = testing.BitTable(10007)
     keys, bits = random_keys(20), np.arange(20) % 3 == 0
     assert (table.get(keys) == -1).all()
@@ -24,7 +23,6 @@ def test_a_table_gives_back_what_was_put_and_nothing_else():
 
 @pytest.mark.extreme
 def test_a_table_of_one_slot_holds_the_last_key():
-    """C_T = 1."""
     table = testing.BitTable(1)
     keys = random_keys(5)
     for i in range(5):
@@ -44,14 +42,7 @@ def test_one_bit_digests_work_and_are_never_empty():
 
 def test_sizes_are_primes():
     """κ mod a prime: low bits of κ do not decide alone."""
-    assert [testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [
-        1,
-        1,
-        2,
-        3,
-        97,
-        1048573,
-    ]
+    assert [testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [1, 1, 2, 3, 97, 1048573]
 
 
 def test_occupancy_follows_the_number_of_writes():

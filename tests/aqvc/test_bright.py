@@ -28,7 +28,6 @@ def test_bright_connections_have_the_answers_of_rays_and_others_do_not_change(ki
 
 
 def test_a_bound_near_zero_is_the_exact_frame():
-    """With all lights cached; 0 turns it off."""
     scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=32)
     size = (48, 32)
 

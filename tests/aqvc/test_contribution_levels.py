@@ -5,35 +5,28 @@ import pytest
 
 import viscache as vc
 from aqvc import tiles
-from aqvc.test_waves import grid_of
+from aqvc.test_waves import assert_transcribed
 from reference import aqvc as reference
 from reference.built import built
-from viscache import _core
 
 ON = {"by_contribution": True, "level_step": 2}
 
 
-def weighed_tile(kind, n, c_e, **options):
+def weighed_tile(kind, n, c_e):
     """A tile, and contributions whose float sums are exact in any order."""
     eyes, far = tiles.eye_points(), tiles.lights(kind, n)
     wanted = tiles.facing(eyes, far)
     f = np.random.default_rng(4).integers(1, 1000, wanted.shape).astype(np.float32) * wanted
-    return eyes, far, wanted, f, tiles.tile_run(eyes, c_e=c_e, **ON | options)
+    return eyes, far, wanted, f, tiles.tile_run(eyes, c_e=c_e, **ON)
 
 
 @pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
 @pytest.mark.parametrize(("c_e", "step"), [(8, 2), (8, 1.5), (16, 4), (6, 2), (24, 3)])
 def test_weighed_waves_equal_their_transcription(kind, c_e, step):
-    on = ON | {"level_step": step}
-    eyes, far, wanted, f, run = weighed_tile(kind, 12, c_e, level_step=step)
-    exact, _ = run.block(far, wanted, exact=True)
-    levels = _core.aqvc.AqvcParameters(c_e=c_e, **on).level_list(far["group"], lift=2)
+    eyes, far, wanted, f, _ = weighed_tile(kind, 12, c_e)
+    options = ON | {"c_e": c_e, "level_step": step}
     worth = reference.Worth(f.astype(np.float64), c_e, step)
-    want = reference.waves(grid_of({}), eyes, levels, exact, wanted, worth)
-    visible, counters = run.block(far, wanted, contribution=f)
-    np.testing.assert_array_equal(visible, want.visible)
-    assert counters["rays_per_level"][: len(levels)] == want.rays_per_level
-    assert counters["leftover_rays"] == want.leftover
+    run, _, visible, _ = assert_transcribed(options, eyes, far, worth, contribution=f)
     unweighed, _ = run.block(far, wanted)
     assert (unweighed != visible).any()
 
@@ -46,7 +39,6 @@ def test_equal_contributions_are_asked_at_the_level_of_c_e():
 
 
 def test_lights_that_share_a_column_count_as_the_one_that_answers():
-    """Every light twice: the same bits, and no more rays."""
     _, far, wanted, f, run = weighed_tile("point", 12, 8)
     once, counters = run.block(far, wanted, contribution=f)
     twice = {k: np.concatenate([v, v]) if isinstance(v, np.ndarray) else v for k, v in far.items()}
@@ -71,24 +63,10 @@ def test_contributions_of_another_shape_are_refused():
         run.block(far, wanted, contribution=f[:, :3])
 
 
-@pytest.fixture(scope="module")
-def room():
-    return built("room?triangles=4000")
-
-
-@pytest.fixture(scope="module")
-def frames(room):
-    def frame(visibility, threads=2):
-        whitted = vc.Whitted(n_vpls=40)
-        return vc.render(room, whitted, size=(96, 64), visibility=visibility, threads=threads)
-
-    return frame
-
-
-def test_a_weighed_frame_becomes_exact_as_c_e_falls(frames):
-    """Every eye sample alone in its cell."""
-    cached = frames(vc.Aqvc(c_e=1e-3, by_contribution=True, refinement="on"))
-    exact = frames(vc.Exact())
+def test_a_weighed_frame_becomes_exact_as_c_e_falls():
+    alone = vc.Aqvc(c_e=1e-3, by_contribution=True, refinement="on")
+    shot = vc.Shot(built("room?triangles=4000"), vc.Whitted(n_vpls=40), size=(96, 64))
+    cached, exact = (shot.render(visibility=v) for v in (alone, vc.Exact()))
     np.testing.assert_array_equal(cached.image, exact.image)
     assert cached.counters["rays"] == cached.counters["queries"]
 

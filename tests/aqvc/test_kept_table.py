@@ -1,11 +1,8 @@
 """A table kept over frames: what it reuses, drops and refuses, and how stale bits are found."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -16,7 +13,7 @@ SIZE = (72, 48)
 #: Without shared cells: every eye sample has its own bit.
 ALONE = vc.Aqvc(c_e=1e-3)
 #: Eye samples of several tiles.
-TILED = {"size": (560, 40), "spp": 1}
+TILED = (560, 40)
 
 
 def scene(*, blocker: bool = False, intensity: float = 3.0, far: bool = False) -> vc.Scene:
@@ -50,7 +47,7 @@ def exact(of: vc.Scene) -> vc.Frame:
     return vc.render(of, vc.Direct(), size=SIZE, camera=camera())
 
 
-def test_a_frame_that_was_seen_before_needs_no_ray() -> None:
+def test_a_frame_that_was_seen_before_needs_no_ray():
     table = vc.AqvcTable(table_bytes=1 << 25)
     first, second = (frame(scene(), table) for _ in range(2))
     assert first.counters["rays"] == first.counters["queries"] > 1000
@@ -64,7 +61,7 @@ def test_a_frame_that_was_seen_before_needs_no_ray() -> None:
     assert first.parameters["keep"]["frames"] == 1 and second.parameters["keep"]["frames"] == 2
 
 
-def test_the_first_frame_is_that_of_tiles_without_a_kept_table() -> None:
+def test_the_first_frame_is_that_of_tiles_without_a_kept_table():
     cache = vc.Aqvc(c_e=8)
     kept = frame(vc.scenes.stairs(), vc.AqvcTable(), cache, camera=None)
     alike = vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", scale_free=True))
@@ -72,29 +69,26 @@ def test_the_first_frame_is_that_of_tiles_without_a_kept_table() -> None:
     assert kept.sha256 == plain.sha256 and kept.counters["rays"] == plain.counters["rays"]
 
 
-def test_kept_frames_are_the_same_for_any_number_of_threads() -> None:
+@pytest.mark.parametrize("forget", [False, True])
+def test_kept_frames_and_entries_are_the_same_for_any_number_of_threads(forget):
     found = []
     for threads in (1, 2, 3):
-        table = vc.AqvcTable(table_bytes=1 << 16, check=0.3)
-        frames = [
-            frame(
-                vc.scenes.stairs(),
-                table,
-                vc.Aqvc(c_e=c),
-                camera=None,
-                threads=threads,
-                size=TILED["size"],
-            )
-            for c in (8, 6, 8)
-        ]
-        assert frames[1].counters["reused_kept"] > 0
-        found.append([(f.sha256, f.counters) for f in frames])
+        table, frames = vc.AqvcTable(table_bytes=1 << 16, check=0.3), []
+        for c_e in (8, 6, 8):
+            given: dict[str, Any] = {"camera": None, "threads": threads, "size": TILED}
+            frames.append(frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c_e), **given))
+            if forget and len(frames) < 3:
+                table.forget()
+        found.append(([(f.sha256, f.counters) for f in frames], table.entries().tolist()))
     assert found[0] == found[1] == found[2]
+    assert (frames[1].counters["reused_kept"] > 0) != forget
     # A table that is too small drops bits, so the third frame repeats rays of the first
     assert frames[2].counters["rays"] > 0 and frames[2].counters["evictions"] > 0
+    current = table.entries()["current"]
+    assert len(current) > 500 and (0 < current.mean() < 1 if forget else current.all())
 
 
-def test_a_new_epoch_forgets_everything_at_once() -> None:
+def test_a_new_epoch_forgets_everything_at_once():
     table = vc.AqvcTable(table_bytes=1 << 25)
     first = frame(scene(), table)
     table.forget()
@@ -106,7 +100,7 @@ def test_a_new_epoch_forgets_everything_at_once() -> None:
     assert after.counters["table_occupied"] > 1.9 * first.counters["table_occupied"]
 
 
-def test_stale_bits_are_exactly_those_whose_visibility_changed() -> None:
+def test_stale_bits_are_exactly_those_whose_visibility_changed():
     before, after = exact(scene()), exact(scene(blocker=True))
     changed = after.counters["occluded"] - before.counters["occluded"]
     assert changed > 100 and after.counters["queries"] == before.counters["queries"]
@@ -122,7 +116,7 @@ def test_stale_bits_are_exactly_those_whose_visibility_changed() -> None:
     assert fresh.sha256 == after.sha256 and fresh.counters["reused_kept"] == 0
 
 
-def test_repair_answers_with_the_ray_and_writes_it_down() -> None:
+def test_repair_answers_with_the_ray_and_writes_it_down():
     after = exact(scene(blocker=True))
     table = vc.AqvcTable(table_bytes=1 << 24, check=1.0, repair=True)
     frame(scene(), table)
@@ -134,7 +128,7 @@ def test_repair_answers_with_the_ray_and_writes_it_down() -> None:
     assert again.counters["wrong_kept"] == 0
 
 
-def test_a_share_of_the_reused_bits_is_checked_by_frame() -> None:
+def test_a_share_of_the_reused_bits_is_checked_by_frame():
     table = vc.AqvcTable(table_bytes=1 << 24, check=0.25)
     frame(scene(), table)
     table.moved(scene(blocker=True), forget=False)
@@ -145,7 +139,7 @@ def test_a_share_of_the_reused_bits_is_checked_by_frame() -> None:
     assert len({c["wrong_kept"] for c in counts}) > 1
 
 
-def test_bits_outlive_the_growth_of_the_scene_where_cells_are_scale_free() -> None:
+def test_bits_outlive_the_growth_of_the_scene_where_cells_are_scale_free():
     for free in (True, False):
         table = vc.AqvcTable(table_bytes=1 << 22)
         cache = vc.Aqvc(c_e=6, paper=vc.PaperForm(scale_free=free))
@@ -160,7 +154,7 @@ def test_bits_outlive_the_growth_of_the_scene_where_cells_are_scale_free() -> No
         assert grown.counters["reused_kept"] > 0.9 * grown.counters["queries"]
 
 
-def test_light_and_camera_may_change_and_geometry_may_not() -> None:
+def test_light_and_camera_may_change_and_geometry_may_not():
     assert scene().geometry_hash == scene(intensity=5.0).geometry_hash
     assert scene().content_hash != scene(intensity=5.0).content_hash
     assert scene().geometry_hash != scene(blocker=True).geometry_hash
@@ -175,20 +169,29 @@ def test_light_and_camera_may_change_and_geometry_may_not() -> None:
     assert frame(scene(), table).counters["rays"] == 0
 
 
-def test_what_a_kept_table_cannot_do_is_refused() -> None:
-    table = vc.AqvcTable(table_bytes=1 << 20)
-    frame(scene(), table)
-    floored = vc.Aqvc(paper=vc.PaperForm(normal_mode="floor"))
-    for other in (vc.Aqvc(c_n=6), floored, vc.Aqvc(paper=vc.PaperForm(grid_seed=1))):
-        with pytest.raises(ValueError, match=r"must be .* as in the table's frames before"):
-            frame(scene(), table, other)
-    for cache, message in (
+BEFORE = r"must be .* as in the table's frames before"
+
+
+@pytest.mark.parametrize(
+    ("visibility", "says"),
+    [
+        (vc.Aqvc(c_n=6), BEFORE),
+        (vc.Aqvc(paper=vc.PaperForm(normal_mode="floor")), BEFORE),
+        (vc.Aqvc(paper=vc.PaperForm(grid_seed=1)), BEFORE),
         (vc.Aqvc(paper=vc.PaperForm(form="waves")), 'form must be "pairs" with keep'),
         (vc.Aqvc(paper=vc.PaperForm(storage="exact")), 'storage must be "table" with keep'),
         (vc.Exact(), "visibility must be vc.Aqvc"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            frame(scene(), table, cache)  # type: ignore[arg-type]
+    ],
+)
+def test_what_a_kept_table_cannot_do_is_refused(visibility, says):
+    table = vc.AqvcTable(table_bytes=1 << 20)
+    frame(scene(), table)
+    with pytest.raises(ValueError, match=says):
+        frame(scene(), table, visibility)
+
+
+def test_what_is_no_table_is_refused():
+    table = vc.AqvcTable(table_bytes=1 << 20)
     with pytest.raises(ValueError, match=r"integrator must be vc.Direct"):
         vc.render(scene(), vc.Bdpt(), visibility=vc.Aqvc(), size=(8, 8), keep=table)
     with pytest.raises(ValueError, match=r"keep must be vc.AqvcTable"):
@@ -198,18 +201,7 @@ def test_what_a_kept_table_cannot_do_is_refused() -> None:
             vc.AqvcTable(**wrong)  # type: ignore[arg-type]
 
 
-def test_a_table_serves_one_frame_at_a_time() -> None:
-    table = vc.AqvcTable(table_bytes=1 << 20)
-
-    def ask_again(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="the table must not be in use by another call"):
-            frame(scene(), table)
-
-    frame(scene(), table, progress=ask_again)
-    assert table.frames == 1
-
-
-def test_an_interrupted_frame_writes_nothing() -> None:
+def test_an_interrupted_frame_writes_nothing():
     table = vc.AqvcTable(table_bytes=1 << 20)
 
     def stop(done: int, total: int) -> None:
@@ -221,16 +213,10 @@ def test_an_interrupted_frame_writes_nothing() -> None:
     assert frame(scene(), table).counters["reused_kept"] == 0
 
 
-def frame_and_entries(table: vc.AqvcTable) -> tuple[vc.Frame, npt.NDArray[Any]]:
-    made = frame(scene(), table)
-    return made, table.entries()
-
-
-def test_entries_are_the_occupied_slots_with_their_bits() -> None:
+def test_entries_are_the_occupied_slots_with_their_bits():
     table = vc.AqvcTable(table_bytes=1 << 14)
-    made, entries = frame_and_entries(table)
+    counters, entries = frame(scene(), table).counters, table.entries()
     assert entries.dtype == ENTRY
-    counters = made.counters
     replaced = counters["evictions"] + counters["duplicates"]
     assert counters["evictions"] > 0
     assert len(entries) == counters["table_occupied"] == counters["table_writes"] - replaced
@@ -241,7 +227,7 @@ def test_entries_are_the_occupied_slots_with_their_bits() -> None:
     assert entries["current"].all()
 
 
-def test_the_bits_of_entries_are_the_visibility_that_was_traced() -> None:
+def test_the_bits_of_entries_are_the_visibility_that_was_traced():
     exactly = exact(scene(blocker=True)).counters
     table = vc.AqvcTable(table_bytes=1 << 25)
     counters = frame(scene(blocker=True), table).counters
@@ -253,55 +239,37 @@ def test_the_bits_of_entries_are_the_visibility_that_was_traced() -> None:
     assert replaced < 0.01 * visible
 
 
-def test_no_entry_is_current_after_forgetting() -> None:
+def test_no_entry_is_current_after_forgetting():
     table = vc.AqvcTable(table_bytes=1 << 14)
-    before = frame_and_entries(table)[1]
+    frame(scene(), table)
+    before = table.entries()
     table.forget()
     forgotten = table.entries()
     assert not forgotten["current"].any()
     for name in ("slot", "digest", "visible"):
         np.testing.assert_array_equal(forgotten[name], before[name])
-    made, after = frame_and_entries(table)
-    c = made.counters
+    c, after = frame(scene(), table).counters, table.entries()
     assert 0 < after["current"].sum() < len(after) == c["table_occupied"]
     # Words of this frame are current; the others keep the previous epoch
     old = after[~after["current"]]
     kept = before[np.isin(before["slot"], old["slot"])]
     for name in ("slot", "digest", "visible"):
         np.testing.assert_array_equal(old[name], kept[name])
-    again = frame_and_entries(table)[1]
+    frame(scene(), table)
+    again = table.entries()
     assert set(again["slot"][again["current"]]) >= set(after["slot"][after["current"]])
     table.forget()
     assert not table.entries()["current"].any()
 
 
-def test_entries_are_the_same_for_any_number_of_threads() -> None:
-    found = []
-    for threads in (1, 3):
-        table = vc.AqvcTable(table_bytes=1 << 16)
-        for c_e in (8, 6):
-            frame(
-                vc.scenes.stairs(),
-                table,
-                vc.Aqvc(c_e=c_e),
-                camera=None,
-                threads=threads,
-                size=TILED["size"],
-            )
-            table.forget()
-        frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=8), camera=None, threads=threads)
-        found.append(table.entries())
-    assert len(found[0]) > 1000 and 0 < found[0]["current"].mean() < 1
-    np.testing.assert_array_equal(found[0], found[1])
-
-
-def test_entries_of_an_unused_table_are_none_and_of_a_busy_one_refused() -> None:
+def test_a_table_serves_one_frame_at_a_time():
     table = vc.AqvcTable(table_bytes=1 << 20)
     assert table.entries().shape == (0,)
 
-    def look(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="the table must not be in use by another call"):
-            table.entries()
+    def ask_again(done: int, total: int) -> None:
+        for call in (lambda: frame(scene(), table), table.entries):
+            with pytest.raises(ValueError, match="the table must not be in use by another call"):
+                call()
 
-    frame(scene(), table, progress=look)
-    assert len(table.entries()) > 0
+    frame(scene(), table, progress=ask_again)
+    assert table.frames == 1 and len(table.entries()) > 0

@@ -1,9 +1,5 @@
 """Keys of four levels at once: the same hashes as one after the other."""
 
-from __future__ import annotations
-
-import hashlib
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -40,7 +36,7 @@ def hashes(*, at_once: bool) -> npt.NDArray[np.uint32]:
     return np.stack([kappa, digest])
 
 
-def test_four_levels_at_once_have_the_hashes_of_full_keys() -> None:
+def test_four_levels_at_once_have_the_hashes_of_full_keys():
     one, four = hashes(at_once=False), hashes(at_once=True)
     np.testing.assert_array_equal(four, one)
     eyes = tiles.eye_points(48, 48)
@@ -58,17 +54,13 @@ def test_four_levels_at_once_have_the_hashes_of_full_keys() -> None:
     assert (four[0, :, 0] != four[0, :, 1]).mean() > 0.9
 
 
-def digest(*, at_once: bool) -> str:
-    return hashlib.sha256(hashes(at_once=at_once).tobytes()).hexdigest()
-
-
-def test_unequal_lengths_are_refused() -> None:
+@pytest.mark.parametrize(
+    ("shape", "says"),
+    [((2, 4), "must have equal lengths"), ((3, 2), "resolutions must have shape")],
+)
+def test_unequal_lengths_are_refused(shape, says):
     p, three = _core.aqvc.AqvcParameters(), np.zeros((3, 3), np.float32)
-    with pytest.raises(ValueError, match="must have equal lengths"):
+    with pytest.raises(ValueError, match=says):
         _core.aqvc.level_hashes(
-            p, (0, 0, 0), 1.0, three, three, np.ones((2, 4)), three, at_once=True
-        )
-    with pytest.raises(ValueError, match="resolutions must have shape"):
-        _core.aqvc.level_hashes(
-            p, (0, 0, 0), 1.0, three, three, np.ones((3, 2)), three, at_once=True
+            p, (0, 0, 0), 1.0, three, three, np.ones(shape), three, at_once=True
         )

@@ -48,7 +48,6 @@ def test_directions_get_the_columns_of_a_dictionary(c_r):
 
 
 def test_points_of_lights_get_the_columns_of_a_dictionary():
-    """Eq. 7, light side, on a ceiling and on a sphere."""
     rng = np.random.default_rng(5)
     n = directions(1500)
     n[:700] = [0, -1, 0]
@@ -62,7 +61,6 @@ def test_points_of_lights_get_the_columns_of_a_dictionary():
 
 @pytest.mark.extreme
 def test_what_is_not_finite_has_no_column_and_odd_densities_are_counted():
-    """NaN and infinite ends, zero vectors; densities that are NaN, infinite, negative or zero."""
     bad = [[np.nan, 0, 1], [0, 0, np.inf], [0, -np.inf, 0], [0, 0, 0], [1, np.nan, np.inf]]
     ok = [[0, 0, 1], [1e-30, 0, 0], [3e30, 3e30, 0]]
     column, _ = cells(tiles.SOLID_ANGLE, bad + ok, np.zeros((8, 3)), [20.0] * 8)
@@ -78,7 +76,6 @@ def test_what_is_not_finite_has_no_column_and_odd_densities_are_counted():
 
 
 def test_cells_beyond_the_room_have_no_column_and_known_ones_keep_theirs():
-    """The result is -2; earlier numbers stay."""
     for semantic in (tiles.SOLID_ANGLE, tiles.SURFACE):
         for density in (30.0, 3e4):
             far = np.concatenate([directions(300), directions(300)])
@@ -90,7 +87,6 @@ def test_cells_beyond_the_room_have_no_column_and_known_ones_keep_theirs():
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 def test_every_instruction_set_maps_directions_to_the_same_bits(isa):
-    """The numbers of the transcription."""
     w = directions(1001) * np.float32(7)
     u, v = testing.octahedral_batch(w, isa=isa)
     want = testing.octahedral_square(w)

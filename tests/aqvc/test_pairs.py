@@ -39,7 +39,6 @@ def area_queries(eyes, per_eye=16, seed=1, kind="area"):
 
 def ordered(run, queries):
     """The queries in the oracle's processing order."""
-    rank = np.empty(queries["eye"].max() + 2, int)
     order, ends = run.order()
     rank = np.empty(len(order), int)
     rank[order] = np.arange(len(order))
@@ -56,7 +55,6 @@ def ask(run, queries, exact=False):
 
 @pytest.mark.parametrize("kind", ["area", "environment"])
 def test_samples_of_many_eye_points_share_rays(kind):
-    """Area and environment samples: fewer rays, most bits right, every count adds up."""
     eyes = tiles.eye_points()
     run = tiles.tile_run(eyes, c_e=6)
     queries, _, _ = ordered(run, area_queries(eyes, kind=kind))
@@ -72,7 +70,6 @@ def test_samples_of_many_eye_points_share_rays(kind):
 
 @pytest.mark.parametrize("kind", ["area", "environment"])
 def test_batches_do_not_depend_on_how_calls_are_cut(kind):
-    """Whole runs per call, several runs per call: the same bytes."""
     eyes = tiles.eye_points()
     whole = tiles.tile_run(eyes, c_e=6, batch=100)
     queries, rank, ends = ordered(whole, area_queries(eyes, kind=kind))
@@ -89,8 +86,17 @@ def test_batches_do_not_depend_on_how_calls_are_cut(kind):
     assert rays == counters["rays"]
 
 
+def cells_of(eyes):
+    """Which cluster of C_E = 10 every eye point lies in."""
+    resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
+    n = len(eyes["density"])
+    near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
+    far = (0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n))
+    keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
+    return np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+
+
 def test_without_refinement_rays_are_distinct_keys_in_every_order():
-    """One ray per cluster, whatever the order."""
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     options = {"c_e": 10, "refinement": "off", "storage": "exact", "form": "pairs"}
@@ -99,29 +105,18 @@ def test_without_refinement_rays_are_distinct_keys_in_every_order():
         for batch in (1, 100):
             run = tiles.tile_run(eyes, order=order, batch=batch, **options)
             rays.add(run.block(far, wanted)[1]["rays"])
-    resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
-    n = len(eyes["density"])
-    near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
-    far = (0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n))
-    keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
-    cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+    cell = cells_of(eyes)
     distinct = {(cell[i], k) for i, k in zip(*np.nonzero(wanted), strict=True)}
     assert rays == {len(distinct)}
 
 
 def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
-    """Clusters of uniform visibility contribute no error."""
     eyes, far = tiles.eye_points(48, 48), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     run = tiles.tile_run(eyes, c_e=10, refinement="off", storage="exact", form="pairs")
     exact, _ = run.block(far, wanted, exact=True)
     visible, _ = run.block(far, wanted)
-    resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
-    n = len(eyes["density"])
-    near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
-    far = (0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n))
-    keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
-    cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+    cell = cells_of(eyes)
     ones = np.zeros((cell.max() + 1, 12), int)
     asked = np.zeros_like(ones)
     np.add.at(ones, cell, exact & wanted)
@@ -132,7 +127,6 @@ def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
 
 
 def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero():
-    """Eviction costs rays, not correctness."""
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     sizes = [4, 400, 4000, 40000, 4 << 20]
@@ -148,16 +142,3 @@ def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero(
     one_slot = tiles.tile_run(eyes, c_e=1e-3, form="pairs", table_bytes=4)
     visible, _ = one_slot.block(far, wanted)
     np.testing.assert_array_equal(visible, one_slot.block(far, wanted, exact=True)[0])
-
-
-def test_refined_area_samples_trace_more_and_err_less():
-    """Alg. 2 on light cells of surfaces: refinement on demand."""
-    eyes = tiles.eye_points()
-    results = {}
-    for refinement in ("off", "on"):
-        run = tiles.tile_run(eyes, c_e=12, refinement=refinement)
-        queries, _, _ = ordered(run, area_queries(eyes))
-        exact, _ = ask(run, queries, exact=True)
-        visible, c = ask(run, queries)
-        results[refinement] = (visible != exact).mean(), c["rays"]
-    assert results["on"][0] < results["off"][0] and results["on"][1] > results["off"][1]

@@ -1,7 +1,5 @@
 """One row per parameter: the C++ table, the settings in Python and kept tables agree with it."""
 
-from __future__ import annotations
-
 import inspect
 import pickle
 import re
@@ -22,14 +20,14 @@ from viscache.settings.not_given import NotGiven
 ROWS = {row["name"]: row for row in _core.aqvc.AqvcParameters.parameter_rows()}
 
 
-def test_every_row_is_a_field_of_one_of_the_two_settings() -> None:
+def test_every_row_is_a_field_of_one_of_the_two_settings():
     own = {f.name for f in fields(vc.Aqvc)} - {"preset", "paper"}
     paper = {f.name for f in fields(vc.PaperForm)}
     assert own == {name for name, row in ROWS.items() if not row["paper"]}
     assert paper == {name for name, row in ROWS.items() if row["paper"]}
 
 
-def test_closed_sets_have_the_names_of_the_table() -> None:
+def test_closed_sets_have_the_names_of_the_table():
     sets = 0
     for cls in (vc.Aqvc, vc.PaperForm):
         for name, hint in typing.get_type_hints(cls).items():
@@ -40,7 +38,7 @@ def test_closed_sets_have_the_names_of_the_table() -> None:
     assert sets == sum(row["kind"].endswith("}") for row in ROWS.values())
 
 
-def test_the_help_is_one_page_with_every_default() -> None:
+def test_the_help_is_one_page_with_every_default():
     assert len(fields(vc.Aqvc)) <= 16
     for cls in (vc.Aqvc, vc.PaperForm):
         page, struct = inspect.getdoc(cls) or "", _core.aqvc.AqvcParameters()
@@ -57,7 +55,7 @@ def test_the_help_is_one_page_with_every_default() -> None:
     assert "c_n : int in [1, 64], default 8\n" in (vc.Aqvc.__doc__ or "")
 
 
-def test_what_is_given_wins_over_the_preset_in_any_order() -> None:
+def test_what_is_given_wins_over_the_preset_in_any_order():
     fast = replace(vc.Aqvc(c_n=4), preset="fast")
     assert (fast.c_n, fast.c_z, fast.by_contribution) == (4, 1.0, True)
     assert replace(fast, preset="default") == vc.Aqvc(c_n=4)
@@ -68,7 +66,7 @@ def test_what_is_given_wins_over_the_preset_in_any_order() -> None:
     assert replace(paper, preset="default").paper == vc.PaperForm(batch=0)
 
 
-def test_values_that_nobody_gave_are_values_and_say_so() -> None:
+def test_values_that_nobody_gave_are_values_and_say_so():
     cache = vc.Aqvc()
     assert isinstance(cache.c_e, NotGiven) and cache.c_e == 12 and f"{cache.c_e:g}" == "12"
     assert isinstance(cache.paper.scale_free, NotGiven) and not cache.paper.scale_free
@@ -96,15 +94,16 @@ RANGES = [
     ("table_bytes", (4, 1 << 33), ((1 << 33) + 1,), "table_bytes must be <= 2^33"),
     ("c_pg", (1.1, 9.0), (1.0, float("inf")), "c_pg must be >= 1.1 and finite"),
     ("batch", (0, 9999), (-1,), "batch must be >= 0, got -1"),
-    ("queue", (0, 64, 1024), (-2, 3, 1026), "queue must be even and in [0, 1024]"),
+    ("queue", (0, 64, 1024), (-2, 3, 1026, 8.5), "queue must be"),
+    ("queue", (), (63,), "queue must be even and in [0, 1024], got 63"),
+    ("hash", ("scheme1_mixed",), ("md5",), "hash must be one of scheme2, scheme1, scheme1_mixed"),
+    ("quality", (), (1,), "no parameter quality"),
     ("c_w", (1, 1024), (0, 1025), "c_w must be in [1, 1024]"),
 ]
 
 
 @pytest.mark.parametrize(("name", "good", "bad", "message"), RANGES, ids=[r[3] for r in RANGES])
-def test_a_value_beyond_its_row_is_refused_with_what_must_hold(
-    name: str, good: tuple[Any, ...], bad: tuple[Any, ...], message: str
-) -> None:
+def test_a_value_beyond_its_row_is_refused_with_what_must_hold(name, good, bad, message):
     for value in good:
         assert getattr(_core.aqvc.AqvcParameters(**{name: value}), name) == value
     for value in bad:
@@ -149,10 +148,7 @@ def room() -> vc.Scene:
 
 
 @pytest.mark.parametrize("name", sorted(set(ROWS) - REFUSED - OF_THE_TABLE))
-def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(
-    name: str, room: vc.Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A second frame with another value needs rays only if the parameter is keyed or sets cells."""
+def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(name, room, monkeypatch):
     monkeypatch.setattr("viscache.aqvc.table.KEYED", ())
     base = vc.Aqvc(c_e=8, refinement="off", paper=vc.PaperForm(scale_free=False))
     changed = replaced(base, {name: other_value(name)}, "visibility")
@@ -167,7 +163,7 @@ def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(
     assert (rays[1] > 0) == (ROWS[name]["keyed"] or name in CHOOSE_CELLS)
 
 
-def test_hash_and_digest_are_keyed_as_they_say_what_is_kept_under_a_key() -> None:
+def test_hash_and_digest_are_keyed_as_they_say_what_is_kept_under_a_key():
     keys = np.random.default_rng(1).integers(-1000, 1000, (2000, 15), dtype=np.int32)
     one, other = (_core.aqvc.hash_keys(keys, scheme) for scheme in ("scheme2", "scheme1"))
     assert (one != other).any(axis=1).all()
@@ -181,7 +177,7 @@ def test_hash_and_digest_are_keyed_as_they_say_what_is_kept_under_a_key() -> Non
     assert not any(ROWS[name]["keyed"] for name in CHOOSE_CELLS | REFUSED)
 
 
-def test_every_keyed_parameter_must_be_that_of_the_frames_before(room: vc.Scene) -> None:
+def test_every_keyed_parameter_must_be_that_of_the_frames_before(room):
     table, base = vc.AqvcTable(table_bytes=1 << 20), vc.Aqvc(paper=vc.PaperForm(scale_free=False))
     vc.render(room, vc.Direct(), visibility=base, size=(8, 5), keep=table)
     for name in settings.KEYED:

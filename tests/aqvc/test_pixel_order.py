@@ -19,7 +19,6 @@ def make(width, height, branches=1, **options):
 @pytest.mark.parametrize("order", ["hm", "scanline", "random"])
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (16, 16), (13, 29), (32, 8)])
 def test_every_eye_point_occurs_once(order, width, height):
-    """A permutation, whatever the size, two eye points per position included."""
     _, _, o = make(width, height, branches=2, order=order)
     assert sorted(o["eye"]) == list(range(2 * width * height))
     assert o["segment_end"][-1] == o["run_end"][-1] == 2 * width * height
@@ -43,16 +42,7 @@ def test_segments_hold_the_points_of_the_halton_sequence():
         first, density = end, density * 3.7
 
 
-def test_the_first_segment_leaves_no_large_gap():
-    """Some point of the first segment within 3·C_E of every pixel."""
-    x, y, o = make(64, 64, c_e=8)
-    chosen = o["eye"][: o["segment_end"][0]]
-    gap = np.hypot(x[:, None] - x[chosen], y[:, None] - y[chosen]).min(1)
-    assert gap.max() <= 3 * 8 / 2
-
-
 def test_runs_never_straddle_a_segment():
-    """Batches end at segments, so that later segments see earlier ones."""
     _, _, o = make(32, 32, c_e=8, batch=50)
     assert set(o["segment_end"]) <= set(o["run_end"])
     assert np.diff([0, *o["run_end"]]).max() <= 50
@@ -60,7 +50,6 @@ def test_runs_never_straddle_a_segment():
 
 @pytest.mark.extreme
 def test_positions_outside_the_tile_fall_back_to_the_given_order():
-    """Bad positions are no reason to fail."""
     o = testing.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
     assert o["eye"] == [0, 1]
     empty = testing.order([], [], 0, 0, aqvc.AqvcParameters())

@@ -1,7 +1,5 @@
 """`vc.aqvc`: the equations as users call them give what the core computes, and refuse bad input."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -25,7 +23,7 @@ GIVEN: dict[str, Any] = {
 }
 
 
-def test_keys_are_the_eye_side_of_whole_ones() -> None:
+def test_keys_are_the_eye_side_of_whole_ones():
     keys, valid = vc.aqvc.eye_keys(**GIVEN)
     far = np.zeros_like(POINTS)
     whole, _, good, _ = _core.aqvc.full_keys(
@@ -38,7 +36,7 @@ def test_keys_are_the_eye_side_of_whole_ones() -> None:
     assert np.array_equal(vc.aqvc.hash_keys(keys), _core.aqvc.hash_keys(padded))
 
 
-def test_resolutions_broadcast() -> None:
+def test_resolutions_broadcast():
     found = vc.aqvc.resolution_eye([100.0, 400.0], 8.0, 2.0)
     assert np.array_equal(found, [vc.aqvc.resolution_eye(d, 8.0, 2.0) for d in (100.0, 400.0)])
     assert found[1] == pytest.approx(2 * found[0])  # cells are as wide as four times fewer paths
@@ -56,12 +54,12 @@ def test_resolutions_broadcast() -> None:
         ({"points": [["x", "y", "z"]]}, "points must be numbers"),
     ],
 )
-def test_bad_input_is_refused(wrong: dict[str, Any], says: str) -> None:
+def test_bad_input_is_refused(wrong, says):
     with pytest.raises(ValueError, match=says):
         vc.aqvc.eye_keys(**GIVEN | wrong)
 
 
-def test_bad_keys_are_refused() -> None:
+def test_bad_keys_are_refused():
     with pytest.raises(ValueError, match="keys must be int32, got dtype"):
         vc.aqvc.hash_keys(np.zeros((3, 8)))
     with pytest.raises(ValueError, match=r"keys must be \(N, 0..15\), got \(3, 16\)"):

@@ -12,7 +12,6 @@ from viscache import _core
 @pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
 @pytest.mark.parametrize("options", OPTIONS, ids=str)
 def test_one_query_at_a_time_equals_the_transcription_of_algorithm_2(kind, options):
-    """Values and rays of every level with batch = 1."""
     eyes, far = tiles.eye_points(), tiles.lights(kind, 12)
     wanted = tiles.facing(eyes, far)
     run = tiles.tile_run(eyes, form="pairs", batch=1, storage="exact", **options)

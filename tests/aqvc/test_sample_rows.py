@@ -70,7 +70,6 @@ def light_keys(grid, queries, c_l=1.0):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("options", OPTIONS, ids=str)
 def test_samples_equal_their_transcription(kind, options):
-    """Order, values and rays of every level, exactly."""
     eyes, grid = tiles.eye_points(24, 24), grid_of(options)
     run = tiles.tile_run(eyes, **options)
     queries, order, ends = ordered(run, area_queries(eyes, per_eye=12, kind=kind))
@@ -152,7 +151,6 @@ def test_without_refinement_it_does_not_matter_how_samples_are_cut_into_calls(ki
 
 
 def test_groups_do_not_share_bits_and_may_alternate():
-    """Area, environment, area again: the answers of the groups asked alone."""
     eyes = tiles.eye_points()
     alone = {}
     for kind in KINDS:
@@ -166,7 +164,6 @@ def test_groups_do_not_share_bits_and_may_alternate():
 
 @pytest.mark.extreme
 def test_no_sample_one_sample_and_samples_without_keys():
-    """Empty calls; NaN densities share the finest cells; ends that are not finite stay unseen."""
     eyes = tiles.eye_points()
     run = tiles.tile_run(eyes, c_e=8)
     up = {"semantic": 3, "group": 3, "density": [1.0], "light_density": [1.0]}
@@ -188,7 +185,6 @@ def test_no_sample_one_sample_and_samples_without_keys():
 
 @pytest.mark.extreme
 def test_eye_points_without_a_normal_trace_their_samples():
-    """They have no cell."""
     eyes = tiles.eye_points(16, 16)
     eyes["normal"][10:20] = 0
     run = tiles.tile_run(eyes, c_e=50)
@@ -202,7 +198,6 @@ def test_eye_points_without_a_normal_trace_their_samples():
 
 
 def test_the_density_that_cells_follow_can_be_chosen():
-    """cell_density: the mixture's, or that of light sampling alone."""
     eyes = tiles.eye_points()
     rays = {}
     for which, factor in (("mixture", 1), ("light", 1), ("mixture", 9), ("light", 9)):

@@ -1,7 +1,5 @@
 """A small analytic scene: its eye points seen through a pinhole, and lights of every kind."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from core import testing
@@ -23,13 +21,9 @@ POINT, DIRECTION, SURFACE, SOLID_ANGLE = range(4)
 GROUPS = {"point": 0, "directional": 1, "area": 2, "environment": 3, "vpl": 4, "ambient": 5}
 
 
-def caster(scale: float = 1.0, shift: tuple[float, float, float] = (0, 0, 0)):
+def caster():
     """The scene as a ray caster."""
-    move = np.array(shift, np.float32)
-    boxes = BOXES * np.float32(scale) + np.concatenate([move, move])
-    spheres = SPHERES * np.float32(scale)
-    spheres[:, :3] += move
-    return testing.AnalyticCaster(boxes, spheres)
+    return testing.AnalyticCaster(BOXES, SPHERES)
 
 
 def first_hits(origin, direction):
@@ -65,7 +59,7 @@ def spread_bits(v):
     return out
 
 
-def eye_points(width: int = 32, height: int = 32, *, scale: float = 1.0, shift=(0, 0, 0)) -> dict:
+def eye_points(width: int = 32, height: int = 32) -> dict:
     """Eye points of a width × height image in Morton order, as TileRun takes them."""
     eye, half = np.array([0.3, 3.0, 7.5]), np.tan(np.radians(30))
     y, x = np.divmod(np.arange(width * height), width)
@@ -81,12 +75,12 @@ def eye_points(width: int = 32, height: int = 32, *, scale: float = 1.0, shift=(
     ok = np.isfinite(t)
     cos_x = np.maximum(-(n * d).sum(1), 0.05)
     pixel = (2 * half / width) * (2 * half / height)
-    density = cos_x / (pixel * (d @ forward) ** 3 * np.where(ok, t, 1.0) ** 2) / scale**2
+    density = cos_x / (pixel * (d @ forward) ** 3 * np.where(ok, t, 1.0) ** 2)
     order = np.argsort(spread_bits(x) | spread_bits(y) << np.uint64(1), kind="stable")
     order = order[ok[order]]
     position = (eye + d * np.where(ok, t, 1.0)[:, None])[order]
     return {
-        "position": (position * scale + np.array(shift)).astype(np.float32),
+        "position": position.astype(np.float32),
         "normal": n[order].astype(np.float32),
         "density": density[order].astype(np.float32),
         "order_x": x[order].tolist(),
@@ -96,9 +90,7 @@ def eye_points(width: int = 32, height: int = 32, *, scale: float = 1.0, shift=(
     }
 
 
-def lights(
-    kind: str, count: int = 8, seed: int = 1, *, scale: float = 1.0, shift=(0, 0, 0)
-) -> dict:
+def lights(kind: str, count: int = 8, seed: int = 1) -> dict:
     """Lights of one group as TileRun takes them."""
     rng = np.random.default_rng(seed)
     normal, density = np.zeros((count, 3)), np.zeros(count)
@@ -108,10 +100,10 @@ def lights(
         far /= np.linalg.norm(far, axis=1, keepdims=True)
         density += count / (2 * np.pi)
     else:
-        far = rng.uniform([-4, 2.5, -4], [4, 6, 4], (count, 3)) * scale + np.array(shift)
+        far = rng.uniform([-4, 2.5, -4], [4, 6, 4], (count, 3))
         if kind in ("vpl", "area"):
             normal[:, 1] = -1
-            density += count / (64 * scale**2)
+            density += count / 64
     semantic = {"directional": 1, "ambient": 1, "environment": 3, "vpl": 2, "area": 2}
     return {
         "semantic": semantic.get(kind, 0),
@@ -135,17 +127,9 @@ def facing(eyes: dict, far_ends: dict) -> np.ndarray:
     return lit
 
 
-def tile_run(
-    eyes: dict, *, spp: int = 1, scale: float = 1.0, shift=(0, 0, 0), radius=None, **options
-):
+def tile_run(eyes: dict, **options):
     """A cache over the eye points with the given parameters; every light group is cached."""
-    center = tuple(float(c * scale + s) for c, s in zip(CENTER, shift, strict=True))
+    parameters = _core.aqvc.AqvcParameters(**{"exact_groups": ()} | options)
     return testing.TileRun(
-        caster(scale, shift),
-        eyes,
-        _core.aqvc.AqvcParameters(**{"exact_groups": ()} | options),
-        center=center,
-        radius=RADIUS * scale if radius is None else radius,
-        extent=EXTENT * scale,
-        spp=spp,
+        caster(), eyes, parameters, center=CENTER, radius=RADIUS, extent=EXTENT, spp=1
     )

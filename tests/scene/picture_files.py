@@ -1,7 +1,5 @@
 """Picture files written byte by byte, so that headers may claim anything."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A scene reads files of its own folder, and others only when that is allowed."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

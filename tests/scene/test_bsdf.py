@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from core import testing
-from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
+from sampling.chi_square import sphere_p_value, sphere_points, uniforms
 from viscache._core import CoatKind, MaterialKind
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
@@ -63,7 +63,7 @@ each_point = pytest.mark.parametrize("name", POINTS)
 
 @each_point
 @pytest.mark.stat
-def test_directions_follow_their_density(name: str) -> None:
+def test_directions_follow_their_density(name):
     sp = POINTS[name]
     wi, _, pdf = testing.sample_bsdf(sp, uniforms(N, 3))
     assert (
@@ -75,7 +75,7 @@ def test_directions_follow_their_density(name: str) -> None:
 
 
 @pytest.mark.stat
-def test_a_wrong_density_is_found() -> None:
+def test_a_wrong_density_is_found():
     """Negative controls: 15 % rougher; another share of the lobes."""
     wi, _, pdf = testing.sample_bsdf(glossy(), uniforms(N, 3))
     wi = wi[pdf > 0]
@@ -90,15 +90,7 @@ def test_a_wrong_density_is_found() -> None:
 
 
 @each_point
-def test_the_density_integrates_to_the_share_of_samples(name: str) -> None:
-    sp = POINTS[name]
-    _, _, pdf = testing.sample_bsdf(sp, uniforms(N, 3))
-    total = sphere_mass(lambda w: testing.pdf_bsdf(sp, w), (64, 128), sub=16).sum()
-    assert total == pytest.approx(np.mean(pdf > 0), abs=4e-3)
-
-
-@each_point
-def test_samples_report_what_evaluation_gives(name: str) -> None:
+def test_samples_report_what_evaluation_gives(name):
     sp = POINTS[name]
     ns = np.array(TILTED["ns"] if "tilted" in name else (0, 0, 1))
     wi, weight, pdf = testing.sample_bsdf(sp, uniforms(2000, 3))
@@ -110,7 +102,7 @@ def test_samples_report_what_evaluation_gives(name: str) -> None:
 
 
 @each_point
-def test_reflection_is_the_same_both_ways(name: str) -> None:
+def test_reflection_is_the_same_both_ways(name):
     normals = TILTED if "tilted" in name else {}
     rng = np.random.default_rng(5)
     w = rng.normal(size=(200, 2, 3))
@@ -144,17 +136,13 @@ def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     """Mean weight over low-discrepancy points: the share of a white furnace's light."""
     index = np.arange(n, dtype=np.uint32)
     u = np.concatenate(
-        [
-            testing.sobol02(index, 1, 2),
-            ((np.arange(n) + 0.5) / n).astype(np.float32)[:, None],
-        ],
-        1,
+        [testing.sobol02(index, 1, 2), ((np.arange(n) + 0.5) / n).astype(np.float32)[:, None]], 1
     )
     u[:, 0] = np.random.default_rng(0).permutation(u[:, 0])
     return testing.sample_bsdf(sp, u)[1].astype(float).mean(0)
 
 
-def test_a_diffuse_surface_reflects_its_base_color() -> None:
+def test_a_diffuse_surface_reflects_its_base_color():
     for cos_o in (1.0, 0.5, 0.01):
         sp = ShadingPoint(MaterialKind.DIFFUSE, direction(cos_o), base=(1, 0.5, 0))
         assert albedo(sp) == pytest.approx([1, 0.5, 0], abs=1e-5)
@@ -162,7 +150,7 @@ def test_a_diffuse_surface_reflects_its_base_color() -> None:
 
 @pytest.mark.parametrize("f0", [0.0, 0.04, 0.3, 0.8, 1.0])
 @pytest.mark.parametrize("roughness", [1e-3, 0.05, 0.2, 0.5, 1.0])
-def test_a_white_surface_never_reflects_more_than_arrives(f0: float, roughness: float) -> None:
+def test_a_white_surface_never_reflects_more_than_arrives(f0, roughness):
     for cos_o in (1.0, 0.9, 0.7, 0.5, 0.3, 0.15, 0.05, 0.01):
         sp = glossy(cos_o, roughness, (1, 1, 1), (f0, f0, f0))
         lobe = albedo(glossy(cos_o, roughness, (0, 0, 0), (f0, f0, f0)))
@@ -172,12 +160,12 @@ def test_a_white_surface_never_reflects_more_than_arrives(f0: float, roughness: 
         assert albedo(sp).max() <= 1 + 3e-3  # both together, with the noise of choosing lobes
 
 
-def test_a_smooth_white_metal_reflects_all_light() -> None:
+def test_a_smooth_white_metal_reflects_all_light():
     assert albedo(glossy(0.7, 1e-3)) == pytest.approx(1, abs=1e-3)
 
 
 @pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.2])
-def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o: float) -> None:
+def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o):
     """∫ (f − f_glossy) cos = 0.9971 · base · (1 − F(cos_o)), after Shirley et al. 1997."""
     base, specular = (0.9, 0.5, 0.1), (0.04, 0.3, 0.9)
     points = sphere_points(512, 64, (0, 1)).reshape(-1, 3).astype(np.float32)
@@ -191,7 +179,7 @@ def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o: float) -> None
     )
 
 
-def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> None:
+def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing():
     for kind, share in (("DIFFUSE", 1), ("MIRROR", 0), ("DIELECTRIC", 0)):
         sp = ShadingPoint(MaterialKind[kind], direction(0.3), base=(0.75, 0.5, 0.25))
         assert testing.diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
@@ -202,7 +190,7 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> N
 # Limits
 
 
-def test_nothing_is_reflected_below_either_normal() -> None:
+def test_nothing_is_reflected_below_either_normal():
     w = testing.square_to_uniform_sphere(uniforms(4000, 2))
     above = (w @ np.array(TILTED["ns"]) > 0) & (w @ np.array(TILTED["ng"]) > 0)
     for name in (
@@ -225,7 +213,7 @@ def test_nothing_is_reflected_below_either_normal() -> None:
 
 
 @pytest.mark.parametrize("kind", [MaterialKind.MIRROR, MaterialKind.DIELECTRIC])
-def test_mirrors_and_glass_are_zero(kind: MaterialKind) -> None:
+def test_mirrors_and_glass_are_zero(kind):
     sp = ShadingPoint(kind, (0, 0, 1), base=(1, 1, 1), specular=(1, 1, 1))
     assert not eval_bsdf(sp, np.array([[0, 0, 1]])).any()
     assert not testing.pdf_bsdf(sp, np.array([[0, 0, 1]])).any()
@@ -235,7 +223,7 @@ def test_mirrors_and_glass_are_zero(kind: MaterialKind) -> None:
 @pytest.mark.extreme
 @pytest.mark.parametrize("roughness", [1e-3, 1e-2, 1.0])
 @pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3, 1e-6])
-def test_weights_stay_finite_and_below_one_for_a_metal(roughness: float, cos_o: float) -> None:
+def test_weights_stay_finite_and_below_one_for_a_metal(roughness, cos_o):
     wi, weight, pdf = testing.sample_bsdf(glossy(cos_o, roughness), uniforms(10_000, 3))
     assert np.isfinite(wi).all() and np.isfinite(weight).all() and np.isfinite(pdf).all()
     assert weight.min() >= 0 and weight.max() <= 1 + 1e-3
@@ -243,41 +231,3 @@ def test_weights_stay_finite_and_below_one_for_a_metal(roughness: float, cos_o: 
     some = pdf > 0
     shadowing = testing.smith_g1(wi[some, 2], roughness)
     np.testing.assert_allclose(weight[some, 0], shadowing, rtol=1e-3)
-
-
-def test_black_surfaces_reflect_nothing() -> None:
-    sp = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, 1), base=(0, 0, 0))
-    assert albedo(sp).tolist() == [0, 0, 0]
-
-
-# Mitsuba
-
-
-@pytest.mark.mitsuba
-@pytest.mark.parametrize("alpha", [0.02, 0.1, 0.4, 1.0])
-def test_a_white_metal_is_mitsubas_rough_conductor(alpha: float) -> None:
-    mi = pytest.importorskip("mitsuba")
-    mi.set_variant("scalar_rgb")
-    bsdf = mi.load_dict(
-        {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha}
-    )
-    rng = np.random.default_rng(6)
-    compared = 0
-    for _ in range(200):
-        wo = unit(tuple(rng.normal(size=3) * [1, 1, 0.5]))
-        wo = (wo[0], wo[1], abs(wo[2]))
-        # Around the mirror direction, as far as the lobe reaches
-        wi = unit(tuple(np.array([-wo[0], -wo[1], wo[2]]) + 2 * alpha * rng.normal(size=3)))
-        si = mi.SurfaceInteraction3f()
-        si.wi, si.n, si.sh_frame = (
-            mi.Vector3f(*wo),
-            mi.Normal3f(0, 0, 1),
-            mi.Frame3f(mi.Normal3f(0, 0, 1)),
-        )
-        value, density = bsdf.eval_pdf(mi.BSDFContext(), si, mi.Vector3f(*wi))
-        sp = ShadingPoint(MaterialKind.GLOSSY, wo, specular=(1, 1, 1), roughness=alpha)
-        ours = eval_bsdf(sp, np.array([wi]))[0] * max(0.0, wi[2])
-        assert ours == pytest.approx(np.array(value).ravel(), rel=1e-3, abs=1e-6)
-        assert testing.pdf_bsdf(sp, np.array([wi]))[0] == pytest.approx(density, rel=1e-3, abs=1e-6)
-        compared += density > 0
-    assert compared > 100

@@ -1,7 +1,5 @@
 """scene/coat.h: diffuse surfaces under a dielectric layer."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -58,7 +56,7 @@ def above(n: int, seed: int = 3) -> npt.NDArray[np.float64]:
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("alpha", ROUGHNESSES)
 @pytest.mark.parametrize("cos_o", [0.9, 0.4, 0.05])
-def test_a_rough_coat_is_mitsubas_roughplastic(cos_o: float, alpha: float, nonlinear: bool) -> None:
+def test_a_rough_coat_is_mitsubas_roughplastic(cos_o, alpha, nonlinear):
     base, wi = (0.8, 0.5, 0.2), above(60)
     rough = {"distribution": "ggx", "alpha": alpha, "nonlinear": nonlinear}
     theirs = of_mitsuba(plugin("roughplastic", base, **rough), direction(cos_o), wi)
@@ -75,8 +73,7 @@ def test_a_rough_coat_is_mitsubas_roughplastic(cos_o: float, alpha: float, nonli
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("alpha", [0.05, 0.1, 0.3])
 @pytest.mark.parametrize("cos_o", [0.9, 0.4, 0.1])
-def test_the_diffuse_part_is_mitsubas_for_beckmann_too(cos_o: float, alpha: float) -> None:
-    """And so is the lobe."""
+def test_the_diffuse_part_is_mitsubas_for_beckmann_too(cos_o, alpha):
     base, wi = (0.8, 0.5, 0.2), above(60)
     given = {"distribution": "beckmann", "alpha": alpha}
     whole = of_mitsuba(plugin("roughplastic", base, **given), direction(cos_o), wi)
@@ -96,9 +93,7 @@ def test_the_diffuse_part_is_mitsubas_for_beckmann_too(cos_o: float, alpha: floa
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("eta", [1.2, ETA, 1.9])
 @pytest.mark.parametrize("cos_o", [0.9, 0.4, 0.05])
-def test_below_a_smooth_coat_lies_mitsubas_plastic(
-    cos_o: float, eta: float, nonlinear: bool
-) -> None:
+def test_below_a_smooth_coat_lies_mitsubas_plastic(cos_o, eta, nonlinear):
     """Its mirror is a narrow lobe here, so that only the diffuse part is compared."""
     base, wi = (0.8, 0.5, 0.2), above(60)
     theirs = of_mitsuba(
@@ -126,9 +121,7 @@ def test_below_a_smooth_coat_lies_mitsubas_plastic(
         (CoatKind.BECKMANN, 0.2),
     ],
 )
-def test_a_white_coated_surface_never_reflects_more_than_arrives(
-    kind: CoatKind, roughness: float, eta: float, nonlinear: bool
-) -> None:
+def test_a_white_coated_surface_never_reflects_more_than_arrives(kind, roughness, eta, nonlinear):
     """Left out: Beckmann's share under a GGX lobe at an index below 1, where 2 % are too many."""
     if kind == CoatKind.BECKMANN and eta < 1:
         return
@@ -139,7 +132,7 @@ def test_a_white_coated_surface_never_reflects_more_than_arrives(
         assert (lobe + diffuse).max() <= 1 + 1e-3
 
 
-def test_a_smooth_coat_over_white_reflects_all_light() -> None:
+def test_a_smooth_coat_over_white_reflects_all_light():
     for cos_o in (1.0, 0.6, 0.3):
         sp = coated(cos_o, CoatKind.SMOOTH, (1, 1, 1), roughness=0.01)
         assert albedo(sp) == pytest.approx(1, abs=4e-3)
@@ -147,9 +140,7 @@ def test_a_smooth_coat_over_white_reflects_all_light() -> None:
 
 @pytest.mark.parametrize("kind", [CoatKind.SMOOTH, CoatKind.ROUGH])
 @pytest.mark.parametrize("cos_o", [1.0, 0.4, 0.1])
-def test_the_albedo_under_a_coat_is_the_integral_of_its_reflection(
-    cos_o: float, kind: CoatKind
-) -> None:
+def test_the_albedo_under_a_coat_is_the_integral_of_its_reflection(cos_o, kind):
     points = sphere_points(512, 64, (0, 1)).reshape(-1, 3).astype(np.float32)
     sp = coated(cos_o, kind, specular=(0, 0, 0))
     f = eval_bsdf(sp, points).astype(float)
@@ -157,15 +148,7 @@ def test_the_albedo_under_a_coat_is_the_integral_of_its_reflection(
     assert testing.diffuse_albedo(sp) == pytest.approx(reflected, rel=2e-3)
 
 
-def test_nonlinear_scattering_makes_colours_darker_and_stronger() -> None:
-    plain = np.array(testing.diffuse_albedo(coated(1, CoatKind.SMOOTH)))
-    darker = np.array(testing.diffuse_albedo(coated(1, CoatKind.SMOOTH, nonlinear=True)))
-    assert darker[0] == pytest.approx(plain[0])  # white stays white
-    assert plain[0] / plain[2] == pytest.approx(5)
-    assert darker[0] / darker[2] > 8
-
-
-def test_specular_scales_the_reflection_of_the_coat() -> None:
+def test_specular_scales_the_reflection_of_the_coat():
     wi = np.array([direction(0.7, 0.7 + np.pi)])
     full = eval_bsdf(coated(0.7, base=(0, 0, 0)), wi)
     part = eval_bsdf(coated(0.7, base=(0, 0, 0), specular=(0.5, 0.25, 0)), wi)

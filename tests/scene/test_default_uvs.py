@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Texture coordinates of shapes whose file gives none; images of area lights on such shapes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +58,7 @@ def corner_uvs(scene: core.SceneDescription, mesh: int = 0) -> Any:
     return arrays["uvs"][arrays["triangles"]]
 
 
-def test_a_mesh_of_mitsuba_has_the_coordinates_of_its_triangles(tmp_path: Path) -> None:
+def test_a_mesh_of_mitsuba_has_the_coordinates_of_its_triangles(tmp_path):
     shape = '<shape type="ply"><string name="filename" value="bare.ply"/>{}</shape>'
     textured = mitsuba(tmp_path, shape.format(TEXTURED))
     # Mitsuba's v grows downwards
@@ -70,7 +68,7 @@ def test_a_mesh_of_mitsuba_has_the_coordinates_of_its_triangles(tmp_path: Path) 
     assert len(plain.mesh_arrays(0)["vertices"]) == 4 and len(plain.mesh_arrays(0)["uvs"]) == 0
 
 
-def test_a_disk_of_mitsuba_has_polar_coordinates(tmp_path: Path) -> None:
+def test_a_disk_of_mitsuba_has_polar_coordinates(tmp_path):
     scene = mitsuba(tmp_path, f'<shape type="disk">{TEXTURED}</shape>')
     arrays = scene.mesh_arrays(0)
     uvs, points = arrays["uvs"], arrays["vertices"].astype(float)
@@ -107,7 +105,7 @@ PICTURE = 'Texture "t" "spectrum" "imagemap" "string filename" "flag.png" Materi
     ],
     ids=["triangles", "file", "patches"],
 )
-def test_shapes_of_pbrt_have_its_coordinates(tmp_path: Path, shape: str, expected: Any) -> None:
+def test_shapes_of_pbrt_have_its_coordinates(tmp_path, shape, expected):
     assert corner_uvs(pbrt(tmp_path, f"{PICTURE}Shape {shape}")).tolist() == expected
     # A mirror turns triangles, not their coordinates
     mirrored = pbrt(tmp_path, f"{PICTURE}Scale -1 1 1 Shape {shape}")
@@ -115,7 +113,7 @@ def test_shapes_of_pbrt_have_its_coordinates(tmp_path: Path, shape: str, expecte
     assert len(pbrt(tmp_path, f"Shape {shape}").mesh_arrays(0)["uvs"]) == 0
 
 
-def test_a_disk_of_pbrt_has_the_angle_and_the_way_inwards(tmp_path: Path) -> None:
+def test_a_disk_of_pbrt_has_the_angle_and_the_way_inwards(tmp_path):
     disk = '"disk" "float radius" 2 "float height" 1'
     arrays = pbrt(tmp_path, f"{PICTURE}Shape {disk}").mesh_arrays(0)
     points, uvs = arrays["vertices"].astype(float), arrays["uvs"]
@@ -130,7 +128,7 @@ def test_a_disk_of_pbrt_has_the_angle_and_the_way_inwards(tmp_path: Path) -> Non
 LAMP = 'AttributeBegin AreaLightSource "diffuse" {} Shape "bilinearmesh" "point3 P" [-1 -1 0 1 -1 0 -1 1 0 1 1 0] AttributeEnd'
 
 
-def test_an_area_light_of_pbrt_v4_shines_its_image(tmp_path: Path) -> None:
+def test_an_area_light_of_pbrt_v4_shines_its_image(tmp_path):
     words = '"string filename" "flag.png" "float scale" 3'
     pbrt(tmp_path, LAMP.format(words))
     scene = vc.load_scene(tmp_path / "s.pbrt", strict=True)
@@ -142,7 +140,7 @@ def test_an_area_light_of_pbrt_v4_shines_its_image(tmp_path: Path) -> None:
     assert any("power of a light with an image" in text for _, text in powered.warnings)
 
 
-def test_spheres_shine_their_image(tmp_path: Path) -> None:
+def test_spheres_shine_their_image(tmp_path):
     world = 'Rotate -90 1 0 0 AreaLightSource "diffuse" "string filename" "flag.png" Shape "sphere"'
     pbrt(tmp_path, world)
     ours = vc.render(vc.load_scene(tmp_path / "s.pbrt"), vc.Direct(), size=(16, 16), spp=4).image
@@ -156,7 +154,7 @@ ROTATED = (
 
 
 @pytest.mark.parametrize("axis", ['y="1.2"', 'x="1" y="1"', 'x="0.6" y="0.8"'])
-def test_the_length_of_a_rotations_axis_counts_as_in_mitsuba(tmp_path: Path, axis: str) -> None:
+def test_the_length_of_a_rotations_axis_counts_as_in_mitsuba(tmp_path, axis):
     mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")
     (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">\n{ROTATED.format(axis)}</scene>')

@@ -51,16 +51,7 @@ def rotation() -> npt.NDArray[np.float64]:
 # Content
 
 
-def test_the_map_shows_the_image_in_its_directions() -> None:
-    image = sky()
-    map_ = EnvironmentMap.from_latlong(image)
-    assert map_.resolution == 128
-    seen = map_.eval(latlong_directions(64, 128).reshape(-1, 3)).reshape(image.shape)
-    assert np.abs(seen - image).max() <= 0.06 * image.max()
-    assert np.abs(seen - image).mean() <= 0.02 * image.mean()
-
-
-def test_a_bright_pixel_is_seen_where_the_convention_puts_it() -> None:
+def test_a_bright_pixel_is_seen_where_the_convention_puts_it():
     for row, column in [(5, 3), (16, 40), (31, 63), (17, 0)]:
         image = np.zeros((32, 64, 3), dtype=np.float32)
         image[row, column] = 1
@@ -72,7 +63,7 @@ def test_a_bright_pixel_is_seen_where_the_convention_puts_it() -> None:
 
 
 @pytest.mark.slow
-def test_rotation_takes_the_map_into_the_world() -> None:
+def test_rotation_takes_the_map_into_the_world():
     image, to_world = sky(), rotation()
     still = EnvironmentMap.from_latlong(image, resolution=256)
     turned = EnvironmentMap.from_latlong(image, to_world=to_world, resolution=256)
@@ -85,7 +76,7 @@ def test_rotation_takes_the_map_into_the_world() -> None:
 
 
 @pytest.mark.mitsuba
-def test_directions_are_those_of_mitsuba() -> None:
+def test_directions_are_those_of_mitsuba():
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     image, to_world = sky(128), np.eye(4)
@@ -104,7 +95,7 @@ def test_directions_are_those_of_mitsuba() -> None:
     assert np.abs(map_.eval(w) - theirs).mean() < 0.01 * image.mean()
 
 
-def test_a_constant_image_stays_constant() -> None:
+def test_a_constant_image_stays_constant():
     image = np.full((16, 32, 3), [0.5, 1, 2], dtype=np.float32)
     map_ = EnvironmentMap.from_latlong(image, scale=(2, 1, 0.5))
     assert map_.pixels == pytest.approx(np.ones(map_.pixels.shape), rel=1e-5)
@@ -113,7 +104,7 @@ def test_a_constant_image_stays_constant() -> None:
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (2, 4), (4, 8), (33, 17), (64, 128)])
 @pytest.mark.parametrize("resolution", [0, 16])
-def test_the_power_is_that_of_the_image(shape: tuple[int, int], resolution: int) -> None:
+def test_the_power_is_that_of_the_image(shape, resolution):
     image = np.random.default_rng(9).random((*shape, 3)).astype(np.float32)
     map_ = EnvironmentMap.from_latlong(image, scale=(2, 2, 2), resolution=resolution)
     assert map_.total_power == pytest.approx(2 * latlong_power(image), rel=1e-5)
@@ -122,20 +113,13 @@ def test_the_power_is_that_of_the_image(shape: tuple[int, int], resolution: int)
     assert texels.mean() * 4 * np.pi == pytest.approx(map_.total_power, rel=1e-6)
 
 
-def test_light_in_the_pole_rows_of_a_small_image_keeps_its_power() -> None:
-    image = np.zeros((4, 8, 3), dtype=np.float32)
-    image[0] = 1
-    map_ = EnvironmentMap.from_latlong(image)
-    assert map_.total_power == pytest.approx(latlong_power(image), rel=1e-5)
-
-
-def test_texels_are_chosen_to_match_the_source() -> None:
+def test_texels_are_chosen_to_match_the_source():
     for shape, resolution in [((512, 1024), 1024), ((64, 128), 128), ((1, 1), 2)]:
         image = np.ones((*shape, 1), dtype=np.float32)
         assert EnvironmentMap.from_latlong(image).resolution == resolution
 
 
-def test_one_channel_is_grey_and_a_fourth_is_ignored() -> None:
+def test_one_channel_is_grey_and_a_fourth_is_ignored():
     grey = np.random.default_rng(1).random((8, 16, 1)).astype(np.float32)
     rgba = np.concatenate([np.repeat(grey, 3, 2), np.full((8, 16, 1), -1, dtype=np.float32)], 2)
     a, b = EnvironmentMap.from_latlong(grey), EnvironmentMap.from_latlong(rgba)
@@ -147,7 +131,7 @@ def test_one_channel_is_grey_and_a_fourth_is_ignored() -> None:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("to_world", [np.eye(3), rotation()], ids=["still", "turned"])
-def test_directions_follow_their_density(to_world: npt.NDArray[np.float64]) -> None:
+def test_directions_follow_their_density(to_world):
     map_ = EnvironmentMap.from_latlong(sky(), to_world=to_world)
     wi, _, _ = map_.sample(uniforms(N, 2))
     assert sphere_p_value(wi, map_.pdf, (24, 48), sub=24) >= 1e-3
@@ -157,7 +141,7 @@ def test_directions_follow_their_density(to_world: npt.NDArray[np.float64]) -> N
 
 
 @pytest.mark.stat
-def test_texels_are_chosen_by_luminance_and_filled_evenly() -> None:
+def test_texels_are_chosen_by_luminance_and_filled_evenly():
     map_ = EnvironmentMap.from_latlong(sky(), resolution=16)
     wi, _, _ = map_.sample(uniforms(N, 2))
     p = _core.sampling.direction_to_equal_area(wi) * 16
@@ -172,7 +156,7 @@ def test_texels_are_chosen_by_luminance_and_filled_evenly() -> None:
 
 
 @pytest.mark.parametrize("resolution", [2, 16, 1024])
-def test_a_sample_agrees_with_evaluation_in_its_direction(resolution: int) -> None:
+def test_a_sample_agrees_with_evaluation_in_its_direction(resolution):
     """Also where neighbours are black: a sample of density zero would poison an estimate."""
     rng = np.random.default_rng(3)
     image = (rng.random((512, 1024, 3)) < 0.02).astype(np.float32) * rng.random(
@@ -196,7 +180,7 @@ def speckled(height: int, share: float) -> Array:
 
 
 @pytest.mark.parametrize("resolution, share", [(2, 1), (8, 0.5), (16, 0.1), (32, 1), (256, 0.005)])
-def test_samples_are_those_of_tables_of_all_texels(resolution: int, share: float) -> None:
+def test_samples_are_those_of_tables_of_all_texels(resolution, share):
     """Bit for bit: the map keeps sums of blocks and adds up the block of a sample anew."""
     map_ = EnvironmentMap.from_latlong(speckled(128, share), resolution=resolution)
     weights = map_.pixels.astype(float) @ np.zeros(3)
@@ -219,7 +203,7 @@ def test_samples_are_those_of_tables_of_all_texels(resolution: int, share: float
     np.testing.assert_array_equal(radiance, map_.pixels[row, column])
 
 
-def test_the_density_is_the_share_of_luminance() -> None:
+def test_the_density_is_the_share_of_luminance():
     map_ = EnvironmentMap.from_latlong(sky())
     w = testing.square_to_uniform_sphere(uniforms(5000, 2))
     assert map_.pdf(w) == pytest.approx(map_.eval(w) @ LUMINANCE / map_.total_power, rel=1e-4)
@@ -229,21 +213,7 @@ def test_the_density_is_the_share_of_luminance() -> None:
     assert pdf.mean(dtype=float) * 4 * np.pi == pytest.approx(1, rel=1e-5)
 
 
-def test_irradiance_by_samples_is_that_of_the_image() -> None:
-    image = sky()
-    map_ = EnvironmentMap.from_latlong(image)
-    d = latlong_directions(64, 128)
-    edges = np.cos(np.arange(65) / 64 * np.pi)
-    solid = ((edges[:-1] - edges[1:]) * 2 * np.pi / 128)[:, None]
-    normal = np.array([0.6, 0.8, 0.0])
-    exact = (image * (np.maximum(0, d @ normal) * solid)[..., None]).sum((0, 1))
-    index = np.arange(1 << 16, dtype=np.uint32)
-    wi, radiance, pdf = map_.sample(testing.sobol02(index, 5, 6))
-    estimate = (radiance * (np.maximum(0, wi @ normal) / pdf)[:, None]).mean(0)
-    assert estimate == pytest.approx(exact, rel=5e-3)
-
-
-def test_a_constant_environment_is_uniform() -> None:
+def test_a_constant_environment_is_uniform():
     map_ = EnvironmentMap.constant((1, 2, 3))
     assert map_.is_constant and map_.resolution == 1
     wi, radiance, pdf = map_.sample(uniforms(N, 2))
@@ -253,7 +223,7 @@ def test_a_constant_environment_is_uniform() -> None:
     assert map_.total_power == pytest.approx(4 * np.pi * np.array([1, 2, 3]) @ LUMINANCE)
 
 
-def test_a_black_environment_can_be_sampled() -> None:
+def test_a_black_environment_can_be_sampled():
     for map_ in (
         EnvironmentMap.constant((0, 0, 0)),
         EnvironmentMap.from_latlong(np.zeros((8, 16, 3))),
@@ -263,7 +233,7 @@ def test_a_black_environment_can_be_sampled() -> None:
         assert pdf == pytest.approx(1 / (4 * np.pi)) and np.isfinite(wi).all()
 
 
-def test_a_color_without_green_keeps_its_chance() -> None:
+def test_a_color_without_green_keeps_its_chance():
     image = np.zeros((8, 16, 3), dtype=np.float32)
     image[:, :8, 2], image[:, 8:, 1] = 1, 1
     map_ = EnvironmentMap.from_latlong(image)
@@ -275,7 +245,7 @@ def test_a_color_without_green_keeps_its_chance() -> None:
 
 
 @pytest.mark.parametrize("bad", [-1e-3, np.nan, np.inf])
-def test_negative_and_non_finite_pixels_are_refused_with_their_place(bad: float) -> None:
+def test_negative_and_non_finite_pixels_are_refused_with_their_place(bad):
     image = sky(16)
     image[3, 7, 1] = bad
     with pytest.raises(
@@ -286,7 +256,7 @@ def test_negative_and_non_finite_pixels_are_refused_with_their_place(bad: float)
         EnvironmentMap.constant((1, bad, 1))
 
 
-def test_images_without_pixels_are_refused() -> None:
+def test_images_without_pixels_are_refused():
     with pytest.raises(_core.SceneError, match="must have pixels, got 5 x 0 x 3"):
         EnvironmentMap.from_latlong(np.zeros((0, 5, 3)))
 
@@ -294,18 +264,18 @@ def test_images_without_pixels_are_refused() -> None:
 @pytest.mark.parametrize(
     "to_world", [np.zeros((3, 3)), np.diag([1, 1, 2.0]), np.full((3, 3), np.nan)]
 )
-def test_transforms_that_are_no_rotation_are_refused(to_world: npt.NDArray[np.float64]) -> None:
+def test_transforms_that_are_no_rotation_are_refused(to_world):
     with pytest.raises(_core.SceneError, match="to_world must be a rotation"):
         EnvironmentMap.from_latlong(sky(8), to_world=to_world)
 
 
 @pytest.mark.parametrize("resolution", [-2, 1, 3, 8192])
-def test_resolutions_that_are_no_power_of_two_are_refused(resolution: int) -> None:
+def test_resolutions_that_are_no_power_of_two_are_refused(resolution):
     with pytest.raises(_core.SceneError, match=r"power of two in \[2, 4096\], got"):
         EnvironmentMap.from_latlong(sky(8), resolution=resolution)
 
 
-def test_power_that_resampling_loses_is_an_error() -> None:
+def test_power_that_resampling_loses_is_an_error():
     """All light in one pixel at the pole, narrower than any look-up."""
     image = np.zeros((1024, 2048, 1), dtype=np.float32)
     image[0, 0] = 1
@@ -327,7 +297,7 @@ def test_power_that_resampling_loses_is_an_error() -> None:
         "venice_sunset_1k",
     ],
 )
-def test_captured_environments_keep_their_power(name: str) -> None:
+def test_captured_environments_keep_their_power(name):
     path = SCENES / "hdr" / f"{name}.hdr"
     if not path.is_file():
         pytest.skip(f"{path.name} is not in the scenes folder (VISCACHE_SCENES)")
@@ -342,7 +312,7 @@ def test_captured_environments_keep_their_power(name: str) -> None:
     assert radiance @ LUMINANCE / pdf == pytest.approx(map_.total_power, rel=1e-4)
 
 
-def test_the_map_is_the_same_for_any_number_of_threads() -> None:
+def test_the_map_is_the_same_for_any_number_of_threads():
     maps = [EnvironmentMap.from_latlong(sky(), threads=n).pixels.tobytes() for n in (1, 2, 3, 8)]
     assert len(set(maps)) == 1
 
@@ -367,7 +337,7 @@ print(resident() - before)
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads Linux' /proc")
-def test_the_memory_of_a_sky_is_that_of_its_bright_texels() -> None:
+def test_the_memory_of_a_sky_is_that_of_its_bright_texels():
     """The tables that samples need take a quarter of them."""
 
     def growth(bright: float) -> float:

@@ -1,9 +1,5 @@
 """Scenes from lists of meshes and from trimesh."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -19,7 +15,7 @@ def raised(height: float) -> npt.NDArray[np.float64]:
     return CORNERS + np.array([0.0, height, 0.0])
 
 
-def test_a_list_of_meshes_keeps_each_ones_material() -> None:
+def test_a_list_of_meshes_keeps_each_ones_material():
     scene = vc.Scene.from_arrays(
         [
             (CORNERS, QUAD),
@@ -30,19 +26,16 @@ def test_a_list_of_meshes_keeps_each_ones_material() -> None:
         env=1.0,
     )
     assert scene.triangles == 6
+    one, listed = (
+        vc.Scene.from_arrays(*given) for given in ((CORNERS, QUAD), ([(CORNERS, QUAD)],))
+    )
+    assert one.content_hash == listed.content_hash
     materials = [_core.scene_materials(scene._core)[m["material"]] for m in scene.meshes()]
     assert materials[0]["base_color"] == pytest.approx((0.1, 0.2, 0.3))
     assert materials[1]["base_color"] == [1, 0, 0]
     assert materials[2]["kind"] == _core.MaterialKind.GLOSSY and materials[2]["roughness"] == 0.25
     for height, mesh in enumerate(scene.meshes()):
         np.testing.assert_array_equal(mesh["vertices"], raised(height).astype("f4"))
-
-
-def test_a_list_of_one_is_the_mesh() -> None:
-    one, listed = (
-        vc.Scene.from_arrays(*given, env=0.5) for given in ((CORNERS, QUAD), ([(CORNERS, QUAD)],))
-    )
-    assert one.content_hash == listed.content_hash
 
 
 @pytest.mark.parametrize(
@@ -57,12 +50,12 @@ def test_a_list_of_one_is_the_mesh() -> None:
     ],
     ids=str,
 )
-def test_lists_that_are_none_are_refused(given: Any, says: str) -> None:
+def test_lists_that_are_none_are_refused(given, says):
     with pytest.raises(ValueError, match=says):
         vc.Scene.from_arrays(*given)
 
 
-def test_trimesh_objects_become_scenes() -> None:
+def test_trimesh_objects_become_scenes():
     trimesh = pytest.importorskip("trimesh")
     box = trimesh.creation.box(extents=(1, 2, 3))
     box.visual.face_colors = [255, 0, 51, 255]
@@ -88,7 +81,7 @@ def test_trimesh_objects_become_scenes() -> None:
         assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), a - middle) > 0).all()
 
 
-def test_what_has_no_triangles_is_refused_by_name() -> None:
+def test_what_has_no_triangles_is_refused_by_name():
     trimesh = pytest.importorskip("trimesh")
     cloud = trimesh.PointCloud(np.zeros((4, 3)))
     with pytest.raises(
@@ -99,7 +92,7 @@ def test_what_has_no_triangles_is_refused_by_name() -> None:
         vc.Scene.from_trimesh(np.zeros((4, 3)))
 
 
-def test_a_scene_without_triangles_warns() -> None:
+def test_a_scene_without_triangles_warns():
     empty = vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int), env=1.0)
     assert empty.warnings == ["the scene has no triangles; rays hit nothing"]
     assert "no triangles" in vc.render(empty, "direct", size=(4, 4)).warnings[0]

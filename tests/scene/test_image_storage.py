@@ -1,7 +1,5 @@
 """Images of 8 bits stay bytes in a scene, and look like the floats that they stand for."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """glTF 2.0 and GLB scenes: nodes, primitives, materials, lights, cameras."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct
@@ -88,11 +86,7 @@ def test_a_mesh_of_several_nodes_becomes_instances(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("mode", "triangles"),
-    [
-        (5, [[0, 1, 2], [1, 3, 2]]),
-        (6, [[1, 2, 0], [2, 3, 0]]),
-    ],
+    ("mode", "triangles"), [(5, [[0, 1, 2], [1, 3, 2]]), (6, [[1, 2, 0], [2, 3, 0]])]
 )
 def test_strips_and_fans_become_triangles(tmp_path, mode, triangles):
     mesh = {"primitives": [{"attributes": {"POSITION": 0}, "mode": mode}]}

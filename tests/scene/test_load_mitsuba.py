@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Mitsuba XML scenes: both dialects, values, materials, shapes, lights, cameras."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

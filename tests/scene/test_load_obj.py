@@ -1,7 +1,5 @@
 """OBJ and MTL files: geometry, indices, materials, textures."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """pbrt-v3 text scenes: directives, materials, shapes, lights, cameras."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

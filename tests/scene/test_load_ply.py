@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """PLY files, ascii and little-endian binary."""
 
-from __future__ import annotations
-
 import struct
 
 import numpy as np

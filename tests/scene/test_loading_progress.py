@@ -1,7 +1,5 @@
 """Loading tells of its steps: the file, EXR images one by one, and the structure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -26,13 +24,13 @@ def scene_file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_callable_gets_every_step(scene_file: Path) -> None:
+def test_a_callable_gets_every_step(scene_file):
     told: list[tuple[int, int]] = []
     vc.load_scene(scene_file, progress=lambda done, total: told.append((done, total)))
     assert told == [(0, 2), (1, 3), (2, 3), (3, 3)]
 
 
-def test_an_error_of_an_image_ends_the_steps(scene_file: Path) -> None:
+def test_an_error_of_an_image_ends_the_steps(scene_file):
     (scene_file.parent / "a.exr").write_bytes(b"no picture")
     told: list[tuple[int, int]] = []
     with pytest.raises(vc.SceneError, match="not an OpenEXR file"):
@@ -40,6 +38,6 @@ def test_an_error_of_an_image_ends_the_steps(scene_file: Path) -> None:
     assert told == [(0, 2), (1, 3)]
 
 
-def test_true_shows_a_bar(scene_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_true_shows_a_bar(scene_file, capsys):
     vc.load_scene(scene_file, progress=True)
     assert "step" in capsys.readouterr().err

@@ -42,7 +42,6 @@ def directions(sp_wo, n=4001):
 
 @pytest.mark.parametrize("name", POINTS)
 def test_batches_are_the_bsdf_times_the_cosine_and_its_density(name):
-    """Up to rounding; zero on the same side of both planes."""
     sp = POINTS[name]
     cosines = {"grazing": 0.05, "sharp": 0.8, "diffuse": 0.6}
     cosine = next((c for word, c in cosines.items() if word in name), 0.7)
@@ -60,7 +59,6 @@ def test_batches_are_the_bsdf_times_the_cosine_and_its_density(name):
 @pytest.mark.parametrize("name", POINTS)
 @pytest.mark.parametrize("isa", AVAILABLE)
 def test_every_instruction_set_reflects_the_same_bits(name, isa):
-    """The portable code's."""
     w = directions((0.5, 0.5, 0.7), 333)
     for a, b in zip(
         testing.reflect_directions(POINTS[name], w, isa=isa),
@@ -72,7 +70,6 @@ def test_every_instruction_set_reflects_the_same_bits(name, isa):
 
 @pytest.mark.extreme
 def test_what_reflects_nothing_gives_zero():
-    """Mirrors, glass, black surfaces and eyes below the horizon."""
     w = directions((0, 0, 1), 64)
     for sp in (
         ShadingPoint(MaterialKind.MIRROR, (0, 0, 1), specular=(1, 1, 1)),

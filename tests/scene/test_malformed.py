@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Malformed scene files: SceneError with file and place, never a crash, a hang or a silent guess."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct
@@ -30,161 +28,118 @@ def xml(body: str) -> str:
     return f'<scene version="3.0.0">\n{body}\n</scene>'
 
 
-# name, content, what the error must say
-BAD = [
-    ("m.obj", "", "empty"),
-    ("m.obj", "# nothing\n", "no faces"),
-    ("m.obj", TRIANGLE + "f 1 2 4\n", r"m.obj:4: .*vertex index 4, the file has 3"),
-    ("m.obj", TRIANGLE + "f 1 2 0\n", r"m.obj:4: .*start at 1, got 0"),
-    ("m.obj", TRIANGLE + "f 1 2 -4\n", r"m.obj:4: .*relative index -4"),
-    (
-        "m.obj",
-        TRIANGLE + "f 1/1 2/1 3/1\n",
-        r"m.obj:4: .*texture coordinate index 1, the file has 0",
-    ),
-    ("m.obj", TRIANGLE + "f 1//2 2//2 3//2\n", r"m.obj:4: .*normal index 2"),
-    ("m.obj", TRIANGLE + "f 1 2\n", r"m.obj:4: .*3 or more corners, got 2"),
-    ("m.obj", TRIANGLE + "f a b c\n", r"m.obj:4: .*got 'a'"),
-    ("m.obj", TRIANGLE + "f 1 2 99999999999\n", r"m.obj:4"),
-    ("m.obj", "v 0 0 nan\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: .*got 'nan'"),
-    ("m.obj", "v 0 0 1e999\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1"),
-    ("m.obj", "v 0 0\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: 3 numbers are needed, got 2"),
-    ("m.obj", "v 1e20 0 0\n" + TRIANGLE + "f 1 2 3\n", "at most 1e12"),
-    ("m.obj", TRIANGLE + "f 1 2 3\n\0", "zero byte"),
-    ("m.ply", "", "empty"),
-    ("m.ply", "plx\n", r"m.ply:1: not a PLY"),
-    ("m.ply", "ply\nformat ascii 1.0\n", "end_header"),
-    (
-        "m.ply",
-        PLY.replace("ascii", "binary_big_endian") + "0",
-        r"m.ply:2: format 'binary_big_endian'",
-    ),
-    ("m.ply", PLY.replace("float x", "half x"), r"m.ply:4: unknown property type 'half'"),
-    ("m.ply", PLY.replace("vertex 3", "vertex 3000000000000"), "3000000000000 rows"),
-    ("m.ply", PLY.replace("vertex 3", "vertex -3"), r"m.ply:3"),
-    (
-        "m.ply",
-        PLY.replace("property float x\nproperty float y\nproperty float z\n", ""),
-        "cannot hold",
-    ),
-    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 3\n", r"m.ply:11: .*vertex index 3, the file has 3"),
-    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 -1\n", "vertex index -1"),
-    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n2 0 1\n", "2 corners"),
-    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1\n", "ends inside"),
-    ("m.ply", PLY + "0 0 0 1 x 0 0 1 0\n3 0 1 2\n", r"m.ply:10: .*got 'x'"),
-    ("m.ply", PLY + "0 0 0 1 nan 0 0 1 0\n3 0 1 2\n", "vertex 1 is"),
-    ("m.ply", PLY.replace("face 1", "face 0") + "0 0 0 1 0 0 0 1 0\n", "no faces"),
-    ("m.ply", PLY_BINARY + POINTS + struct.pack("<B3i", 3, 0, 1, 7), r"byte \d+: .*vertex index 7"),
-    ("m.ply", PLY_BINARY + POINTS[:-4] + NAN + struct.pack("<B3i", 3, 0, 1, 2), "vertex 2 is"),
-    ("m.ply", PLY_BINARY + POINTS + struct.pack("<B2i", 3, 0, 1), "ends inside"),
-    ("m.ply", PLY_BINARY + POINTS[:20], r"rows|ends inside"),
-    (
-        "m.ply",
-        PLY_BINARY.replace(b"uchar int", b"uint int") + POINTS + struct.pack("<I", 2**32 - 1),
-        "cannot hold",
-    ),
-    ("s.xml", "<scene", r"s.xml:1: not well-formed"),
-    ("s.xml", "<a/>", "must be <scene>"),
-    ("s.xml", xml('<shape type="obj"/>'), r"s.xml:2: .*needs a filename"),
-    (
-        "s.xml",
-        xml('<shape type="obj"><string name="filename" value="no.obj"/></shape>'),
-        r"s.xml:2: .*no.obj: the file does not exist",
-    ),
-    (
-        "s.xml",
-        xml('<shape type="sphere"><float name="radius" value="-1"/></shape>'),
-        r"s.xml:2: .*radius",
-    ),
-    (
-        "s.xml",
-        xml('<shape type="sphere"><float name="radius" value="abc"/></shape>'),
-        r"s.xml:2: .*'abc'",
-    ),
-    (
-        "s.xml",
-        xml(
-            '<shape type="cube"><transform name="to_world"><matrix value="1 2 3"/></transform></shape>'
-        ),
-        "16 or 9",
-    ),
-    (
-        "s.xml",
-        xml(
-            '<shape type="cube"><transform name="to_world"><scale value="1e30"/></transform></shape>'
-        ),
-        "at most 1e12",
-    ),
-    (
-        "s.xml",
-        xml(
-            '<shape type="cube"><transform name="to_world"><scale value="nan"/></transform></shape>'
-        ),
-        "finite number",
-    ),
-    (
-        "s.xml",
-        xml('<sensor type="perspective"><float name="fov" value="180"/></sensor>'),
-        "field of view",
-    ),
-    (
-        "s.xml",
-        xml(
-            '<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="1 2"/></bsdf></shape>'
-        ),
-        "one or three numbers",
-    ),
-    ("s.xml", xml('<shape type="cube"><bsdf type="twosided"/></shape>'), "needs a bsdf inside"),
-    ("s.xml", xml("<a>" * 5000 + "</a>" * 5000), "nested more than 64"),
-    ("s.xml", xml('<shape type="instance"><ref id="x"/></shape>'), "nothing has the id"),
-    ("s.pbrt", "WorldBegin\n", "ends before WorldEnd"),
-    ("s.pbrt", "WorldBegin\nBogus\n", r"s.pbrt:2: a directive must stand here, got 'Bogus'"),
-    ("s.pbrt", "Translate 1 2\nWorldBegin\n", r"s.pbrt:2: a finite number must stand here"),
-    ("s.pbrt", PBRT.replace("0 1 2]", "0 1 3]"), r"s.pbrt:2: 'indices' holds 3.*, the mesh has 3"),
-    ("s.pbrt", PBRT.replace("0 1 2]", "0 1]"), r"s.pbrt:2: 'indices' must be triples"),
-    ("s.pbrt", PBRT.replace("[0 0 0", "[nan 0 0"), r"s.pbrt:2: vertex 0 is"),
-    ("s.pbrt", PBRT.replace("WorldEnd", "AttributeEnd"), r"s.pbrt:3: AttributeEnd has no matching"),
-    (
-        "s.pbrt",
-        PBRT.replace("WorldEnd", "AttributeBegin WorldEnd"),
-        r"s.pbrt:3: this block does not end",
-    ),
-    ("s.pbrt", PBRT.replace("]\n", "\n"), "must stand here"),
-    (
-        "s.pbrt",
-        'WorldBegin\nInclude "s.pbrt"\nWorldEnd',
-        r"s.pbrt:2: the include of .*s.pbrt' is cyclic",
-    ),
-    (
-        "s.pbrt",
-        'WorldBegin\nInclude "gone.pbrt"\nWorldEnd',
-        r"s.pbrt:2: .*gone.pbrt: the file does not exist",
-    ),
-    (
-        "s.pbrt",
-        'WorldBegin\nShape "plymesh" "string filename" "gone.ply"\nWorldEnd',
-        r"s.pbrt:2: .*gone.ply",
-    ),
-    (
-        "s.pbrt",
-        'WorldBegin\nObjectInstance "o"\nWorldEnd',
-        r"s.pbrt:2: the object 'o' is not defined",
-    ),
-    ("s.pbrt", 'WorldBegin\nObjectBegin "o" ObjectBegin "p"', r"s.pbrt:2: ObjectBegin must not"),
-    ("s.pbrt", 'WorldBegin "unclosed\n', r"s.pbrt:1: a string does not end"),
-    ("s.pbrt", 'Scale 0 0 0\nCamera "perspective"\n' + PBRT, r"s.pbrt:2: .*no inverse"),
-    ("s.gltf", "", "empty"),
-    ("s.gltf", "[1, 2]", "s.gltf: "),
-    ("s.gltf", "{", "s.gltf: "),
-    ("s.glb", b"glTF\2\0\0\0", "s.glb: "),
-    ("s.serialized", b"\x1c\x04\x04\x00", "s.serialized: "),
-    ("s.serialized", b"\x1c\x04\x09\x00" + bytes(20), "version 9"),
-    ("s.serialized", b"\x1c\x04\x04\x00" + bytes(20) + b"\xff\xff\xff\xff", "4294967295 shapes"),
-    ("s.stl", "solid", r"unknown scene format '.stl'"),
-]
+def cube(to_world: str) -> str:
+    return f'<shape type="cube"><transform name="to_world">{to_world}</transform></shape>'
 
 
-@pytest.mark.parametrize(("name", "content", "message"), BAD)
+def ball(radius: str) -> str:
+    return f'<shape type="sphere"><float name="radius" value="{radius}"/></shape>'
+
+
+def world(words: str) -> str:
+    return f"WorldBegin\n{words}\nWorldEnd"
+
+
+ROWS = "0 0 0 1 0 0 0 1 0\n"
+XYZ = "property float x\nproperty float y\nproperty float z\n"
+WHITE = (
+    '<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="1 2"/></bsdf></shape>'
+)
+#: By name: content, and what the error must say.
+BAD: dict[str, list[tuple[str | bytes, str]]] = {
+    "m.obj": [
+        ("", "empty"),
+        ("# nothing\n", "no faces"),
+        (TRIANGLE + "f 1 2 4\n", r"m.obj:4: .*vertex index 4, the file has 3"),
+        (TRIANGLE + "f 1 2 0\n", r"m.obj:4: .*start at 1, got 0"),
+        (TRIANGLE + "f 1 2 -4\n", r"m.obj:4: .*relative index -4"),
+        (TRIANGLE + "f 1/1 2/1 3/1\n", r"m.obj:4: .*texture coordinate index 1, the file has 0"),
+        (TRIANGLE + "f 1//2 2//2 3//2\n", r"m.obj:4: .*normal index 2"),
+        (TRIANGLE + "f 1 2\n", r"m.obj:4: .*3 or more corners, got 2"),
+        (TRIANGLE + "f a b c\n", r"m.obj:4: .*got 'a'"),
+        (TRIANGLE + "f 1 2 99999999999\n", r"m.obj:4"),
+        ("v 0 0 nan\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: .*got 'nan'"),
+        ("v 0 0 1e999\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1"),
+        ("v 0 0\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: 3 numbers are needed, got 2"),
+        ("v 1e20 0 0\n" + TRIANGLE + "f 1 2 3\n", "at most 1e12"),
+        (TRIANGLE + "f 1 2 3\n\0", "zero byte"),
+    ],
+    "m.ply": [
+        ("", "empty"),
+        ("plx\n", r"m.ply:1: not a PLY"),
+        ("ply\nformat ascii 1.0\n", "end_header"),
+        (PLY.replace("ascii", "binary_big_endian") + "0", r"m.ply:2: format 'binary_big_endian'"),
+        (PLY.replace("float x", "half x"), r"m.ply:4: unknown property type 'half'"),
+        (PLY.replace("vertex 3", "vertex 3000000000000"), "3000000000000 rows"),
+        (PLY.replace("vertex 3", "vertex -3"), r"m.ply:3"),
+        (PLY.replace(XYZ, ""), "cannot hold"),
+        (PLY + ROWS + "3 0 1 3\n", r"m.ply:11: .*vertex index 3, the file has 3"),
+        (PLY + ROWS + "3 0 1 -1\n", "vertex index -1"),
+        (PLY + ROWS + "2 0 1\n", "2 corners"),
+        (PLY + ROWS + "3 0 1\n", "ends inside"),
+        (PLY + "0 0 0 1 x 0 0 1 0\n3 0 1 2\n", r"m.ply:10: .*got 'x'"),
+        (PLY + "0 0 0 1 nan 0 0 1 0\n3 0 1 2\n", "vertex 1 is"),
+        (PLY.replace("face 1", "face 0") + ROWS, "no faces"),
+        (PLY_BINARY + POINTS + struct.pack("<B3i", 3, 0, 1, 7), r"byte \d+: .*vertex index 7"),
+        (PLY_BINARY + POINTS[:-4] + NAN + struct.pack("<B3i", 3, 0, 1, 2), "vertex 2 is"),
+        (PLY_BINARY + POINTS + struct.pack("<B2i", 3, 0, 1), "ends inside"),
+        (PLY_BINARY + POINTS[:20], r"rows|ends inside"),
+        (PLY_BINARY.replace(b"uchar", b"uint") + POINTS + b"\xff" * 4, "cannot hold"),
+    ],
+    "s.xml": [
+        ("<scene", r"s.xml:1: not well-formed"),
+        ("<a/>", "must be <scene>"),
+        (xml('<shape type="obj"/>'), r"s.xml:2: .*needs a filename"),
+        (
+            xml('<shape type="obj"><string name="filename" value="no.obj"/></shape>'),
+            r"s.xml:2: .*no.obj: the file does not exist",
+        ),
+        (xml(ball("-1")), r"s.xml:2: .*radius"),
+        (xml(ball("abc")), r"s.xml:2: .*'abc'"),
+        (xml(cube('<matrix value="1 2 3"/>')), "16 or 9"),
+        (xml(cube('<scale value="1e30"/>')), "at most 1e12"),
+        (xml(cube('<scale value="nan"/>')), "finite number"),
+        (
+            xml('<sensor type="perspective"><float name="fov" value="180"/></sensor>'),
+            "field of view",
+        ),
+        (xml(WHITE), "one or three numbers"),
+        (xml('<shape type="cube"><bsdf type="twosided"/></shape>'), "needs a bsdf inside"),
+        (xml("<a>" * 5000 + "</a>" * 5000), "nested more than 64"),
+        (xml('<shape type="instance"><ref id="x"/></shape>'), "nothing has the id"),
+    ],
+    "s.pbrt": [
+        ("WorldBegin\n", "ends before WorldEnd"),
+        ("WorldBegin\nBogus\n", r"s.pbrt:2: a directive must stand here, got 'Bogus'"),
+        ("Translate 1 2\nWorldBegin\n", r"s.pbrt:2: a finite number must stand here"),
+        (PBRT.replace("0 1 2]", "0 1 3]"), r"s.pbrt:2: 'indices' holds 3.*, the mesh has 3"),
+        (PBRT.replace("0 1 2]", "0 1]"), r"s.pbrt:2: 'indices' must be triples"),
+        (PBRT.replace("[0 0 0", "[nan 0 0"), r"s.pbrt:2: vertex 0 is"),
+        (PBRT.replace("WorldEnd", "AttributeEnd"), r"s.pbrt:3: AttributeEnd has no matching"),
+        (PBRT.replace("WorldEnd", "AttributeBegin WorldEnd"), r"s.pbrt:3: this block does not end"),
+        (PBRT.replace("]\n", "\n"), "must stand here"),
+        (world('Include "s.pbrt"'), r"s.pbrt:2: the include of .*s.pbrt' is cyclic"),
+        (world('Include "gone.pbrt"'), r"s.pbrt:2: .*gone.pbrt: the file does not exist"),
+        (world('Shape "plymesh" "string filename" "gone.ply"'), r"s.pbrt:2: .*gone.ply"),
+        (world('ObjectInstance "o"'), r"s.pbrt:2: the object 'o' is not defined"),
+        (world('ObjectBegin "o" ObjectBegin "p"'), r"s.pbrt:2: ObjectBegin must not"),
+        ('WorldBegin "unclosed\n', r"s.pbrt:1: a string does not end"),
+        ('Scale 0 0 0\nCamera "perspective"\n' + PBRT, r"s.pbrt:2: .*no inverse"),
+    ],
+    "s.gltf": [("", "empty"), ("[1, 2]", "s.gltf: "), ("{", "s.gltf: ")],
+    "s.glb": [(b"glTF\2\0\0\0", "s.glb: ")],
+    "s.serialized": [
+        (b"\x1c\x04\x04\x00", "s.serialized: "),
+        (b"\x1c\x04\x09\x00" + bytes(20), "version 9"),
+        (b"\x1c\x04\x04\x00" + bytes(20) + b"\xff\xff\xff\xff", "4294967295 shapes"),
+    ],
+    "s.stl": [("solid", r"unknown scene format '.stl'")],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"), [(name, *row) for name, rows in BAD.items() for row in rows]
+)
 def test_a_malformed_file_is_refused_with_file_and_place(tmp_path, name, content, message):
     path = tmp_path / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())

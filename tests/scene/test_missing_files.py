@@ -1,7 +1,5 @@
 """Mesh files that are not there: an error that says what helps, or shapes are left out."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from pathlib import Path
@@ -24,7 +22,7 @@ def written(folder: Path, kind: str) -> Path:
 
 
 @pytest.mark.parametrize("kind", ["obj", "ply", "serialized", "plymesh"])
-def test_a_missing_mesh_is_an_error_or_left_out(tmp_path: Path, kind: str) -> None:
+def test_a_missing_mesh_is_an_error_or_left_out(tmp_path, kind):
     path = written(tmp_path, kind)
     with pytest.raises(
         vc.SceneError, match=r'scene\.\w+:2: .*gone.*does not exist; missing="skip"'
@@ -40,22 +38,20 @@ def test_a_missing_mesh_is_an_error_or_left_out(tmp_path: Path, kind: str) -> No
         vc.load_scene(path, missing="Skip")  # type: ignore[arg-type]
 
 
-def test_a_broken_mesh_is_an_error_all_the_same(tmp_path: Path) -> None:
+def test_a_broken_mesh_is_an_error_all_the_same(tmp_path):
     path = written(tmp_path, "ply")
     (tmp_path / "gone.ply").write_text("ply\nnonsense\n")
     with pytest.raises(vc.SceneError, match=r"gone\.ply"):
         vc.load_scene(path, missing="skip")
 
 
-def test_a_scene_without_its_missing_parts_travels(tmp_path: Path) -> None:
+def test_a_scene_without_its_missing_parts_travels(tmp_path):
     scene = vc.load_scene(written(tmp_path, "ply"), missing="skip")
     back = pickle.loads(pickle.dumps(scene))
     assert back.content_hash == scene.content_hash
 
 
-def test_the_command_line_leaves_missing_meshes_out(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_line_leaves_missing_meshes_out(tmp_path, capsys):
     path = str(written(tmp_path, "obj"))
     assert cli.main(["info", path]) == cli.BAD_USAGE
     assert 'missing="skip"' in capsys.readouterr().err
@@ -64,9 +60,7 @@ def test_the_command_line_leaves_missing_meshes_out(
     assert info["triangles"] == 2 and "left out" in info["warnings"][0]
 
 
-def test_a_sweep_leaves_missing_meshes_out_too(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_leaves_missing_meshes_out_too(tmp_path, capsys):
     written(tmp_path, "obj")
     file = tmp_path / "sweep.toml"
     text = 'scene = "scene.xml"\nintegrator = "direct"\nsize = [8, 8]\nmetrics = ["rel_l1"]\n'

@@ -1,7 +1,5 @@
 """Hits name their triangle: those of the meshes in order, then those of the sphere lights."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -25,7 +23,7 @@ def scene() -> vc.Scene:
 
 
 @pytest.mark.parametrize("rays", ["embree", "bsp", "vlf"])
-def test_sphere_lights_are_numbered_after_the_meshes(scene: vc.Scene, rays: str) -> None:
+def test_sphere_lights_are_numbered_after_the_meshes(scene, rays):
     origins = [[0.1, 1, 0.1], [0.1, 1, 0.1], [0.1, 6, 0.1], [5.1, 1, 0.2]]
     up = [[0, -1, 0], [0, 1, 0], [0, 1, 0], [0, -1, 0]]
     hits = scene.intersect(origins, up, rays=rays)
@@ -39,7 +37,7 @@ def test_sphere_lights_are_numbered_after_the_meshes(scene: vc.Scene, rays: str)
         check_hits(hits, int(second))
 
 
-def test_the_last_number_is_a_triangle_of_the_last_sphere(scene: vc.Scene) -> None:
+def test_the_last_number_is_a_triangle_of_the_last_sphere(scene):
     rng = np.random.default_rng(1)
     toward = rng.normal(size=(100_000, 3))
     toward /= np.linalg.norm(toward, axis=1, keepdims=True)

@@ -1,7 +1,5 @@
 """Crops, offsets of the principal point, screen windows beside the axis: parts of wider films."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,6 @@ from viscache import _core as core
 from viscache.scene.cameras import camera_in_words
 from viscache_lab.parity import blocks
 
-FILM = (48, 32)
 #: A box under an even sky, and a lamp: every pixel sees something else.
 ROOM = """<scene version="3.0.0"><sensor type="{kind}">{more}<transform name="to_world">{scale}
 <lookat origin="1.5,2.5,4" target="0,0.4,0" up="0,1,0"/></transform>
@@ -61,29 +58,7 @@ def in_blocks(ours: Any, theirs: Any) -> Any:
     return blocks.compare(mine, other)
 
 
-def of_mitsuba(path: Path) -> Any:
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
-    mi.set_variant("scalar_rgb")
-    scene, by = mi.load_file(str(path)), mi.load_dict({"type": "direct"})
-    made = [np.array(mi.render(scene, integrator=by, spp=64, seed=s)) for s in range(8)]
-    return np.stack(made).astype(np.float64)
-
-
-@pytest.mark.slow
-@pytest.mark.stat
-@pytest.mark.mitsuba
-@pytest.mark.parametrize("more", ["", OFFSET], ids=["centred", "offset"])
-@pytest.mark.parametrize("film", ["", CROPPED], ids=["film", "crop"])
-def test_the_picture_is_mitsubas(tmp_path: Path, more: str, film: str) -> None:
-    path = room(tmp_path, more=more, film=film)
-    ours, theirs = pictures(path, vc.Direct()), of_mitsuba(path)
-    assert ours.shape == theirs.shape
-    assert in_blocks(ours, theirs).agrees
-    # Power: one pixel aside would be noticed
-    assert not in_blocks(np.roll(ours, 1, axis=2), theirs).agrees
-
-
-def test_a_crop_is_that_part_of_the_picture(tmp_path: Path) -> None:
+def test_a_crop_is_that_part_of_the_picture(tmp_path):
     x, y, width, height = CROP
     for kind, scale in (("perspective", ""), ("orthographic", '<scale value="2"/>')):
         whole = pictures(room(tmp_path, kind=kind, scale=scale), vc.Direct(), 16, 6)
@@ -96,7 +71,7 @@ def test_a_crop_is_that_part_of_the_picture(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_light_paths_reach_the_right_pixel(tmp_path: Path) -> None:
+def test_light_paths_reach_the_right_pixel(tmp_path):
     """Connections with the camera go from points to pixels, all others from pixels to points."""
     path = room(tmp_path, more=OFFSET, film=CROPPED)
     on = pictures(path, vc.Bdpt(max_depth=3))
@@ -110,7 +85,7 @@ def camera_of(path: Path, text: str) -> Any:
     return core.load_scene_file(str(path), True).cameras[0]
 
 
-def test_pbrts_windows_and_crops_are_the_same_cameras(tmp_path: Path) -> None:
+def test_pbrts_windows_and_crops_are_the_same_cameras(tmp_path):
     path = tmp_path / "s.pbrt"
     view = 'LookAt 1 2 3 0 0 0 0 1 0 Camera "perspective" "float fov" 90 '
     film = 'Film "image" "integer xresolution" 40 "integer yresolution" 20 '
@@ -133,19 +108,13 @@ def test_pbrts_windows_and_crops_are_the_same_cameras(tmp_path: Path) -> None:
         camera_of(tmp_path / "s.xml", xml)
 
 
-def test_a_shift_travels_and_changes_the_scene(tmp_path: Path) -> None:
-    shifted = vc.load_scene(room(tmp_path, more=OFFSET))
-    plain = vc.load_scene(room(tmp_path))
+def test_a_shift_changes_the_scene_and_is_said(tmp_path):
+    shifted, plain = vc.load_scene(room(tmp_path, more=OFFSET)), vc.load_scene(room(tmp_path))
     assert shifted.content_hash != plain.content_hash
-    back = pickle.loads(pickle.dumps(shifted)).cameras[0]
-    for camera in (back, pickle.loads(pickle.dumps(shifted.cameras[0]))):
-        assert (camera.shift_x, camera.shift_y) == (pytest.approx(0.2), pytest.approx(0.1))
-    words = camera_in_words(back)
-    assert words["shift_x"] == pytest.approx(0.2)
+    camera = pickle.loads(pickle.dumps(shifted)).cameras[0]
+    assert (camera.shift_x, camera.shift_y) == (pytest.approx(0.2), pytest.approx(0.1))
+    assert camera_in_words(camera)["shift_x"] == pytest.approx(0.2)
     assert "shift_x" not in camera_in_words(plain.cameras[0])
-    back.shift_x = float("nan")
-    with pytest.raises(ValueError, match="the shift must be finite"):
-        vc.render(shifted, vc.Direct(), camera=back, size=(4, 4))
 
 
 NEAR, FAR = '<float name="near_clip" value="{}"/>', '<float name="far_clip" value="{}"/>'
@@ -156,7 +125,7 @@ def warned(folder: Path, more: str, **rest: str) -> list[str]:
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])
-def test_planes_that_cut_the_picture_are_warned_of(tmp_path: Path, kind: str) -> None:
+def test_planes_that_cut_the_picture_are_warned_of(tmp_path, kind):
     scale = '<scale value="2"/>' if kind == "orthographic" else ""
     for more, text in (
         (NEAR.format(4), "the near plane is not modelled; what lies before it is seen"),

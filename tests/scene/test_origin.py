@@ -1,7 +1,5 @@
 """Scenes far from the origin keep their digits where they say where they are."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from pathlib import Path
@@ -17,7 +15,7 @@ CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
 FAR = (5e7 + 0.125, -3e7, 7e6 + 0.5)
 
 
-def test_all_that_is_placed_is_relative_to_the_origin() -> None:
+def test_all_that_is_placed_is_relative_to_the_origin():
     description = vc.SceneDescription(FAR)
     assert description.origin == list(FAR)
     mesh = description.add_mesh(CORNERS, ONE, in_world=False)
@@ -42,7 +40,7 @@ def test_all_that_is_placed_is_relative_to_the_origin() -> None:
         assert hit.t[0] == pytest.approx(0.75, rel=1e-6)  # Embree rounds otherwise without AVX-512
 
 
-def test_the_origin_stays_with_the_scene() -> None:
+def test_the_origin_stays_with_the_scene():
     scene = vc.Scene.from_arrays(CORNERS + FAR, ONE, origin=FAR)
     for same in (scene.with_environment(1.0), pickle.loads(pickle.dumps(scene))):
         assert same.origin.tolist() == list(FAR)
@@ -53,7 +51,7 @@ def test_the_origin_stays_with_the_scene() -> None:
 
 
 @pytest.mark.parametrize("share", [1, 1e-3], ids=["one point", "few steps"])
-def test_the_warning_names_an_origin_that_ends_it(share: float) -> None:
+def test_the_warning_names_an_origin_that_ends_it(share):
     corners = CORNERS + np.multiply(FAR, share)
     (warning,) = vc.Scene.from_arrays(corners, ONE, env=1.0).warnings
     assert ("one point" if share == 1 else "times its size from the origin") in warning
@@ -83,7 +81,7 @@ def gltf(folder: Path) -> Path:
     return path
 
 
-def test_gltf_files_lose_nothing(tmp_path: Path) -> None:
+def test_gltf_files_lose_nothing(tmp_path):
     scene = vc.load_scene(gltf(tmp_path), origin=np.subtract(FAR, 0.25))
     np.testing.assert_array_equal(scene.meshes()[0]["vertices"], CORNERS.astype(np.float32) + 0.25)
     assert tuple(scene.cameras[0].origin) == (0.25, 0.25, 0.25)
@@ -91,7 +89,7 @@ def test_gltf_files_lose_nothing(tmp_path: Path) -> None:
     assert np.abs(lost - FAR - CORNERS).max() > 0.1
 
 
-def test_other_files_are_moved_as_they_are(tmp_path: Path) -> None:
+def test_other_files_are_moved_as_they_are(tmp_path):
     path = tmp_path / "a.pbrt"
     path.write_text(
         """
@@ -120,7 +118,7 @@ def test_other_files_are_moved_as_they_are(tmp_path: Path) -> None:
     assert pickle.loads(pickle.dumps(moved_to)).origin.tolist() == [4096, 8192, 1]
 
 
-def test_trimesh_objects_keep_their_digits() -> None:
+def test_trimesh_objects_keep_their_digits():
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.Trimesh(CORNERS + FAR, ONE, process=False)
     scene = vc.Scene.from_trimesh(mesh, origin=FAR)
@@ -128,7 +126,7 @@ def test_trimesh_objects_keep_their_digits() -> None:
 
 
 @pytest.mark.parametrize("bad", [(0, 0), (0, 0, np.nan), (0, np.inf, 0), "x", (0, 0, 1j), None])
-def test_bad_origins_are_refused(bad: Any, tmp_path: Path) -> None:
+def test_bad_origins_are_refused(bad, tmp_path):
     with pytest.raises(ValueError, match="origin must be"):
         vc.Scene.from_arrays(CORNERS, ONE, origin=bad)
     with pytest.raises(ValueError, match="origin must be"):

@@ -1,9 +1,6 @@
 """Orthographic cameras: parallel rays in every integrator, from Python and from files."""
 
-from __future__ import annotations
-
 import json
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -45,34 +42,9 @@ def images(path: Path, integrator: Any, spp: int, seeds: int, **settings: Any) -
     return np.stack([f.image for f in frames]).astype(np.float64)
 
 
-def of_mitsuba(path: Path, depth: int, spp: int, seeds: int) -> Any:
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
-    mi.set_variant("scalar_rgb")
-    scene = mi.load_file(str(path))
-    by = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 100})
-    made = [np.array(mi.render(scene, integrator=by, spp=spp, seed=s)) for s in range(seeds)]
-    return np.stack(made).astype(np.float64)
-
-
 @pytest.mark.slow
 @pytest.mark.stat
-@pytest.mark.parametrize(
-    ("integrator", "depth"),
-    [(vc.Direct(), 2), (vc.Bdpt(max_depth=2), 2), (vc.Bdpt(max_depth=4), 4)],
-    ids=["direct", "bdpt", "bdpt with bounces"],
-)
-def test_the_picture_is_mitsubas(room: Path, integrator: Any, depth: int) -> None:
-    ours = images(room, integrator, 64, 8)
-    theirs = of_mitsuba(room, depth, 128, 8)
-    assert compare(ours, theirs).same
-    assert not compare(0.97 * ours, theirs).same, "the test has no power to see 3 % of the energy"
-    assert not compare(ours[:, :, ::-1], theirs).same
-
-
-@pytest.mark.slow
-@pytest.mark.stat
-def test_paths_from_the_light_reach_the_camera_with_their_weight(room: Path) -> None:
-    """Connections with the camera are off, exact or on: the same light."""
+def test_paths_from_the_light_reach_the_camera_with_their_weight(room):
     base = images(room, vc.Bdpt(max_depth=4, camera_connections="off"), 64, 8)
     scene = vc.load_scene(room)
     frames = [vc.render(scene, vc.Bdpt(max_depth=4), spp=64, seed=s) for s in range(8)]
@@ -82,8 +54,7 @@ def test_paths_from_the_light_reach_the_camera_with_their_weight(room: Path) -> 
     assert not compare(without, base).same, "light paths that end at the camera carry nothing"
 
 
-def test_pixels_are_equal_squares_whatever_their_distance() -> None:
-    """A step of the floor at two heights: the picture shows plan coordinates."""
+def test_pixels_are_equal_squares_whatever_their_distance():
     floor = ([[-4, 0, -4], [4, 0, -4], [4, 0, 4], [-4, 0, 4]], [[0, 2, 1], [0, 3, 2]], (1, 0, 0))
     table = ([[0, 3, 0], [1, 3, 0], [1, 3, 1], [0, 3, 1]], [[0, 2, 1], [0, 3, 2]], (0, 1, 0))
     scene = vc.Scene.from_arrays([floor, table])
@@ -100,7 +71,7 @@ def test_pixels_are_equal_squares_whatever_their_distance() -> None:
     assert (other.layers["albedo"][:, :, 1] == 1).sum() > 4
 
 
-def test_every_integrator_and_cache_takes_the_camera() -> None:
+def test_every_integrator_and_cache_takes_the_camera():
     scene = vc.scenes.cube_on_plane()
     view = vc.orthographic((3, 4, 5), (0, 0.5, 0), height=3)
     exact = vc.render(scene, vc.Direct(), camera=view, size=SIZE, spp=4)
@@ -114,7 +85,7 @@ def test_every_integrator_and_cache_takes_the_camera() -> None:
     assert np.isfinite(cached.image).all()
 
 
-def test_the_density_of_eye_points_is_that_of_the_plane() -> None:
+def test_the_density_of_eye_points_is_that_of_the_plane():
     """Cells hold as many eye samples as for a pinhole: C_E² each."""
     scene = vc.scenes.cube_on_plane()
     rays = []
@@ -128,29 +99,12 @@ def test_the_density_of_eye_points_is_that_of_the_plane() -> None:
     assert rays[0] == pytest.approx(rays[1], rel=0.05)
 
 
-def test_orthographic_cameras_travel() -> None:
-    made = vc.orthographic((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), height=3.5)
-    back = pickle.loads(pickle.dumps(made))
-    assert back.view_height == 3.5 and back.origin == made.origin
-    scene = vc.scenes.cube_on_plane()
-    frames = [vc.render(scene, "direct", camera=c, size=SIZE) for c in (made, back)]
-    assert frames[0].sha256 == frames[1].sha256
-    made.view_height = 3.6
-    assert vc.render(scene, "direct", camera=made, size=SIZE).sha256 != frames[0].sha256
-    for height in (0, -1, float("nan"), float("inf")):
-        with pytest.raises(ValueError, match="height must be > 0"):
-            vc.orthographic((0, 0, 1), (0, 0, 0), height=height)
-    made.view_height = -1
-    with pytest.raises(ValueError, match="view_height must be finite and >= 0"):
-        vc.render(scene, "direct", camera=made, size=SIZE)
-
-
 def camera_of(path: Path, text: str) -> Any:
     path.write_text(text)
     return core.load_scene_file(str(path), True).cameras[0]
 
 
-def test_files_say_how_much_the_camera_sees(tmp_path: Path) -> None:
+def test_files_say_how_much_the_camera_sees(tmp_path):
     view = "LookAt 0 0 5  0 0 0  0 1 0"
     film = 'Film "image" "integer xresolution" 200 "integer yresolution" 100 WorldBegin WorldEnd'
     pbrt = tmp_path / "s.pbrt"
@@ -194,7 +148,7 @@ def test_files_say_how_much_the_camera_sees(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("point", [None, 3, "abc", (1, 2), (1, "x", 2), (1, 2, True), [[1, 2, 3]]])
-def test_points_of_cameras_must_be_three_numbers(point: Any) -> None:
+def test_points_of_cameras_must_be_three_numbers(point):
     with pytest.raises(ValueError, match="target must be 3 numbers"):
         vc.look_at((0, 0, 0), point)
     with pytest.raises(ValueError, match="origin must be 3 numbers"):
@@ -202,8 +156,9 @@ def test_points_of_cameras_must_be_three_numbers(point: Any) -> None:
 
 
 @pytest.mark.parametrize("value", ["x", None, True, 1j, [45], float("nan")])
-def test_angles_and_heights_of_cameras_must_be_numbers(value: Any) -> None:
+def test_angles_and_heights_of_cameras_must_be_numbers(value):
     with pytest.raises(ValueError, match="fov_deg must be in"):
         vc.look_at((0, 0, 1), (0, 0, 0), fov_deg=value)
-    with pytest.raises(ValueError, match="height must be > 0 and finite"):
-        vc.orthographic((0, 0, 1), (0, 0, 0), height=value)
+    for height in (value, 0, -1, float("inf")):
+        with pytest.raises(ValueError, match="height must be > 0 and finite"):
+            vc.orthographic((0, 0, 1), (0, 0, 0), height=height)

@@ -1,7 +1,5 @@
 """Pictures of every format: the values that others read, and clear errors for broken files."""
 
-from __future__ import annotations
-
 import io
 import resource
 import struct

@@ -1,7 +1,5 @@
 """The clear sky and its sun: the formulas, Mitsuba 3's `sunsky`, and `vc.Sky`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +9,6 @@ import pytest
 import viscache as vc
 from viscache import _core
 
-WHITE = (0.3, 0.3, 0.3)
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -28,69 +25,12 @@ def upper_half(n: int) -> tuple[Any, Any]:
     return d, 2 * np.pi / len(d)
 
 
-@pytest.mark.parametrize("turbidity", [1.0, 2.5, 6.0, 10.0])
-@pytest.mark.parametrize("elevation", [1.0, 30.0, 75.0])
-def test_the_sky_is_symmetric_about_the_suns_plane(turbidity: float, elevation: float) -> None:
-    d, _ = upper_half(16)
-    sky = vc.Sky(sun_direction=tilted(elevation), turbidity=turbidity)
-    here, mirrored = sky.radiance(d), sky.radiance(d * [1, 1, -1])
-    np.testing.assert_allclose(here, mirrored, rtol=1e-4)
-    assert here.min() >= 0 and here.mean() > 0.005
-    # Power: it is not symmetric about the plane across, except under a high sun
-    turned = sky.radiance(d * [-1, 1, 1])
-    assert np.abs(turned - here).mean() > 0.02 * here.mean()
-
-
-def test_a_clear_day_has_the_known_look() -> None:
-    """Blue zenith, paler horizon, brightest near the sun, redder and darker with a low sun."""
-    sky = vc.Sky(sun_direction=tilted(40), turbidity=2.5)
-    zenith, horizon, near = sky.radiance([(0, 1, 0), (0, 0.05, 1), tilted(42)])
-    assert zenith[2] > 2 * zenith[0] and zenith[2] > zenith[1] > zenith[0]
-    assert zenith[2] / zenith[0] > 1.3 * horizon[2] / horizon[0]
-    assert near @ LUMINANCE > 3 * (zenith @ LUMINANCE)
-    low, high = (vc.Sky(sun_direction=tilted(e)).sun_irradiance for e in (5, 60))
-    assert low[0] / low[2] > 3 * high[0] / high[2] and low @ LUMINANCE < 0.5 * high @ LUMINANCE
-
-
 #: Lumen per W/nm of RGB: the integral of CIE y in nm times 683 lm/W.
 LUMEN = 106.75 * 683
-TO_XYZ = np.linalg.inv(
-    [
-        [3.2404542, -1.5371385, -0.4985314],
-        [-0.969266, 1.8760108, 0.041556],
-        [0.0556434, -0.2040259, 1.0572252],
-    ]
-)
-#: Chromaticities x and y at the zenith (Preetham et al. 1999, Appendix A.2): powers of the
-#: turbidity by powers of the sun's angle from the zenith.
-ZENITH_X = [
-    [0.00166, -0.00375, 0.00209, 0],
-    [-0.02903, 0.06377, -0.03202, 0.00394],
-    [0.11693, -0.21196, 0.06052, 0.25886],
-]
-ZENITH_Y = [
-    [0.00275, -0.00610, 0.00317, 0],
-    [-0.04214, 0.08970, -0.04153, 0.00516],
-    [0.15346, -0.26756, 0.06670, 0.26688],
-]
-
-
-@pytest.mark.parametrize("turbidity", [2.0, 3.0, 4.0])
-@pytest.mark.parametrize("elevation", [20.0, 30.0, 50.0])
-def test_the_zenith_has_the_published_chromaticity(turbidity: float, elevation: float) -> None:
-    """The fit of another group to another simulation of the clear sky."""
-    sky = vc.Sky(sun_direction=tilted(elevation), turbidity=turbidity, albedo=0.0)
-    xyz = TO_XYZ @ sky.radiance([(0, 1, 0)])[0]
-    haze = np.array([turbidity**2, turbidity, 1])
-    angle = np.radians(90 - elevation) ** np.array([3, 2, 1, 0])
-    found, published = xyz[:2] / xyz.sum(), [haze @ m @ angle for m in (ZENITH_X, ZENITH_Y)]
-    assert np.abs(found - published).max() < 0.02
-    # Power: white light, or the light of the sun, would be noticed
-    assert np.abs(np.array([0.3127, 0.3290]) - published).max() > 0.05
 
 
 @pytest.mark.parametrize("elevation", [20.0, 30.0, 50.0, 70.0])
-def test_illuminance_is_that_of_a_clear_day(elevation: float) -> None:
+def test_illuminance_is_that_of_a_clear_day(elevation):
     """The clear sky of the IES (1984): direct normal and diffuse horizontal, in klx."""
     sky = vc.Sky(sun_direction=tilted(elevation), turbidity=2.5, albedo=0.0)
     height = np.sin(np.radians(elevation))
@@ -102,7 +42,7 @@ def test_illuminance_is_that_of_a_clear_day(elevation: float) -> None:
 
 
 @pytest.mark.parametrize("elevation", [3.0, 45.0])
-def test_the_image_holds_the_energy_of_the_sky(elevation: float) -> None:
+def test_the_image_holds_the_energy_of_the_sky(elevation):
     sky = vc.Sky(sun_direction=tilted(elevation, 130), turbidity=3.0, sky_scale=2.0)
     d, solid_angle = upper_half(512)
     expected = sky.radiance(d).astype(np.float64).sum(0) * solid_angle
@@ -119,7 +59,7 @@ def test_the_image_holds_the_energy_of_the_sky(elevation: float) -> None:
     np.testing.assert_allclose(sun["irradiance"], sky.sun_irradiance, rtol=1e-6)
 
 
-def test_up_turns_the_sky_with_its_sun() -> None:
+def test_up_turns_the_sky_with_its_sun():
     plain = vc.Sky(sun_direction=(0.6, 0.64, 0.48))
     turned = vc.Sky(sun_direction=(0.6, -0.48, 0.64), up=(0, 0, 1))
     assert turned.elevation_deg == pytest.approx(plain.elevation_deg)
@@ -136,7 +76,7 @@ def test_up_turns_the_sky_with_its_sun() -> None:
     assert seen[0] == pytest.approx(seen[1], rel=0.01) and seen[0] > 0.1
 
 
-def test_a_sun_below_the_horizon_gives_no_light() -> None:
+def test_a_sun_below_the_horizon_gives_no_light():
     night = vc.Sky(sun_direction=(1, -0.1, 0))
     assert np.all(night.image(64) == 0) and np.all(night.sun_irradiance == 0)
     scene = vc.Scene.from_arrays([[0, 0, 0], [0, 0, 1], [1, 0, 0]], [[0, 1, 2]], env=night)
@@ -153,12 +93,12 @@ def test_a_sun_below_the_horizon_gives_no_light() -> None:
         ({"sun_scale": -1}, "sun_scale must be"),
     ],
 )
-def test_settings_out_of_range_are_refused(given: dict[str, Any], message: str) -> None:
+def test_settings_out_of_range_are_refused(given, message):
     with pytest.raises(ValueError, match=message):
         vc.Sky(**given)
 
 
-def test_the_sun_stands_where_almanacs_say() -> None:
+def test_the_sun_stands_where_almanacs_say():
     """Noon heights: 90° − latitude ± 23.44° at the solstices, within half a degree."""
     place: dict[str, Any] = {"latitude": 51.48, "longitude": 0.0, "timezone": 0}
     for date, expected in (((2012, 6, 21), 61.96), ((2012, 12, 21), 15.08)):
@@ -171,7 +111,7 @@ def test_the_sun_stands_where_almanacs_say() -> None:
         vc.Sky.at(**place, date=(2012, 2, 30), hour=6.0)
 
 
-def test_sweeps_take_skies() -> None:
+def test_sweeps_take_skies():
     scene = vc.scenes.build("slats")
     over = {"integrator.n_environment": [1, 2]}
     found = vc.sweep(scene, vc.Direct(), over=over, env=vc.Sky(), size=(8, 6))
@@ -200,7 +140,7 @@ def of_mitsuba(mi: Any, emitter: Any, d: Any) -> Any:
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("turbidity", [1.0, 3.7, 10.0])
 @pytest.mark.parametrize("elevation", [0.5, 20.0, 88.0])
-def test_radiance_and_sun_are_those_of_mitsuba(turbidity: float, elevation: float) -> None:
+def test_radiance_and_sun_are_those_of_mitsuba(turbidity, elevation):
     mi = mitsuba()
     sun = np.array(tilted(elevation, 50))
     up = sun[[2, 0, 1]].tolist()  # z up: x, y, z = our z, x, y
@@ -217,7 +157,7 @@ def test_radiance_and_sun_are_those_of_mitsuba(turbidity: float, elevation: floa
 
 
 @pytest.mark.mitsuba
-def test_the_time_gives_the_direction_of_mitsuba() -> None:
+def test_the_time_gives_the_direction_of_mitsuba():
     mi = mitsuba()
     for given in ({}, {"hour": 9.5, "latitude": 48.2, "longitude": 16.4, "timezone": 2.0}):
         emitter = mi.load_dict({"type": "sunsky"} | given)
@@ -250,7 +190,7 @@ VIEW = """<sensor type="perspective"><float name="fov" value="60"/>
     ],
     ids=["high", "low", "time"],
 )
-def test_a_picture_under_a_sky_is_mitsubas(tmp_path: Path, light: str) -> None:
+def test_a_picture_under_a_sky_is_mitsubas(tmp_path, light):
     from scene.test_mitsuba_parity import agreement
     from scene.test_mitsuba_parity import of_mitsuba as pictures_of_mitsuba
     from scene.test_mitsuba_parity import of_viscache as pictures
@@ -277,7 +217,7 @@ def of_old_file(tmp_path: Path, kind: str, body: str) -> Any:
     return _core.load_scene_file(str(path))
 
 
-def test_skies_of_older_files_have_y_up_and_their_names(tmp_path: Path) -> None:
+def test_skies_of_older_files_have_y_up_and_their_names(tmp_path):
     body = '<vector name="sunDirection" x="0.6" y="0.64" z="0.48"/>'
     scales = '<float name="sunScale" value="2"/><float name="skyScale" value="0.5"/>'
     scene = of_old_file(tmp_path, "sunsky", body + scales + '<float name="turbidity" value="4"/>')
@@ -293,7 +233,7 @@ def test_skies_of_older_files_have_y_up_and_their_names(tmp_path: Path) -> None:
     assert alone["kind"] == "directional"
 
 
-def test_errors_of_a_sky_name_the_line(tmp_path: Path) -> None:
+def test_errors_of_a_sky_name_the_line(tmp_path):
     with pytest.raises(vc.SceneError, match=r"old.xml:1: turbidity must be in \[1, 10\]"):
         of_old_file(tmp_path, "sky", '<float name="turbidity" value="20"/>')
     below = of_old_file(tmp_path, "sky", '<vector name="sunDirection" x="1" y="-0.5" z="0"/>')

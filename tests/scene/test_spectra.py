@@ -1,10 +1,7 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Spectra of scene files as linear sRGB: Mitsuba 3's numbers, and pbrt's own conventions."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -53,9 +50,7 @@ def reflected(folder: Path, spectrum: str) -> list[float]:
 
 
 @pytest.mark.parametrize(("spectrum", "expected"), LIGHTS)
-def test_the_spectrum_of_a_light_has_no_white_balance(
-    tmp_path: Path, spectrum: str, expected: tuple[float, float, float]
-) -> None:
+def test_the_spectrum_of_a_light_has_no_white_balance(tmp_path, spectrum, expected):
     found = emitted(tmp_path, f'<spectrum name="radiance" value="{spectrum}"/>')
     assert found == pytest.approx(expected, rel=1e-3, abs=1e-4)
     # Every light is read so, and not the surface beside it
@@ -73,34 +68,12 @@ def test_the_spectrum_of_a_light_has_no_white_balance(
 
 
 @pytest.mark.parametrize(("spectrum", "expected"), REFLECTANCES)
-def test_a_reflectance_is_seen_by_daylight(
-    tmp_path: Path, spectrum: str, expected: tuple[float, float, float]
-) -> None:
+def test_a_reflectance_is_seen_by_daylight(tmp_path, spectrum, expected):
     found = reflected(tmp_path, f'<spectrum name="reflectance" value="{spectrum}"/>')
     assert found == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("spectrum", [s for s, _ in LIGHTS])
-def test_mitsuba_loads_the_same_lights(tmp_path: Path, spectrum: str) -> None:
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
-    mi.set_variant("scalar_rgb")
-    text = f'<spectrum name="radiance" value="{spectrum}"/>'
-    loaded = mi.traverse(mi.load_file(str(mitsuba_file(tmp_path, lamp(text)))))
-    theirs = next(value for key, value in loaded if key.endswith("radiance.value"))
-    assert emitted(tmp_path, text) == pytest.approx(list(theirs), rel=1e-3, abs=1e-4)
-
-
-@pytest.mark.parametrize("spectrum", [s for s, _ in REFLECTANCES[:-1]])
-def test_mitsuba_loads_the_same_reflectances(tmp_path: Path, spectrum: str) -> None:
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
-    mi.set_variant("scalar_rgb")
-    text = f'<spectrum name="reflectance" value="{spectrum}"/>'
-    loaded = mi.traverse(mi.load_file(str(mitsuba_file(tmp_path, paint(text)))))
-    theirs = next(value for key, value in loaded if key.endswith("reflectance.value"))
-    assert reflected(tmp_path, text) == pytest.approx(list(theirs), abs=1e-3)
-
-
-def test_files_and_samples_of_spectra_are_read_as_lists_are(tmp_path: Path) -> None:
+def test_files_and_samples_of_spectra_are_read_as_lists_are(tmp_path):
     want = emitted(tmp_path, '<spectrum name="radiance" value="400:1, 500:2, 600:3"/>')
     (tmp_path / "lamp.spd").write_text("# nm value\n400 1\n500 2  # middle\n600 3\n")
     file = '<spectrum name="radiance" filename="lamp.spd"/>'
@@ -119,7 +92,7 @@ def test_files_and_samples_of_spectra_are_read_as_lists_are(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("kelvin", [2856, 5000, 9000])
-def test_a_black_body_has_the_colour_of_its_law(tmp_path: Path, kelvin: int) -> None:
+def test_a_black_body_has_the_colour_of_its_law(tmp_path, kelvin):
     nm = np.arange(360, 831, 10)
     h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
     m = nm * 1e-9
@@ -147,7 +120,7 @@ def pbrt_colors(folder: Path, head: str) -> tuple[list[float], list[float]]:
     return list(scene.materials[mesh["material"]]["base_color"]), list(mesh["emission"])
 
 
-def test_pbrt_v3_balances_neither_lights_nor_reflectances(tmp_path: Path) -> None:
+def test_pbrt_v3_balances_neither_lights_nor_reflectances(tmp_path):
     """RGBSpectrum::FromSampled: the outermost values hold beyond their wavelengths."""
     long = "300:.4, 400:.4, 700:.8, 900:.8"
     want = emitted(tmp_path, f'<spectrum name="radiance" value="{long}"/>')
@@ -155,9 +128,7 @@ def test_pbrt_v3_balances_neither_lights_nor_reflectances(tmp_path: Path) -> Non
     assert base == pytest.approx(want, rel=1e-4) and light == pytest.approx(want, rel=1e-4)
 
 
-def test_pbrt_v4_sees_reflectances_by_daylight_and_gives_lights_a_luminance_of_1(
-    tmp_path: Path,
-) -> None:
+def test_pbrt_v4_sees_reflectances_by_daylight_and_gives_lights_a_luminance_of_1(tmp_path):
     want = reflected(tmp_path, '<spectrum name="reflectance" value="400:.4, 700:.8"/>')
     glow = emitted(tmp_path, '<spectrum name="radiance" value="400:.4, 700:.8"/>')
     base, light = pbrt_colors(tmp_path, 'Film "rgb"')

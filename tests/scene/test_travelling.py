@@ -1,12 +1,9 @@
 """Scenes that are sent to other processes, and what notebooks show of them."""
 
-from __future__ import annotations
-
 import multiprocessing
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -65,9 +62,7 @@ def described() -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def test_built_in_scenes_and_files_travel_by_their_spec(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_built_in_scenes_and_files_travel_by_their_spec(tmp_path, monkeypatch):
     room = built("room?triangles=5000")
     assert len(pickle.dumps(room)) < 1000
     sent(room)
@@ -79,14 +74,14 @@ def test_built_in_scenes_and_files_travel_by_their_spec(
     assert back.spec == "one.obj" and back.triangles == 1
 
 
-def test_scenes_of_arrays_travel_with_everything() -> None:
+def test_scenes_of_arrays_travel_with_everything():
     back = sent(described())
     assert back.lights == described().lights
     assert [c.name for c in back.cameras] == ["front"]
     sent(vc.Scene.from_arrays(np.eye(3), [[0, 1, 2]], env=1.0))
 
 
-def test_a_spec_that_does_not_give_the_scene_is_not_relied_on(tmp_path: Path) -> None:
+def test_a_spec_that_does_not_give_the_scene_is_not_relied_on(tmp_path):
     lit = vc.scenes.cube_on_plane().with_environment(3.0)
     assert lit.spec == "cube_on_plane"
     sent(lit)
@@ -99,7 +94,7 @@ def test_a_spec_that_does_not_give_the_scene_is_not_relied_on(tmp_path: Path) ->
     sent(plain)
 
 
-def test_a_file_that_changed_on_the_way_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_changed_on_the_way_is_refused(tmp_path):
     path = tmp_path / "one.obj"
     path.write_text(OBJ)
     bytes_ = pickle.dumps(vc.load_scene(path))
@@ -123,12 +118,64 @@ MATERIALS: tuple[dict[str, Any], ...] = (
 )
 
 
-def test_materials_are_part_of_the_content_and_travel() -> None:
-    triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    made = [vc.Scene.from_arrays([(*triangle, material)]) for material in MATERIALS]
+def with_image(material: dict[str, Any], **image: Any) -> vc.Scene:
+    d = vc.SceneDescription()
+    d.add_image(np.float32([[[0.5] * 3, [0] * 3], [[0] * 3, [0.5] * 3]]), **image)
+    d.add_material(**material)
+    d.add_mesh(*TRIANGLE)
+    return vc.Scene.from_description(d)
+
+
+def with_light(**cone: Any) -> vc.Scene:
+    d = vc.SceneDescription()
+    d.add_mesh(*TRIANGLE)
+    d.add_point_light((1, 2, 3), (4, 5, 6), **cone)
+    return vc.Scene.from_description(d)
+
+
+TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+ROUGH = {"kind": _core.MaterialKind.GLOSSY}
+#: In each group, scenes that differ in one thing alone.
+GROUPS: dict[str, Callable[[], list[vc.Scene]]] = {
+    "materials": lambda: [vc.Scene.from_arrays([(*TRIANGLE, material)]) for material in MATERIALS],
+    "borders": lambda: [
+        with_image({"base_texture": 0}, wrap=wrap)
+        for wrap in (("repeat",) * 2, ("mirror", "repeat"), ("repeat", "mirror"), ("clamp",) * 2)
+    ],
+    "filters": lambda: [
+        with_image({"base_texture": 0}, nearest=nearest) for nearest in (True, False)
+    ],
+    "images of roughness": lambda: [
+        with_image(ROUGH | more)
+        for more in ({}, {"metallic_roughness_texture": 0}, {"roughness_texture": 0})
+    ],
+    "cones": lambda: [
+        with_light(),
+        *(with_light(axis=(0, 0, -2), cone_deg=(10, outer)) for outer in (25, 26)),
+    ],
+}
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_what_a_scene_looks_like_is_part_of_its_content_and_travels(group):
+    made = GROUPS[group]()
+    back = [pickle.loads(pickle.dumps(scene)) for scene in made]
     hashes = [scene.content_hash for scene in made]
     assert len(set(hashes)) == len(made)
-    assert [pickle.loads(pickle.dumps(scene)).content_hash for scene in made] == hashes
+    assert [scene.content_hash for scene in back] == hashes
+    assert [s.lights for s in back] == [s.lights for s in made]
+    images = [[_core.description_of(s._core).images for s in scenes] for scenes in (made, back)]
+    assert images[0] == images[1]
+
+
+def test_a_light_has_its_cone_and_the_geometry_has_none():
+    point, spot, _ = GROUPS["cones"]()
+    assert [s.lights[0]["kind"] for s in (point, spot)] == ["point", "spot"]
+    assert spot.lights[0]["axis"] == [0, 0, -1] and spot.lights[0]["falloff"] == "smooth"
+    assert spot.lights[0]["cone_deg"] == pytest.approx((10, 25), rel=1e-4)
+    assert point.geometry_hash == spot.geometry_hash
+    with pytest.raises(ValueError, match="wrap must be two of"):
+        with_image({}, wrap=("repeat", "zero"))
 
 
 @pytest.mark.parametrize(
@@ -149,21 +196,31 @@ def test_materials_are_part_of_the_content_and_travel() -> None:
         ({"opacity": 1.5}, r"opacity must be in \[0, 1\], got 1.5"),
     ],
 )
-def test_materials_that_cannot_be_are_refused(wrong: dict[str, Any], said: str) -> None:
-    triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+def test_materials_that_cannot_be_are_refused(wrong, said):
     with pytest.raises(ValueError, match=said):
-        vc.Scene.from_arrays([(*triangle, GLOSSY | wrong)])
+        vc.Scene.from_arrays([(*TRIANGLE, GLOSSY | wrong)])
 
 
-def test_a_scene_that_is_sent_often_is_made_once() -> None:
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"metallic_roughness_texture": 1}, "texture must be -1 or in"),
+        ({"roughness_texture": 0, "metallic_roughness_texture": 0}, "exclude each other"),
+        ({"roughness_texture": 0, "coat": _core.CoatKind.ROUGH}, "without a coat"),
+    ],
+)
+def test_wrong_images_of_roughness_are_refused(wrong, said):
+    with pytest.raises(vc.SceneError, match=said):
+        with_image(ROUGH | wrong)
+
+
+def test_a_scene_that_is_sent_often_is_made_once():
     bytes_ = pickle.dumps(described())
     assert pickle.loads(bytes_) is pickle.loads(bytes_)
 
 
-@pytest.mark.parametrize(
-    "spec", ["cornell_box", "room?triangles=3000", "garden?triangles=20000", "hairball"]
-)
-def test_built_in_scenes_come_back_from_their_arrays(spec: str) -> None:
+@pytest.mark.parametrize("spec", ["cornell_box", "room?triangles=3000", "garden?triangles=20000"])
+def test_built_in_scenes_come_back_from_their_arrays(spec):
     made = vc.scenes.build(spec)
     description = pickle.loads(pickle.dumps(_core.description_of(made._core)))
     assert vc.Scene.from_description(description).content_hash == made.content_hash
@@ -173,7 +230,7 @@ def rendered(scene: vc.Scene) -> str:
     return vc.render(scene, vc.Direct(), size=SIZE, threads=1).sha256
 
 
-def test_pools_of_processes_take_scenes(pool: ProcessPoolExecutor) -> None:
+def test_pools_of_processes_take_scenes(pool):
     scene = described()
     assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
     parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
@@ -185,12 +242,12 @@ def test_pools_of_processes_take_scenes(pool: ProcessPoolExecutor) -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("damage", [b"", b"\x00" * 8, b"text that is no scene"])
-def test_other_bytes_are_no_description(damage: bytes) -> None:
+def test_other_bytes_are_no_description(damage):
     with pytest.raises(vc.SceneError, match="the bytes "):
         vc.SceneDescription.__new__(vc.SceneDescription).__setstate__(damage)
 
 
-def test_a_notebook_shows_a_scene() -> None:
+def test_a_notebook_shows_a_scene():
     text = described()._repr_html_()
     picture = ("data:image/png;base64,", "thumbnail")
     table = ("<td>8</td>", "front", "1 point", "1 sphere", "bounds")
@@ -206,13 +263,11 @@ def test_a_notebook_shows_a_scene() -> None:
         (lambda: vc.scenes.slits(), "alt='thumbnail'"),
     ],
 )
-def test_a_scene_without_lights_or_triangles_shows_what_there_is(scene: Any, shown: str) -> None:
+def test_a_scene_without_lights_or_triangles_shows_what_there_is(scene, shown):
     assert shown in scene()._repr_html_()
 
 
-def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(monkeypatch):
     def fails(scene: vc.Scene) -> str:
         raise MemoryError("too <large>")
 
@@ -221,21 +276,51 @@ def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
     assert "no picture: too &lt;large&gt;" in text and "triangles" in text
 
 
-def test_cameras_travel(pool: ProcessPoolExecutor) -> None:
+def made_camera(kind: str) -> vc.Camera:
+    if kind == "orthographic":
+        return vc.orthographic((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), height=3.5)
     made = vc.look_at((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), up=(0.1, 1.0, 0.3), fov_deg=33)
     made.name, made.width, made.height, made.fov_is_horizontal = "side", 48, 32, True
+    if kind == "shifted":
+        made.shift_x, made.shift_y = 0.2, -0.1
+    return made
+
+
+PARTS = "name origin right up forward width height fov_is_horizontal view_height shift_x shift_y"
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic", "shifted"])
+def test_cameras_travel(pool, kind):
+    made = made_camera(kind)
     back = pickle.loads(pickle.dumps(made))
-    for name in ("name", "origin", "right", "up", "forward", "width", "height"):
-        assert getattr(back, name) == getattr(made, name), name
-    assert (back.fov_rad, back.fov_is_horizontal) == (made.fov_rad, True)
-    scene = vc.scenes.cube_on_plane()
-    frames = [vc.render(scene, "direct", camera=c, size=SIZE) for c in (made, back)]
+    assert [getattr(back, part) for part in PARTS.split()] == [
+        getattr(made, part) for part in PARTS.split()
+    ]
+    assert back.fov_rad == made.fov_rad
+    frames = [vc.render("cube_on_plane", "direct", camera=c, size=SIZE) for c in (made, back)]
     assert frames[0].sha256 == frames[1].sha256
-    there = pool.submit(vc.render, scene, "direct", camera=made, size=SIZE).result()
+    there = pool.submit(vc.render, "cube_on_plane", "direct", camera=made, size=SIZE).result()
     assert there.sha256 == frames[0].sha256
 
 
-def test_a_camera_of_nonsense_is_refused_when_it_arrives() -> None:
+@pytest.mark.parametrize(
+    ("part", "value", "says"),
+    [
+        ("shift_x", float("nan"), "the shift must be finite"),
+        ("view_height", -1, "view_height must be finite and >= 0"),
+    ],
+)
+def test_parts_of_cameras_count_and_are_checked(part, value, says):
+    made = made_camera("orthographic")
+    before = vc.render("cube_on_plane", "direct", camera=made, size=SIZE).sha256
+    setattr(made, part, 3.6)
+    assert vc.render("cube_on_plane", "direct", camera=made, size=SIZE).sha256 != before
+    setattr(made, part, value)
+    with pytest.raises(ValueError, match=says):
+        vc.render("cube_on_plane", "direct", camera=made, size=SIZE)
+
+
+def test_a_camera_of_nonsense_is_refused_when_it_arrives():
     made = vc.look_at((1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
     name, origin, _, up, forward, *rest = made.__getstate__()
     broken = type(made).__new__(type(made))  # type: ignore[call-arg]
@@ -243,7 +328,7 @@ def test_a_camera_of_nonsense_is_refused_when_it_arrives() -> None:
         broken.__setstate__((name, origin, [0.0, 0.0, 0.0], up, forward, *rest))
 
 
-def test_a_sweep_takes_a_camera_of_ones_own(pool: ProcessPoolExecutor, tmp_path: Path) -> None:
+def test_a_sweep_takes_a_camera_of_ones_own(pool, tmp_path):
     over, given = {"c_e": [4]}, {"size": SIZE, "metrics": ["rel_l1"], "directory": tmp_path}
     near, far = (vc.look_at((d, d, d), (0.0, 0.0, 0.0)) for d in (2.0, 4.0))
     vc.sweep("cube_on_plane", "direct", over=over, camera=near, executor=pool, **given)

@@ -1,9 +1,5 @@
 """Values of a file that only the whole scene can refuse are refused with the file's name."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pytest
 
 import viscache as vc
@@ -37,9 +33,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("name", "content", "says"), BAD)
-def test_values_out_of_range_are_refused_with_the_files_name(
-    tmp_path: Path, name: str, content: str, says: str
-) -> None:
+def test_values_out_of_range_are_refused_with_the_files_name(tmp_path, name, content, says):
     (tmp_path / name).write_text(content)
     (tmp_path / "wide.mtl").write_text("newmtl a\nKe 1 -2 1\n")
     with pytest.raises(vc.SceneError, match=says) as caught:

@@ -1,7 +1,5 @@
 """The garage: lit from outside by its environment alone, most of which the building hides."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -42,12 +40,12 @@ def above(wall_height: float) -> vc.Scene:
 DOWN = vc.look_at((0.5, 1, 0), (0.5, 0, 0), up=(0, 0, 1), fov_deg=20)
 
 
-def test_all_light_is_in_the_environment() -> None:
+def test_all_light_is_in_the_environment():
     assert [light["kind"] for light in garage().lights] == ["environment"]
     assert garage().triangles == 350_058
 
 
-def test_nearly_all_light_comes_from_the_sun_and_the_lamps() -> None:
+def test_nearly_all_light_comes_from_the_sun_and_the_lamps():
     lit, dark = (sky_with(discs, 224).astype(float) for discs in ((SUN, *LAMPS), ()))
     area = np.sin((np.arange(224) + 0.5) / 224 * np.pi)[:, None, None]
     share = 1 - (dark * area).sum() / (lit * area).sum()
@@ -56,8 +54,7 @@ def test_nearly_all_light_comes_from_the_sun_and_the_lamps() -> None:
     assert size < 0.01, "of all directions"
 
 
-def test_light_enters_only_by_the_gate_the_windows_and_the_roof_lights() -> None:
-    """A ray from inside that leaves does so through an opening."""
+def test_light_enters_only_by_the_gate_the_windows_and_the_roof_lights():
     rng = np.random.default_rng(3)
     origins = rng.uniform((0.3, 0.2, 0.3), (LENGTH - 0.3, HEIGHT - 0.5, DEPTH - 0.3), (100_000, 3))
     towards = rng.normal(size=origins.shape)
@@ -85,14 +82,14 @@ def test_light_enters_only_by_the_gate_the_windows_and_the_roof_lights() -> None
     assert gate.any() and window.any() and roof.any()
 
 
-def test_the_share_of_blocked_samples_is_what_geometry_says() -> None:
+def test_the_share_of_blocked_samples_is_what_geometry_says():
     options = {"camera": DOWN, "size": (6, 4), "samples": 512}
     np.testing.assert_array_equal(blocked_share(above(1e-3), **options), 0)
     np.testing.assert_allclose(blocked_share(above(200.0), **options), 0.5, atol=0.02)
 
 
 @pytest.mark.slow
-def test_most_light_product_samples_are_blocked_as_recorded() -> None:
+def test_most_light_product_samples_are_blocked_as_recorded():
     """The facts of docs/scenes.md, with fewer pixels and samples."""
     share = blocked_share(garage(), size=(32, 24), samples=64)
     seen = share[np.isfinite(share)]
@@ -101,12 +98,12 @@ def test_most_light_product_samples_are_blocked_as_recorded() -> None:
     np.testing.assert_allclose(quartiles, (0.664, 0.910, 0.992), atol=0.03)
 
 
-def test_the_picture_is_not_black() -> None:
+def test_the_picture_is_not_black():
     frame = vc.render(garage(), vc.Direct(n_environment=64), size=(80, 60))
     light = frame.image.mean(2)
     assert np.median(light) > 0.02 * np.quantile(light, 0.99)
 
 
-def test_scenes_lit_otherwise_are_refused() -> None:
+def test_scenes_lit_otherwise_are_refused():
     with pytest.raises(ValueError, match="lit by its environment alone, got"):
         blocked_share(scenes.cornell_box())

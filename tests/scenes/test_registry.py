@@ -1,7 +1,5 @@
 """Scenes from text, and what is said about bad text."""
 
-from __future__ import annotations
-
 import re
 import typing
 
@@ -11,7 +9,7 @@ from viscache import scenes
 from viscache.scenes.registry import parse
 
 
-def test_every_scene_of_the_specification_is_there() -> None:
+def test_every_scene_of_the_specification_is_there():
     wanted = "random_triangles bumpy_spheres cornell_box room apartment conference hairball"
     wanted += " courtyard window_room cube_on_plane stairs slats slits thin_wall"
     wanted += " garden mushrooms dynamics garage classroom_like church"
@@ -21,7 +19,7 @@ def test_every_scene_of_the_specification_is_there() -> None:
         assert getattr(scenes, info.name) is info.function
 
 
-def test_text_becomes_arguments_of_the_signatures_types() -> None:
+def test_text_becomes_arguments_of_the_signatures_types():
     info, arguments = parse("room?triangles=200_000&lights=24&panels=true&specular=0")
     assert info.name == "room"
     assert arguments == {"triangles": 200_000, "lights": 24, "panels": True, "specular": False}
@@ -29,13 +27,13 @@ def test_text_becomes_arguments_of_the_signatures_types() -> None:
     assert parse("cornell_box")[1] == {}
 
 
-def test_a_built_scene_knows_what_it_was_made_from() -> None:
+def test_a_built_scene_knows_what_it_was_made_from():
     assert scenes.build("random_triangles?triangles=50").spec == "random_triangles?triangles=50"
     assert scenes.cornell_box().spec == "cornell_box"
     assert scenes.random_triangles(40, seed=2).spec == "random_triangles?triangles=40&seed=2"
 
 
-def test_defaults_are_listed() -> None:
+def test_defaults_are_listed():
     assert scenes.SCENES["room"].parameters == {
         "triangles": 200_000,
         "lights": 24,
@@ -64,7 +62,7 @@ def test_defaults_are_listed() -> None:
         ("slits?count=1e30", "count must be <= 10,000, got 1000000000000000019884624838656"),
     ],
 )
-def test_bad_text_is_refused_and_the_message_helps(spec: str, message: str) -> None:
+def test_bad_text_is_refused_and_the_message_helps(spec, message):
     with pytest.raises(ValueError, match="^" + re.escape(message)):
         scenes.build(spec)
 
@@ -80,7 +78,7 @@ def numbers(info: scenes.SceneInfo) -> dict[str, type]:
 
 
 @pytest.mark.parametrize("name", scenes.SCENES)
-def test_every_number_has_a_range_and_what_lies_beyond_is_refused(name: str) -> None:
+def test_every_number_has_a_range_and_what_lies_beyond_is_refused(name):
     info = scenes.SCENES[name]
     assert set(info.ranges) == set(numbers(info))
     for parameter, kind in numbers(info).items():
@@ -102,7 +100,7 @@ COUNTED_IN_PYTHON |= {"slits": "count", "stairs": "steps"}
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "parameter"), COUNTED_IN_PYTHON.items())
-def test_the_largest_counts_end(name: str, parameter: str) -> None:
+def test_the_largest_counts_end(name, parameter):
     info = scenes.SCENES[name]
     scene = info.function(**{parameter: int(info.ranges[parameter].high)})
     assert scene.triangles > 0

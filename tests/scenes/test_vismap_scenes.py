@@ -1,7 +1,5 @@
 """garden, mushrooms, dynamics: the sizes that the visibility-map paper gives, and what is seen."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import combinations
 from typing import Any
@@ -13,7 +11,6 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 import viscache as vc
-from correlation.scenes import unpacked
 from viscache import _core, scenes
 from viscache.scenes.dynamics import EDGE, cubes
 from viscache.scenes.garden import PETAL, height
@@ -44,7 +41,7 @@ def boxes(name: str, *meshes: str) -> tuple[Array, Array]:
     return np.concatenate(low), np.concatenate(high)
 
 
-def test_the_grass_is_3_8_units_high() -> None:
+def test_the_grass_is_3_8_units_high():
     low, high = boxes("garden", "grass", "light grass")
     assert len(low) > 1500
     tall = (high - low)[:, 1]
@@ -54,7 +51,7 @@ def test_the_grass_is_3_8_units_high() -> None:
     assert abs(low[:, 1] - height(middle[:, 0], middle[:, 2])).max() < 0.4  # rooted in the ground
 
 
-def test_tulips_are_0_8_units_wide_and_look_out_of_the_grass() -> None:
+def test_tulips_are_0_8_units_wide_and_look_out_of_the_grass():
     vertices, _ = PETAL.mesh(6.0)
     assert 2 * np.hypot(vertices[:, 0], vertices[:, 2]).max() == pytest.approx(0.8, rel=0.01)
     low, high = boxes("garden", *(f"tulips {k}" for k in range(4)))
@@ -63,7 +60,7 @@ def test_tulips_are_0_8_units_wide_and_look_out_of_the_grass() -> None:
     assert np.median(high[:, 1]) > 3.8
 
 
-def test_mushrooms_are_1_3_units_high_and_wide() -> None:
+def test_mushrooms_are_1_3_units_high_and_wide():
     from viscache.scenes.mushrooms import height as ground
 
     low, high = boxes("mushrooms", "red caps", "brown caps")
@@ -75,7 +72,7 @@ def test_mushrooms_are_1_3_units_high_and_wide() -> None:
     assert tall.min() > 0.8 and tall.max() < 1.8
 
 
-def test_cubes_have_edges_of_5_units_and_are_all_coplanar() -> None:
+def test_cubes_have_edges_of_5_units_and_are_all_coplanar():
     """Flat faces are what the scene is for: the limit on coplanar triangles is not for it."""
     meshes = {m["name"]: m for m in scene("dynamics").meshes()}
     corners = np.concatenate(
@@ -89,7 +86,7 @@ def test_cubes_have_edges_of_5_units_and_are_all_coplanar() -> None:
     assert scene("dynamics").coplanar_share == 1.0
 
 
-def test_cubes_touch_but_do_not_overlap() -> None:
+def test_cubes_touch_but_do_not_overlap():
     """Two boxes are apart if they are along a face normal of one or a product of two edges."""
     for a, b in combinations(cubes(), 2):
         edges = [*a[:3, :3].T, *b[:3, :3].T]
@@ -107,7 +104,7 @@ CAMERAS = {"garden": ["garden1", "garden2"], "mushrooms": ["camera"], "dynamics"
 
 
 @pytest.mark.parametrize(("name", "cameras"), CAMERAS.items())
-def test_cameras_see_much_of_the_scene(name: str, cameras: list[str]) -> None:
+def test_cameras_see_much_of_the_scene(name, cameras):
     opened = scene(name)
     assert [c.name for c in opened.cameras] == cameras
     ends = np.cumsum([len(m["triangles"]) for m in opened.meshes()])
@@ -123,14 +120,14 @@ def test_cameras_see_much_of_the_scene(name: str, cameras: list[str]) -> None:
 
 
 @pytest.mark.parametrize("name", CAMERAS)
-def test_the_sky_is_their_light(name: str) -> None:
+def test_the_sky_is_their_light(name):
     opened = scene(name)
     assert [light["kind"] for light in opened.lights] == ["environment"]
     frame = vc.render(opened, vc.Direct(n_environment=4), size=(48, 36))
     assert frame.image.mean() > 0.05 and frame.warnings == []
 
 
-def test_the_suns_glow_is_where_it_was_put_and_gives_about_half_the_light() -> None:
+def test_the_suns_glow_is_where_it_was_put_and_gives_about_half_the_light():
     sun = np.array([0.5, 0.62, 0.6])
     pixels = sky((0.5, 0.62, 0.6))
     env = _core.sampling.EnvironmentMap.from_latlong(pixels)
@@ -142,21 +139,3 @@ def test_the_suns_glow_is_where_it_was_put_and_gives_about_half_the_light() -> N
     near = d @ sun / np.linalg.norm(sun) > np.cos(np.radians(15))
     assert 0.4 < light[near].sum() / light.sum() < 0.6
     assert light[d[:, 1] < -0.1].max() < light[(d[:, 1] > 0.1) & ~near].min()
-
-
-@pytest.mark.figure
-def test_the_overall_correlation_falls_from_dynamics_over_mushrooms_to_garden() -> None:
-    """Sec. 4.3 of the paper, by all pairs of 1500 points whose normals differ by less than 30°."""
-    mean = []
-    for name, camera in (("dynamics", 0), ("mushrooms", 0), ("garden", 0), ("garden", 1)):
-        opened = scenes.SCENES[name].function()
-        points = vc.correlation.surface_points(opened, 1500, camera=camera)
-        rows = vc.correlation.visibility_rows(
-            opened, points, vc.correlation.DirectionSet(map_size=32)
-        )
-        seen = unpacked(rows.bits, 32**2)
-        some = seen.any(1)
-        rho = np.corrcoef(seen[some].astype(float))
-        alike = points.normals[some] @ points.normals[some].T > np.cos(np.radians(30))
-        mean.append(rho[alike].mean())
-    assert mean == sorted(mean, reverse=True)

@@ -5,8 +5,6 @@ spheres, three lamps and a sky. `courtyard`: a plane under few large spheres. A 
 constant, so every expectation is a sum over texels.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cache
 

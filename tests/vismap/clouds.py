@@ -1,7 +1,5 @@
 """Points that searches are tried on, and the search by brute force."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Small scenes with occlusion, and caches of them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

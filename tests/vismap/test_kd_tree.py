@@ -1,7 +1,5 @@
 """The records' tree finds what brute force finds, whatever its shape."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -23,7 +21,7 @@ def check(tree: Any, points: Array, queries: Array, radius: float) -> None:
 
 
 @pytest.mark.parametrize("kind", clouds())
-def test_searches_find_what_brute_force_finds(kind: str) -> None:
+def test_searches_find_what_brute_force_finds(kind):
     points = clouds()[kind].astype(np.float32)
     queries = np.concatenate([points[:: N // 20], points[:5] + np.float32(0.01)])
     radii = (0.03, 0.3, 3.0)
@@ -41,7 +39,7 @@ def test_searches_find_what_brute_force_finds(kind: str) -> None:
         check(balanced, points, queries, radius)
 
 
-def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow() -> None:
+def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow():
     tree = testing.KdTree()
     line = np.zeros((4000, 3), np.float32)
     line[:, 0] = np.arange(4000)  # the worst order for a tree that only grows
@@ -54,7 +52,7 @@ def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow() -> None:
     assert balanced.depth <= 11
 
 
-def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time() -> None:
+def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time():
     tree = testing.KdTree()
     points = np.random.default_rng(3).random((2000, 3)).astype(np.float32)
     built, rebuilds = 0, 0
@@ -67,7 +65,7 @@ def test_the_tree_is_rebuilt_at_one_and_a_half_times_the_points_of_the_last_time
     assert rebuilds == 12
 
 
-def test_leaves_that_cannot_be_split_are_counted() -> None:
+def test_leaves_that_cannot_be_split_are_counted():
     tree = testing.KdTree()
     same = np.full((9, 3), 0.25, np.float32)
     tree.insert(same[:4], 0)
@@ -80,7 +78,7 @@ def test_leaves_that_cannot_be_split_are_counted() -> None:
     assert tree.search(same[:1], 1.0, 16) == [list(range(10))]
 
 
-def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside() -> None:
+def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside():
     tree = testing.KdTree()
     origin = np.zeros((1, 3), np.float32)
     assert tree.search(origin, 1.0, 4) == [[]]
@@ -90,7 +88,7 @@ def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside() -> N
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32), st.integers(1, 200), st.integers(1, 5), st.floats(0.01, 2))
-def test_coarse_coordinates_with_many_ties(seed: int, n: int, levels: int, radius: float) -> None:
+def test_coarse_coordinates_with_many_ties(seed, n, levels, radius):
     random = np.random.default_rng(seed)
     points = (random.integers(0, levels, (n, 3)) / levels).astype(np.float32)
     tree = testing.KdTree()

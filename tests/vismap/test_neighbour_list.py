@@ -1,7 +1,5 @@
 """A neighbour list finds what the tree finds, and seldom asks it on a walk."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -35,7 +33,7 @@ def walk_through(points: Array, step: float) -> Array:
 
 @pytest.mark.parametrize("kind", clouds())
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 1e-2])
-def test_a_walk_finds_what_brute_force_finds(kind: str, step: float) -> None:
+def test_a_walk_finds_what_brute_force_finds(kind, step):
     points = clouds()[kind].astype(np.float32)[:: 10_000 // N][:N]
     tree = testing.KdTree()
     tree.build(points)
@@ -46,7 +44,7 @@ def test_a_walk_finds_what_brute_force_finds(kind: str, step: float) -> None:
             assert found == expected(points, walk, radius, m)
 
 
-def test_small_steps_seldom_need_the_tree() -> None:
+def test_small_steps_seldom_need_the_tree():
     points = clouds()["random"].astype(np.float32)
     tree = testing.KdTree()
     tree.build(points)
@@ -55,7 +53,7 @@ def test_small_steps_seldom_need_the_tree() -> None:
     assert answered > 0.8 * len(walk)
 
 
-def test_a_list_notices_new_points() -> None:
+def test_a_list_notices_new_points():
     points = clouds()["random"].astype(np.float32)[:500]
     tree = testing.KdTree()
     tree.build(points)
@@ -68,7 +66,7 @@ def test_a_list_notices_new_points() -> None:
     assert found == expected(np.concatenate([points, added]), walk, 1.0, 16)
 
 
-def test_points_at_rest_and_outside_are_served() -> None:
+def test_points_at_rest_and_outside_are_served():
     points = clouds()["clusters"].astype(np.float32)[::10]
     tree = testing.KdTree()
     tree.build(points)

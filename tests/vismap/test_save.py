@@ -1,9 +1,6 @@
 """Files of caches: the same cache comes back, anything else is refused with its reason."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +22,7 @@ def saved(tmp_path: Path) -> tuple[vc.VisibilityMapCache, Path]:
     return cache, path
 
 
-def test_a_loaded_cache_is_the_saved_one(saved: Any) -> None:
+def test_a_loaded_cache_is_the_saved_one(saved):
     cache, path = saved
     back = vc.VisibilityMapCache.load(path, clutter())
     assert same(back, cache) and len(back) > 10
@@ -41,7 +38,7 @@ def test_a_loaded_cache_is_the_saved_one(saved: Any) -> None:
     assert same(back, cache)
 
 
-def test_a_cache_of_another_scene_is_refused(saved: Any) -> None:
+def test_a_cache_of_another_scene_is_refused(saved):
     _, path = saved
     with pytest.raises(ValueError, match="must be of the scene given, whose hash is") as e:
         vc.VisibilityMapCache.load(path, clutter(seed=1))
@@ -63,7 +60,7 @@ def test_a_cache_of_another_scene_is_refused(saved: Any) -> None:
         ({"thresholds": [0.1, float("nan")]}, "thresholds must be two finite numbers"),
     ],
 )
-def test_heads_that_were_made_by_hand_are_refused(saved: Any, change: Any, says: str) -> None:
+def test_heads_that_were_made_by_hand_are_refused(saved, change, says):
     """Their digest fits, so what they say is checked."""
     _, path = saved
     fields, arrays = cache_file.FORMAT.read_npz(path)
@@ -72,7 +69,7 @@ def test_heads_that_were_made_by_hand_are_refused(saved: Any, change: Any, says:
         vc.VisibilityMapCache.load(path, clutter())
 
 
-def test_a_file_that_cannot_be_written_leaves_nothing(saved: Any, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_leaves_nothing(saved, tmp_path):
     cache, path = saved
     with pytest.raises(OSError, match="cannot write"):
         cache.save(tmp_path / "nowhere" / "cache.npz")

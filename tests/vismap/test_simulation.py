@@ -1,7 +1,5 @@
 """Single pixels estimated many times against the true sum of the texels."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -49,7 +47,7 @@ def ratio(way: Way) -> float:
 
 
 @pytest.mark.slow
-def test_the_truth_is_what_the_renderer_finds() -> None:
+def test_the_truth_is_what_the_renderer_finds():
     """The mean over pixels of a picture of the room, whose light is white and constant."""
     found = simulate(window_room(), [PRODUCT], [1], size=(28, 21), n_pixels=10**6, replicates=2)
     image = vc.render(scenes.window_room(), vc.Direct(n_environment=4000), size=(28, 21), seed=3)
@@ -59,7 +57,7 @@ def test_the_truth_is_what_the_renderer_finds() -> None:
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_every_way_is_unbiased_and_a_wrong_truth_is_found() -> None:
+def test_every_way_is_unbiased_and_a_wrong_truth_is_found():
     trial = Trial()
     check_means(trial, "room", estimates())
     assert trial.answers_hold
@@ -69,14 +67,14 @@ def test_every_way_is_unbiased_and_a_wrong_truth_is_found() -> None:
 
 
 @pytest.mark.slow
-def test_guiding_leaves_little_of_the_variance_and_the_control_variate_some() -> None:
+def test_guiding_leaves_little_of_the_variance_and_the_control_variate_some():
     assert ratio(GUIDED) < 0.15
     assert 0.2 < ratio(ONE) < 1.1
     assert ratio(ORACLE) < 1.02 and ratio(ONE_SHOT) < 1.2
 
 
 @pytest.mark.parametrize("eta", [1.0, 0.25])
-def test_the_oracles_alpha_has_the_least_variance_of_all(eta: float) -> None:
+def test_the_oracles_alpha_has_the_least_variance_of_all(eta):
     pixels = Pixels(window_room(), None, (96, 72))
     alphas = []
     for pixel in pixels.at(pixels.chosen(12, 3)):
@@ -103,7 +101,7 @@ def test_the_oracles_alpha_has_the_least_variance_of_all(eta: float) -> None:
 
 
 @pytest.mark.slow
-def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
+def test_a_frame_of_few_samples_is_parted_and_all_of_them_count():
     for n in range(1, 400):
         sizes = one_shot_passes(n)
         assert sum(sizes) == n and (len(sizes) == 1 or min(sizes) >= 10)
@@ -131,7 +129,7 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
         point.simulate(pixel.visible, sizes=[10, 0])
 
 
-def test_the_papers_first_pass_has_alpha_one() -> None:
+def test_the_papers_first_pass_has_alpha_one():
     paper = Way(alpha="previous_pass", one_shot=True)
     found = simulate(
         window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3, replicates=4
@@ -143,7 +141,7 @@ def test_the_papers_first_pass_has_alpha_one() -> None:
 
 
 @pytest.mark.slow
-def test_figures_have_the_goals_of_their_case_as_gains() -> None:
+def test_figures_have_the_goals_of_their_case_as_gains():
     case = next(c for c in CASES if c.name == "window_room")
     found = simulate(window_room(), all_ways(), [30], size=(96, 72), n_pixels=4, replicates=4)
     trial = Trial()
@@ -157,7 +155,7 @@ def test_figures_have_the_goals_of_their_case_as_gains() -> None:
     assert with_goal[0]["low"] <= with_goal[0]["ratio"] <= with_goal[0]["high"]
 
 
-def test_the_same_seed_gives_the_same_bytes_for_any_number_of_threads() -> None:
+def test_the_same_seed_gives_the_same_bytes_for_any_number_of_threads():
     one, three = (
         simulate(window_room(), [GUIDED], [10], size=(96, 72), n_pixels=3, replicates=5, threads=t)
         for t in (1, 3)
@@ -165,7 +163,7 @@ def test_the_same_seed_gives_the_same_bytes_for_any_number_of_threads() -> None:
     np.testing.assert_array_equal(one.estimates[GUIDED, 10], three.estimates[GUIDED, 10])
 
 
-def test_what_cannot_be_estimated_is_refused() -> None:
+def test_what_cannot_be_estimated_is_refused():
     with pytest.raises(ValueError, match=r"eta must be in \(0, 1\], got 0"):
         Way(eta=0)
     with pytest.raises(ValueError, match='alpha="loo" needs points="iid", got \'rqmc\''):

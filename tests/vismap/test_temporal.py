@@ -1,7 +1,5 @@
 """Records over frames: counted errors, removal, disuse."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -35,19 +33,7 @@ def exact(cache: vc.VisibilityMapCache, points: Any, directions: Array) -> Array
     return np.asarray(~hit.reshape(-1, count) & up)
 
 
-def test_a_static_view_inserts_nothing_more_and_misses_nothing_new() -> None:
-    cache, _ = made()
-    before, size = cache.records(), len(cache)
-    for frame in range(1, 4):
-        assert cache.end_frame()["wrong"] == 0
-        report = cache.update(view(), size=SIZE)
-        assert (report.frame, report.inserted, report.rays) == (frame, 0, 0)
-    assert len(cache) == size
-    np.testing.assert_array_equal(cache.records().bits, before.bits)
-    assert not cache.records().misses.any()
-
-
-def test_every_ray_counts_once_for_every_blended_record() -> None:
+def test_every_ray_counts_once_for_every_blended_record():
     cache, _ = made()
     points = pixels(cache)
     points = points.take(np.flatnonzero(points.d_max > 0)[:60])
@@ -74,7 +60,7 @@ def test_every_ray_counts_once_for_every_blended_record() -> None:
     assert cache.compare(found, directions, ~visible) == (rays, rays - misses)
 
 
-def test_records_are_never_wrong_about_their_own_rays() -> None:
+def test_records_are_never_wrong_about_their_own_rays():
     cache, _ = made()
     r = cache.records()
     own = _core.vismap.CachePoints(
@@ -89,7 +75,7 @@ def test_records_are_never_wrong_about_their_own_rays() -> None:
 
 
 @pytest.mark.parametrize("eps_max", [0.05, 0.25])
-def test_records_go_above_the_share_and_only_after_enough_rays(eps_max: float) -> None:
+def test_records_go_above_the_share_and_only_after_enough_rays(eps_max):
     cache, _ = made(eps_max=eps_max, n_startup=8, delta_max=1.0, w_min=0.0)
     n = len(cache)
     rays = np.full(n, 100, np.uint32)
@@ -112,7 +98,7 @@ def test_records_go_above_the_share_and_only_after_enough_rays(eps_max: float) -
     np.testing.assert_array_equal(found.ids[:, 0], np.arange(n - 2))
 
 
-def test_the_interval_spares_records_the_share_alone_would_remove() -> None:
+def test_the_interval_spares_records_the_share_alone_would_remove():
     assert testing.wilson_lower(10, 100) == pytest.approx(0.05523, abs=1e-5)
     assert testing.wilson_lower(0, 100) == 0 == testing.wilson_lower(0, 0)
     for removal, gone in (("rate", 2), ("wilson", 1), ("none", 0)):
@@ -123,7 +109,7 @@ def test_the_interval_spares_records_the_share_alone_would_remove() -> None:
         assert cache.end_frame()["wrong"] == gone
 
 
-def test_the_worst_go_first() -> None:
+def test_the_worst_go_first():
     cache, _ = made(removal="worst", k_worst=3, n_startup=8, delta_max=1.0, w_min=0.0)
     n = len(cache)
     rays, misses = np.full(n, 1000, np.uint32), np.zeros(n, np.uint32)
@@ -140,7 +126,7 @@ def test_the_worst_go_first() -> None:
     assert cache.end_frame()["wrong"] == 0
 
 
-def test_records_unused_for_ten_frames_go() -> None:
+def test_records_unused_for_ten_frames_go():
     cache, _ = made(n_startup=100)
     away = vc.look_at((-1.25, 1.5, -1.75), (-0.8, 0.0, -0.8), fov_deg=10)
     first = cache.records().last_used
@@ -158,7 +144,7 @@ def test_records_unused_for_ten_frames_go() -> None:
         assert never.end_frame()["unused"] == 0
 
 
-def test_full_counters_keep_their_share() -> None:
+def test_full_counters_keep_their_share():
     cache, _ = made(n_startup=8, removal="none", unused_frames=0)
     for _ in range(3):
         tallied(cache, (1 << 32) - 1, 1 << 30)
@@ -166,7 +152,7 @@ def test_full_counters_keep_their_share() -> None:
     np.testing.assert_allclose(r.misses / r.rays, 0.25, rtol=1e-6)
 
 
-def test_reset_forgets_errors_alone() -> None:
+def test_reset_forgets_errors_alone():
     cache, _ = made(n_startup=8)
     before = cache.records()
     tallied(cache, 100, 50)
@@ -177,8 +163,7 @@ def test_reset_forgets_errors_alone() -> None:
     assert cache.end_frame()["wrong"] == 0
 
 
-def test_a_moved_object_is_found_out_by_its_errors() -> None:
-    """Records near the block's old and new place are wrong and go; the rate falls back."""
+def test_a_moved_object_is_found_out_by_its_errors():
     ground = quad((-1, 0, -1), (0, 0, 2), (2, 0, 0))
     old, new = (
         Model((ground, box((x, 0, -0.2), (x + 0.3, 0.5, 0.2)))).to_viscache() for x in (-0.5, 0.3)
@@ -209,7 +194,7 @@ def test_a_moved_object_is_found_out_by_its_errors() -> None:
     assert last < still + 0.5 * (disturbed - still)
 
 
-def test_tallies_that_do_not_fit_are_refused() -> None:
+def test_tallies_that_do_not_fit_are_refused():
     cache, _ = made(n_startup=8)
     n = len(cache)
     one, none = np.ones(n, np.uint32), np.zeros(n, np.uint8)
@@ -224,7 +209,7 @@ def test_tallies_that_do_not_fit_are_refused() -> None:
         cache.compare(found, [[[0, 1, 0]]], [True])
 
 
-def test_frames_are_the_same_for_any_number_of_threads() -> None:
+def test_frames_are_the_same_for_any_number_of_threads():
     runs = []
     for threads in (1, 3):
         cache = vc.VisibilityMapCache(

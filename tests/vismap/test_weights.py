@@ -1,7 +1,5 @@
 """Weights of records: Eq. 9, its normalisation, the geometric term."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -17,7 +15,7 @@ vismap = _core.vismap
 THETA_MAX = math.radians(30)
 
 
-def test_weight_is_the_papers() -> None:
+def test_weight_is_the_papers():
     t, theta = np.meshgrid(np.linspace(0, 1, 50), np.linspace(0, np.pi, 50))
     expected = reference.weight(t, theta)
     np.testing.assert_allclose(vismap.record_weight(t, theta, 5.0), expected, atol=1e-6)
@@ -28,7 +26,7 @@ def test_weight_is_the_papers() -> None:
     assert not np.allclose(vismap.record_weight(t, theta, 5.05), expected, atol=1e-6)
 
 
-def test_weight_runs_from_one_to_its_least() -> None:
+def test_weight_runs_from_one_to_its_least():
     assert vismap.record_weight(0, 0, 5) == 1
     assert vismap.record_weight(1, THETA_MAX, 5) == pytest.approx(0.694, abs=5e-4)
     slope = (vismap.record_weight(1e-3, 0, 5) - 1) / 1e-3
@@ -39,7 +37,7 @@ def test_weight_runs_from_one_to_its_least() -> None:
 
 
 @given(st.floats(0, 1), st.floats(0, 1), st.floats(0, 1), st.floats(0, 20))
-def test_weight_falls_with_distance_and_angle(a: float, b: float, c: float, lam: float) -> None:
+def test_weight_falls_with_distance_and_angle(a, b, c, lam):
     near, far = sorted((a, b))
     angle = c * THETA_MAX
     of = testing.normalized_weight
@@ -48,14 +46,14 @@ def test_weight_falls_with_distance_and_angle(a: float, b: float, c: float, lam:
     assert 0 <= of(far, angle, THETA_MAX, lam) <= 1
 
 
-def test_angle_of_normals_keeps_its_digits() -> None:
+def test_angle_of_normals_keeps_its_digits():
     z = (0.0, 0.0, 1.0)
     for angle in (0, 1e-6, 1e-4, 0.5, math.pi / 2, 3.0, math.pi):
         other = (math.sin(angle), 0.0, math.cos(angle))
         assert testing.normal_angle(z, other) == pytest.approx(angle, rel=1e-5, abs=1e-7)
 
 
-def test_records_before_and_behind_the_plane_weigh_less() -> None:
+def test_records_before_and_behind_the_plane_weigh_less():
     z = (0.0, 0.0, 1.0)
     assert testing.geometric_weight(z, (0.3, 0.4, 0.0), 1) == 1
     assert testing.geometric_weight(z, (0.0, 0.0, 0.5), 1) == 0
@@ -64,7 +62,7 @@ def test_records_before_and_behind_the_plane_weigh_less() -> None:
 
 
 @pytest.mark.extreme
-def test_a_record_at_the_point_weighs_one() -> None:
+def test_a_record_at_the_point_weighs_one():
     z = (0.0, 0.0, 1.0)
     assert testing.geometric_weight(z, (0.0, 0.0, 0.0), 1) == 1
     assert testing.geometric_weight(z, (0.0, 0.0, 9e-7), 1) == 1

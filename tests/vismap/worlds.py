@@ -3,8 +3,6 @@
 Maps are arrays in row-major order; `morton` brings cells into the order of the core.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 

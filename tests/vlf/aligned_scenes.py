@@ -1,7 +1,5 @@
 """What the tests of aligned rays share: points, unpacked rows, comparison with Embree."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scenes and rays for the visibility field, and a judge in double for where it differs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Aligned rays: the bits of single rays, watertight, the same from every variant, and Embree's."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -36,9 +34,11 @@ def grid(cells: int) -> vc.Scene:
     return vc.Scene.from_arrays(both, np.concatenate([faces, faces + len(flat)]))
 
 
-@pytest.mark.parametrize("n_directions", [1, 9, 33])
-@pytest.mark.parametrize("n_points", [0, 1, 15, 16, 17, 200])
-def test_the_batch_says_what_single_rays_say(n_directions: int, n_points: int) -> None:
+@pytest.mark.parametrize(
+    ("n_directions", "n_points"),
+    [*((k, n) for k in (1, 9, 33) for n in (0, 1, 15, 16, 17, 200)), (129, 20), (513, 20)],
+)
+def test_the_batch_says_what_single_rays_say(n_directions, n_points):
     """Test 9, with packets filled up and not."""
     scene = clutter(n=301)
     points, normals = surface(scene, n_points)
@@ -49,24 +49,15 @@ def test_the_batch_says_what_single_rays_say(n_directions: int, n_points: int) -
         assert 0.1 < found.mean() < 0.9
 
 
-@pytest.mark.parametrize("n_directions", [129, 513])
-def test_so_it_does_along_many_axes(n_directions: int) -> None:
-    scene = clutter(seed=3, n=160)
-    points, normals = surface(scene, 20, seed=3)
-    frames = frames_of(n_directions)
-    found = batch(scene, points, normals, frames)
-    np.testing.assert_array_equal(found, expected(scene, points, normals, frames))
-
-
 @pytest.mark.parametrize("n", [1, 2, 15, 16, 17, 31])
-def test_blocks_of_triangles_may_be_part_full(n: int) -> None:
+def test_blocks_of_triangles_may_be_part_full(n):
     scene = clutter(seed=n, n=n)
     points, normals = surface(scene, 100)
     found = batch(scene, points, normals, frames_of(9))
     np.testing.assert_array_equal(found, expected(scene, points, normals, frames_of(9)))
 
 
-def test_corners_and_edges_right_above_a_point_decide_as_single_rays_do() -> None:
+def test_corners_and_edges_right_above_a_point_decide_as_single_rays_do():
     """Edge functions of 0, which double decides: points under corners, edges and diagonals."""
     scene = grid(4)
     t = np.linspace(-1.25, 1.25, 21, dtype=np.float32)
@@ -82,8 +73,7 @@ def test_corners_and_edges_right_above_a_point_decide_as_single_rays_do() -> Non
 
 
 @pytest.mark.parametrize("t_max", [0.05, 0.3, 1.0, 1e9])
-def test_t_max_ends_the_rays(t_max: float) -> None:
-    """Test 8."""
+def test_t_max_ends_the_rays(t_max):
     scene = clutter()
     points, normals = surface(scene, 150)
     found = batch(scene, points, normals, frames_of(33), t_max=t_max)
@@ -95,7 +85,7 @@ def test_t_max_ends_the_rays(t_max: float) -> None:
     assert (found != endless).any() == (t_max < 2)
 
 
-def test_a_blocker_counts_up_to_t_max() -> None:
+def test_a_blocker_counts_up_to_t_max():
     scene = grid(2)
     points, normals = np.float32([[0.3, 0.2, 0]]), np.float32([[0, 0, 1]])
     frames = np.eye(3, dtype=np.float32)[None]
@@ -106,39 +96,17 @@ def test_a_blocker_counts_up_to_t_max() -> None:
     assert seen == [True, True, False, False]
 
 
-def test_threads_and_instruction_sets_change_no_bit() -> None:
+def test_threads_and_instruction_sets_change_no_bit():
     scene = vc.scenes.bumpy_spheres(triangles=3000)
-    points, normals = surface(scene, 2000)
+    given = (scene._core, *surface(scene, 2000), frames_of(129))
+    rows = scene.aligned_batch().rows
     for t_max in (np.inf, 0.4):
-        base, work = scene.aligned_batch().rows(
-            scene._core, points, normals, frames_of(129), t_max=t_max, threads=1
-        )
+        base, work = rows(*given, t_max=t_max, threads=1)
         for isa in AVAILABLE:
-            for threads in (1, 2, 3, 8):
-                bits, again = scene.aligned_batch().rows(
-                    scene._core,
-                    points,
-                    normals,
-                    frames_of(129),
-                    t_max=t_max,
-                    threads=threads,
-                    isa=isa,
-                )
+            for threads in (1, 3, 8):
+                bits, again = rows(*given, t_max=t_max, threads=threads, isa=isa)
                 np.testing.assert_array_equal(bits, base)
                 assert again == work
-
-
-def test_the_order_of_points_changes_no_bit() -> None:
-    scene = clutter(n=1000)
-    points, normals = surface(scene, 3000)
-    whole = batch(scene, points, normals, frames_of(33))
-    turned = np.random.default_rng(0).permutation(len(points))
-    np.testing.assert_array_equal(
-        batch(scene, points[turned], normals[turned], frames_of(33)), whole[turned]
-    )
-    np.testing.assert_array_equal(
-        batch(scene, points[50:77], normals[50:77], frames_of(33)), whole[50:77]
-    )
 
 
 def closed(without: int | None = None) -> tuple[vc.Scene, Array]:
@@ -161,15 +129,14 @@ def inside(n: int, seed: int = 0) -> tuple[Array, Array]:
     return points, (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
 
 
-def test_no_ray_leaves_a_closed_mesh() -> None:
-    """Test 7, along many axes; where a triangle is missing, some do."""
+def test_no_ray_leaves_a_closed_mesh():
     points, normals = inside(20_000)
     assert not batch(closed()[0], points, normals, frames_of(129)).any()
     assert batch(closed(without=7)[0], points, normals, frames_of(129)).any()
 
 
 @pytest.mark.parametrize("which", ["corners", "edges", "middles"])
-def test_no_ray_leaves_a_closed_mesh_where_triangles_meet(which: str) -> None:
+def test_no_ray_leaves_a_closed_mesh_where_triangles_meet(which):
     """Test 7: rays aimed exactly at corners and edges; through a missing triangle one does."""
     scene, triangles = closed()
     if which == "corners":
@@ -193,7 +160,7 @@ def test_no_ray_leaves_a_closed_mesh_where_triangles_meet(which: str) -> None:
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_points_of_a_convex_body_do_not_block_themselves(scale: float) -> None:
+def test_points_of_a_convex_body_do_not_block_themselves(scale):
     scene = convex(scale)
     at = vc.correlation.surface_points(scene, 2000, points="area")
     assert batch(scene, at.positions, at.normals, frames_of(129)).all()
@@ -202,7 +169,7 @@ def test_points_of_a_convex_body_do_not_block_themselves(scale: float) -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e11])
-def test_scale_changes_next_to_nothing(scale: float) -> None:
+def test_scale_changes_next_to_nothing(scale):
     """Test 11; a power of two nearby changes nothing at all."""
     two = 2.0 ** round(np.log2(scale))
     r = np.random.default_rng(1)
@@ -218,15 +185,14 @@ def test_scale_changes_next_to_nothing(scale: float) -> None:
 
 
 @pytest.mark.extreme
-def test_far_from_the_origin_a_convex_body_still_sees_the_sky() -> None:
+def test_far_from_the_origin_a_convex_body_still_sees_the_sky():
     """At 1e5 sizes rounded vertices make it slightly less convex."""
     scene = convex(1.0, at=(1e5, -1e5, 1e5), vertices=60)
     at = vc.correlation.surface_points(scene, 2000, points="area")
     assert batch(scene, at.positions, at.normals, frames_of(129)).mean() > 1 - 2e-3
 
 
-def test_a_triangle_seen_edge_on_is_not_hit() -> None:
-    """Aligned rays that lie in a plane."""
+def test_a_triangle_seen_edge_on_is_not_hit():
     wall = np.float32([[0, -1, 1], [0, 1, 1], [0, 0, 2], [-3, -3, 5], [3, -3, 5], [0, 3, 5]])
     scene = vc.Scene.from_arrays(wall, np.array([[0, 1, 2]]))
     points, normals = np.float32([[0, 0, 0]]), np.float32([[0, 0, 1]])
@@ -236,7 +202,7 @@ def test_a_triangle_seen_edge_on_is_not_hit() -> None:
     assert not batch(roofed, points, normals, frames).any()
 
 
-def test_an_axis_at_right_angles_to_the_normal_runs_up() -> None:
+def test_an_axis_at_right_angles_to_the_normal_runs_up():
     scene = grid(2)
     points, normals = np.float32([[0.3, 0.2, 0.5]]), np.float32([[1, 0, 0]])
     frames = np.eye(3, dtype=np.float32)[None]
@@ -245,7 +211,7 @@ def test_an_axis_at_right_angles_to_the_normal_runs_up() -> None:
     assert embree(scene, points + np.float32([0, 0, 1]), normals, frames).all()
 
 
-def test_an_empty_scene_hides_nothing() -> None:
+def test_an_empty_scene_hides_nothing():
     scene = vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int))
     points, normals = inside(100)
     rows = vc.aligned_occlusion(scene, points * 1e9, normals, 33)
@@ -270,7 +236,7 @@ def hall(seed: int = 0) -> tuple[vc.Scene, Array, Array]:
 
 
 @pytest.mark.parametrize("t_max", [np.inf, 1.0])
-def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max: float) -> None:
+def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max):
     """Walls settle whole nodes, and points that are left are packed anew: no bit may change."""
     scene, points, normals = hall()
     frames = frames_of(129, 12)
@@ -283,7 +249,20 @@ def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max: float
         )
 
 
+def slivers(n: int = 200) -> vc.Scene:
+    """Fans of triangles a thousand times longer than wide: depths along an axis would turn."""
+    random = np.random.default_rng(8)
+    tip = random.uniform(-1, 1, (n, 3))
+    along, side = random.normal(size=(2, n, 3))
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    side -= (side * along).sum(1)[:, None] * along
+    side *= (1e-3 / np.linalg.norm(side, axis=1))[:, None]
+    vertices = np.stack([tip, tip + along, tip + along + side], 1).reshape(-1, 3)
+    return vc.Scene.from_arrays(vertices, np.arange(3 * n).reshape(n, 3))
+
+
 SCENES = {
+    "slivers": slivers,
     "spheres": lambda: vc.scenes.bumpy_spheres(triangles=15_000),
     "triangles": lambda: vc.scenes.random_triangles(triangles=10_000),
     "room": lambda: built("room?triangles=20000"),
@@ -298,36 +277,33 @@ def build(name: str) -> vc.Scene:
     return made if isinstance(made, vc.Scene) else vc.Scene.from_description(made)
 
 
-@pytest.mark.parametrize("name", ["spheres", "triangles", "room"])
-@pytest.mark.parametrize("t_max", [np.inf, 0.3])
-def test_robust_embree_agrees_but_for_rounding(name: str, t_max: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "t_max", "n_points", "axes"),
+    [
+        *((name, t, 6000, 64) for name in ("spheres", "triangles", "room") for t in (np.inf, 0.3)),
+        *(("slivers", t, 3000, 129) for t in (np.inf, 0.3)),
+        *(
+            pytest.param(name, np.inf, 10_000, 513, marks=pytest.mark.release)  # 5 million rays
+            for name in ("spheres", "triangles", "room", "church")
+        ),
+    ],
+)
+def test_robust_embree_agrees_but_for_rounding(name, t_max, n_points, axes):
     """Test 4: every disagreement is held against a check in double."""
     scene = build(name)
-    points, normals = surface(scene, 6000)
-    frames = frames_of(513, 64)
+    points, normals = surface(scene, n_points, seed=5)
+    frames = frames_of(513, axes)
     ours = batch(scene, points, normals, frames, t_max=t_max)
     theirs = embree(scene, points, normals, frames, t_max=t_max)
     differing, bad = unexcused(scene, points, normals, frames, ours, theirs, t_max)
     assert bad == 0
-    assert differing <= 1e-5 * ours.size + 3
-    assert 0.02 < ours.mean() < 0.98
-
-
-@pytest.mark.release
-@pytest.mark.parametrize("name", ["spheres", "triangles", "room", "church"])
-def test_robust_embree_agrees_on_five_million_rays(name: str) -> None:
-    scene = build(name)
-    points, normals = surface(scene, 10_000, seed=5)
-    frames = frames_of(513)
-    ours, theirs = (f(scene, points, normals, frames) for f in (batch, embree))
-    assert ours.size > 5_000_000
-    differing, bad = unexcused(scene, points, normals, frames, ours, theirs)
-    assert bad == 0
-    assert differing <= 1e-5 * ours.size
+    if name != "slivers":
+        assert differing <= 1e-5 * ours.size + 3
+        assert 0.02 < ours.mean() < 0.98
 
 
 @pytest.mark.parametrize("name", ["courtyard", "masks"])
-def test_instances_and_alpha_masks_are_embrees(name: str) -> None:
+def test_instances_and_alpha_masks_are_embrees(name):
     scene = build(name)
     at = vc.correlation.surface_points(scene, 5000, points="area")
     frames = frames_of(513, 40)
@@ -339,7 +315,7 @@ def test_instances_and_alpha_masks_are_embrees(name: str) -> None:
     assert not ours.all()
 
 
-def test_embrees_orders_and_packets_give_the_same_bits() -> None:
+def test_embrees_orders_and_packets_give_the_same_bits():
     scene = build("room")
     points, normals = surface(scene, 777)
     frames = frames_of(33)
@@ -355,7 +331,7 @@ def test_embrees_orders_and_packets_give_the_same_bits() -> None:
     np.testing.assert_array_equal(~scene.occluded(o, side * frames[7, 2]), base[:, 7])
 
 
-def test_rows_say_who_traced_them() -> None:
+def test_rows_say_who_traced_them():
     scene = clutter()
     points, normals = surface(scene, 100)
     for engine in ("batch", "embree"):
@@ -367,26 +343,18 @@ def test_rows_say_who_traced_them() -> None:
         )
 
 
-def test_progress_counts_axes_to_the_end() -> None:
+def test_progress_counts_axes_to_the_end():
     seen: list[tuple[int, int]] = []
     scene = vc.scenes.bumpy_spheres(triangles=20_000)
-    points, normals = surface(scene, 20_000)
-    vc.aligned_occlusion(
-        scene,
-        points,
-        normals,
-        513,
-        threads=1,
-        engine="batch",
-        progress=lambda done, total: seen.append((done, total)),
-    )
-    assert seen[-1] == (513, 513)
-    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+    given = (scene, *surface(scene, 20_000), 513)
+    told = {"progress": lambda *at: seen.append(at)}
+    vc.aligned_occlusion(*given, threads=1, engine="batch", **told)  # type: ignore[arg-type]
+    assert seen[-1] == (513, 513) and seen == sorted(seen)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["batch", "embree"])
-def test_ctrl_c_stops_the_tracing_soon(engine: str) -> None:
+def test_ctrl_c_stops_the_tracing_soon(engine):
     call = (
         "(lambda at: vc.aligned_occlusion(scene, at.positions, at.normals, 8193, "
         f"engine='{engine}'))(vc.correlation.surface_points(scene, 1 << 18))"
@@ -414,7 +382,7 @@ ONE = [[0.0, 0.0, 1.0]]
         ({"n_directions": 512}, "n_directions must be one of 1, 3, 9"),
     ],
 )
-def test_what_cannot_be_traced_is_refused(arguments: dict[str, Any], message: str) -> None:
+def test_what_cannot_be_traced_is_refused(arguments, message):
     given: dict[str, Any] = {
         "scene": clutter(),
         "points": ONE,
@@ -426,7 +394,7 @@ def test_what_cannot_be_traced_is_refused(arguments: dict[str, Any], message: st
         vc.aligned_occlusion(**(given | arguments))
 
 
-def test_frames_must_be_orthonormal() -> None:
+def test_frames_must_be_orthonormal():
     scene = clutter()
     one = np.float32(ONE)
     for frame in (2 * np.eye(3), np.diag([1, 1, -1]), np.full((3, 3), np.nan)):

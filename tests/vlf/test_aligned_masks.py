@@ -1,7 +1,5 @@
 """Holes that alpha masks cut: the batch asks them where Embree does, but for rounding."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -28,7 +26,7 @@ def leaves(n: int = 300, texels: int = 512) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def test_rays_answered_differently_meet_a_border_of_the_mask() -> None:
+def test_rays_answered_differently_meet_a_border_of_the_mask():
     scene, frames = leaves(), frames_of(513)
     points, normals = surface(scene, 4000)
     ours, theirs = batch(scene, points, normals, frames), embree(scene, points, normals, frames)
@@ -56,7 +54,7 @@ THROUGH_LEAVES = (
 
 
 @pytest.mark.slow
-def test_the_living_rooms_rays_through_leaves() -> None:
+def test_the_living_rooms_rays_through_leaves():
     path = Path(os.environ.get("VISCACHE_SCENES", "")) / "living-room" / "scene.xml"
     if not path.is_file():
         pytest.skip("VISCACHE_SCENES holds no living-room/scene.xml")

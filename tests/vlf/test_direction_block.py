@@ -1,7 +1,5 @@
 """Any directions that points share, through the batch: single rays' bits, opposites together."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -46,7 +44,7 @@ def by_embree(scene: vc.Scene, points: Array, normals: Array, directions: Array,
 
 @pytest.mark.parametrize("kind", ["centres", "jittered", "lloyd"])
 @pytest.mark.parametrize("map_size", [1, 7, 24, 96])
-def test_every_direction_has_one_axis_and_opposites_share_theirs(kind: Any, map_size: int) -> None:
+def test_every_direction_has_one_axis_and_opposites_share_theirs(kind, map_size):
     sky = vc.correlation.DirectionSet(map_size=map_size, kind=kind).directions
     axes = testing.shared_axes(sky)
     paired = axes[:, 1] >= 0
@@ -58,7 +56,7 @@ def test_every_direction_has_one_axis_and_opposites_share_theirs(kind: Any, map_
     assert paired.all() == even and len(axes) == (len(sky) // 2 if even else len(sky))
 
 
-def test_the_nearest_is_not_taken_for_the_opposite() -> None:
+def test_the_nearest_is_not_taken_for_the_opposite():
     d = np.float32([[1, 0, 0], [1, 0, 0], [-1, 1e-5, 0], [0, 0, -1], [-1, 1e-7, 0], [-1, 0, 0]])
     np.testing.assert_array_equal(testing.shared_axes(d), [[0, 4], [1, 5], [2, -1], [3, -1]])
 
@@ -68,7 +66,7 @@ SCENES = ["bumpy_spheres?triangles=3000", "random_triangles?triangles=3000", "ro
 
 @pytest.mark.parametrize("spec", SCENES)
 @pytest.mark.parametrize(("kind", "t_max"), [("centres", np.inf), ("jittered", 0.7)])
-def test_no_row_differs_from_embrees_without_an_excuse(spec: str, kind: Any, t_max: float) -> None:
+def test_no_row_differs_from_embrees_without_an_excuse(spec, kind, t_max):
     """Test 4, with the judge in double of the batch's own tests."""
     scene = built(spec)
     sky = vc.correlation.DirectionSet(map_size=32, kind=kind).directions
@@ -89,7 +87,7 @@ def test_no_row_differs_from_embrees_without_an_excuse(spec: str, kind: Any, t_m
 
 
 @pytest.mark.parametrize("kind", ["centres", "jittered"])
-def test_alpha_masks_and_few_points_are_embrees(kind: Any) -> None:
+def test_alpha_masks_and_few_points_are_embrees(kind):
     scene = masked(0.25)
     at = vc.correlation.surface_points(scene, 300, points="area")
     sky = vc.correlation.DirectionSet(map_size=17, kind=kind).directions
@@ -99,7 +97,7 @@ def test_alpha_masks_and_few_points_are_embrees(kind: Any) -> None:
         np.testing.assert_array_equal(ours, theirs)
 
 
-def test_threads_instruction_sets_and_the_order_of_points_change_no_byte() -> None:
+def test_threads_instruction_sets_and_the_order_of_points_change_no_byte():
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 2500)
     for kind in ("centres", "lloyd"):
@@ -114,7 +112,7 @@ def test_threads_instruction_sets_and_the_order_of_points_change_no_byte() -> No
         np.testing.assert_array_equal(bits, base[turned])
 
 
-def test_a_point_that_asks_both_of_two_opposites_gets_both() -> None:
+def test_a_point_that_asks_both_of_two_opposites_gets_both():
     """Where opposites cancel but for the last digit, both may lie above a plane."""
     scene = clutter(n=400)
     sky = vc.correlation.DirectionSet(map_size=96).directions
@@ -138,7 +136,7 @@ def test_a_point_that_asks_both_of_two_opposites_gets_both() -> None:
     assert {(bool(a), bool(b)) for a, b in seen} >= {(True, False), (False, True)}
 
 
-def test_rows_say_who_traced_them_and_why() -> None:
+def test_rows_say_who_traced_them_and_why():
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     points, normals = surface(scene, 1200)
     found = {
@@ -157,7 +155,7 @@ def test_rows_say_who_traced_them_and_why() -> None:
     assert {a.reason for a in again} == {auto.reason}
 
 
-def test_many_points_before_few_triangles_go_through_the_batch_and_few_do_not() -> None:
+def test_many_points_before_few_triangles_go_through_the_batch_and_few_do_not():
     scene = vc.scenes.cornell_box()
     points, normals = surface(scene, 8000)
     if _core.active_isa() == "avx512":

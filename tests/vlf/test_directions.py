@@ -1,7 +1,5 @@
 """Directions of the visibility field: how many, where, how much of the sky, which is nearest."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -28,7 +26,7 @@ def both_signs(axes: Array) -> Array:
 
 
 @pytest.mark.parametrize("n", DIRECTION_COUNTS)
-def test_axes_are_distinct_units_of_the_upper_half(n: int) -> None:
+def test_axes_are_distinct_units_of_the_upper_half(n):
     axes = vc.vlf.directions(n)
     assert axes.shape == (n, 3) and axes.dtype == np.float32
     np.testing.assert_allclose(np.linalg.norm(axes.astype(float), axis=1), 1, atol=2e-7)
@@ -38,7 +36,7 @@ def test_axes_are_distinct_units_of_the_upper_half(n: int) -> None:
     assert (axes[:, 2] == 0).sum() == 2 * subdivisions  # half of the equator's 4N vertices
 
 
-def test_the_lattice_is_the_octahedron_halved_again_and_again() -> None:
+def test_the_lattice_is_the_octahedron_halved_again_and_again():
     """Written from the definition: midpoints of all edges, moved to the sphere."""
     triangles = [
         np.array(t, float)
@@ -66,7 +64,7 @@ def test_the_lattice_is_the_octahedron_halved_again_and_again() -> None:
 
 
 @pytest.mark.parametrize("n", DIRECTION_COUNTS)
-def test_frames_are_orthonormal_right_handed_and_turn_the_axis_to_z(n: int) -> None:
+def test_frames_are_orthonormal_right_handed_and_turn_the_axis_to_z(n):
     frames = vc.vlf.direction_frames(n).astype(float)
     np.testing.assert_allclose(
         frames @ frames.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (n, 3, 3)), atol=1e-6
@@ -76,7 +74,7 @@ def test_frames_are_orthonormal_right_handed_and_turn_the_axis_to_z(n: int) -> N
 
 
 @pytest.mark.parametrize("n", SUBDIVIDED)
-def test_weights_are_the_areas_of_spherical_voronoi_cells(n: int) -> None:
+def test_weights_are_the_areas_of_spherical_voronoi_cells(n):
     weights = vc.vlf.direction_weights(n).astype(float)
     assert abs(weights.sum() / (2 * np.pi) - 1) < 1e-6
     areas = SphericalVoronoi(both_signs(vc.vlf.directions(n)), threshold=1e-9).calculate_areas()
@@ -84,23 +82,22 @@ def test_weights_are_the_areas_of_spherical_voronoi_cells(n: int) -> None:
     np.testing.assert_allclose(weights, areas[n:], rtol=2e-4)
 
 
-def test_one_direction_has_the_whole_half_sphere() -> None:
+def test_one_direction_has_the_whole_half_sphere():
     np.testing.assert_array_equal(vc.vlf.directions(1), [[0, 0, 1]])
     np.testing.assert_allclose(vc.vlf.direction_weights(1), [2 * np.pi], rtol=1e-6)
     assert (vc.vlf.nearest_direction(random_directions(100), 1) == 0).all()
 
 
-def test_cells_vary_as_the_documentation_says() -> None:
+def test_cells_vary_as_the_documentation_says():
     weights = vc.vlf.direction_weights(513)
     assert weights.min() / weights.mean() == pytest.approx(0.79, abs=0.01)
     assert weights.max() / weights.mean() == pytest.approx(1.60, abs=0.01)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("n", SUBDIVIDED)
-def test_the_nearest_axis_is_the_one_a_search_finds(n: int) -> None:
+def test_the_nearest_axis_is_the_one_a_search_finds(n):
     axes = vc.vlf.directions(n)
-    d = random_directions(1_000_000, seed=n)
+    d = random_directions(100_000, seed=n)
     d[:10_000, 2] *= 1e-3  # near the equator, where axes meet their opposites
     d[10_000:20_000, :2] *= 1e-3
     found = vc.vlf.nearest_direction(d, n)
@@ -111,21 +108,8 @@ def test_the_nearest_axis_is_the_one_a_search_finds(n: int) -> None:
     assert (chosen >= 1 - distance**2 / 2 - 3e-7).all()
 
 
-@pytest.mark.parametrize("n", (3, 9, 33, 129))
-def test_of_equally_near_axes_the_lowest_is_taken(n: int) -> None:
-    axes = vc.vlf.directions(n)
-    d = np.concatenate([random_directions(20_000), np.float32([[1, 1, 1], [1, -1, 0], [-1, 1, 0]])])
-    cos = np.abs(d[:, None, :].astype(float) @ axes.T.astype(float)[None])[:, 0]
-    best = cos.max(1, keepdims=True)
-    found = vc.vlf.nearest_direction(d, n)
-    length = np.linalg.norm(d.astype(float), axis=1)
-    clear = (cos >= best - 1e-6 * length[:, None]).sum(1) == 1
-    assert clear.mean() > 0.99
-    np.testing.assert_array_equal(found[clear], cos.argmax(1)[clear])
-
-
 @pytest.mark.parametrize("n", SUBDIVIDED)
-def test_opposite_directions_have_the_same_axis(n: int) -> None:
+def test_opposite_directions_have_the_same_axis(n):
     d = random_directions(100_000, seed=5)
     d[:1000, 2] = 0
     d[1000:2000, 2] = -0.0
@@ -136,14 +120,14 @@ def test_opposite_directions_have_the_same_axis(n: int) -> None:
 
 @pytest.mark.parametrize("n", DIRECTION_COUNTS)
 @pytest.mark.parametrize("sign", [1, -1])
-def test_axes_are_nearest_to_themselves_at_any_length(n: int, sign: int) -> None:
+def test_axes_are_nearest_to_themselves_at_any_length(n, sign):
     axes = vc.vlf.directions(n)
     for length in (1e-30, 1.0, 1e16):
         given = (axes * np.float32(sign * length)).astype(np.float32)
         np.testing.assert_array_equal(vc.vlf.nearest_direction(given, n), np.arange(n))
 
 
-def test_angles_to_the_nearest_axis_halve_from_level_to_level() -> None:
+def test_angles_to_the_nearest_axis_halve_from_level_to_level():
     d = random_directions(200_000)
     unit = d / np.linalg.norm(d, axis=1, keepdims=True)
     angles = {}
@@ -157,12 +141,12 @@ def test_angles_to_the_nearest_axis_halve_from_level_to_level() -> None:
 
 
 @pytest.mark.parametrize("n", [0, 2, 4, 5, 512, 514, 545, 32769, -1, 513.5, "many", None, True])
-def test_other_counts_are_refused_with_those_there_are(n: Any) -> None:
+def test_other_counts_are_refused_with_those_there_are(n):
     with pytest.raises(ValueError, match=r"1, 3, 9, 33, 129, 513, 2049, 8193 .*, got"):
         vc.vlf.directions(n)
 
 
 @pytest.mark.parametrize("bad", [[0, 0, 0], [np.nan, 0, 1], [np.inf, 0, 0]])
-def test_directions_without_direction_are_refused_by_row(bad: list[float]) -> None:
+def test_directions_without_direction_are_refused_by_row(bad):
     with pytest.raises(ValueError, match="row 1"):
         vc.vlf.nearest_direction([[0, 0, 1], bad], 33)

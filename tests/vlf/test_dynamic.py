@@ -1,7 +1,6 @@
 """Objects in a visibility field: whatever they did, it is as if it were built anew."""
 
-from __future__ import annotations
-
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,8 @@ STATIC = soup(300)
 
 
 def field(mode: str, **changed: Any) -> vc.vlf.DynamicField:
-    import dataclasses
-
     settings = dataclasses.replace(SETTINGS, **changed)
-    scene = vc.Scene.from_arrays(*STATIC)
-    return vc.vlf.DynamicField(scene, settings, mode=mode)  # type: ignore[arg-type]
+    return vc.vlf.DynamicField(vc.Scene.from_arrays(*STATIC), settings, mode=mode)
 
 
 def random_object(r: np.random.Generator) -> tuple[Array, Array]:
@@ -90,7 +86,7 @@ def rays(n: int, seed: int = 0) -> tuple[Array, Array]:
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("split", ["uniform", "object"])
-def test_after_a_thousand_steps_it_is_as_if_built_anew(mode: str, split: str) -> None:
+def test_after_a_thousand_steps_it_is_as_if_built_anew(mode, split):
     played = Played(mode, 1000, seed=11, split=split)
     assert played.field.stats["objects"] == len(played.objects) > 5
     for direction in range(33):
@@ -114,7 +110,7 @@ def test_after_a_thousand_steps_it_is_as_if_built_anew(mode: str, split: str) ->
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_what_was_deleted_leaves_no_trace(mode: str) -> None:
+def test_what_was_deleted_leaves_no_trace(mode):
     f = field(mode)
     before = [f._core.listed(k) for k in range(33)]
     r = np.random.default_rng(3)
@@ -128,7 +124,7 @@ def test_what_was_deleted_leaves_no_trace(mode: str) -> None:
         np.testing.assert_array_equal(f._core.listed(k), before[k])
 
 
-def test_both_modes_and_any_number_of_threads_give_the_same_answers() -> None:
+def test_both_modes_and_any_number_of_threads_give_the_same_answers():
     o, d = rays(20_000)
     answers = []
     for mode in MODES:
@@ -146,7 +142,7 @@ def test_both_modes_and_any_number_of_threads_give_the_same_answers() -> None:
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_memory_does_not_grow_with_the_number_of_moves(mode: str) -> None:
+def test_memory_does_not_grow_with_the_number_of_moves(mode):
     f = field(mode)
     r = np.random.default_rng(6)
     number = f.insert(*soup(200, 9, 0.3))
@@ -164,65 +160,56 @@ def test_memory_does_not_grow_with_the_number_of_moves(mode: str) -> None:
     assert last < 1.5 * second
 
 
+SMALL: tuple[Any, Any] = ([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+
+
+@pytest.mark.parametrize(
+    ("method", "given", "says"),
+    [
+        ("insert", (np.eye(3), [[0, 1, 3]]), r"triangles must index vertices, row 0 has 3 of 3"),
+        ("insert", (np.eye(3), [[0, 1, -3]]), "triangles must be in"),
+        ("insert", (np.full((3, 3), np.nan), [[0, 1, 2]]), "vertices must be finite"),
+        ("insert", (np.eye(3) + 9, [[0, 1, 2]]), "ball; give it more head_room"),
+        ("transform", (0, np.eye(3)), "matrix must be affine"),
+        ("transform", (0, np.full((3, 4), np.nan)), "matrix must be finite"),
+        ("transform", (0, np.eye(4)[:3] + 50 * np.eye(4)[3]), "head_room"),
+        ("transform", (1, np.eye(4)), "object must be one that was inserted and not deleted"),
+        *(
+            ("delete", (number,), "object must be one that was inserted and not deleted")
+            for number in (1, -1, "first")
+        ),
+    ],
+)
 @pytest.mark.parametrize("mode", MODES)
-def test_objects_stay_in_the_ball(mode: str) -> None:
+def test_what_cannot_be_used_is_refused(mode, method, given, says):
     f = field(mode)
-    with pytest.raises(ValueError, match=r"inside the field's ball; give it more head_room"):
-        f.insert([[9, 0, 0], [10, 0, 0], [9, 1, 0]], [[0, 1, 2]])
-    number = f.insert([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+    assert [f.insert(*SMALL), f.insert(*SMALL)] == [0, 1]
+    f.delete(1)
     listed = f._core.listed(3)
-    with pytest.raises(ValueError, match="head_room"):
-        f.transform(number, [[1, 0, 0, 50], [0, 1, 0, 0], [0, 0, 1, 0]])
+    with pytest.raises(ValueError, match=says):
+        getattr(f, method)(*given)
     np.testing.assert_array_equal(f._core.listed(3), listed)
+    assert f.insert(*SMALL) == 2
 
 
-def test_tiles_do_not_follow_objects() -> None:
-    with pytest.raises(ValueError, match='fit must be "sphere" where objects move'):
-        field("overlay", fit="psf_box")
-
-
-def test_objects_that_are_not_there_are_refused() -> None:
-    f = field("overlay")
-    number = f.insert([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
-    f.delete(number)
-    for call in (
-        lambda: f.delete(number),
-        lambda: f.transform(number, np.eye(4)),
-        lambda: f.delete(-1),
-        lambda: f.delete("first"),
-    ):  # type: ignore[arg-type]
-        with pytest.raises(
-            ValueError, match="object must be one that was inserted and not deleted"
-        ):
-            call()
-    assert f.insert([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]]) != number
-
-
-def test_what_cannot_be_used_is_refused() -> None:
-    f = field("in_place")
-    with pytest.raises(ValueError, match=r"triangles must index vertices, row 0 has 3 of 3"):
-        f.insert(np.eye(3), [[0, 1, 3]])
-    with pytest.raises(ValueError, match="triangles must be in"):
-        f.insert(np.eye(3), [[0, 1, -3]])
-    with pytest.raises(ValueError, match="vertices must be finite"):
-        f.insert(np.full((3, 3), np.nan), [[0, 1, 2]])
-    number = f.insert(np.eye(3) * 0.1, [[0, 1, 2]])
-    with pytest.raises(ValueError, match="matrix must be affine"):
-        f.transform(number, np.eye(3))
-    with pytest.raises(ValueError, match="matrix must be finite"):
-        f.transform(number, np.full((3, 4), np.nan))
-    with pytest.raises(ValueError, match="lazy must be false"):
-        field("overlay", lazy=True)
-    with pytest.raises(ValueError, match="snap must be false"):
-        field("overlay", snap=True)
-    with pytest.raises(ValueError, match='mode must be "overlay" or "in_place"'):
-        field("both")
+@pytest.mark.parametrize(
+    ("mode", "changed", "says"),
+    [
+        ("overlay", {"lazy": True}, "lazy must be false"),
+        ("overlay", {"snap": True}, "snap must be false"),
+        ("overlay", {"fit": "psf_box"}, 'fit must be "sphere" where objects move'),
+        ("both", {}, 'mode must be "overlay" or "in_place"'),
+    ],
+)
+def test_fields_that_cannot_hold_objects_are_refused(mode, changed, says):
+    with pytest.raises(ValueError, match=says):
+        field(mode, **changed)
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_an_empty_object_and_an_empty_scene_do_no_harm(mode: str) -> None:
+def test_an_empty_object_and_an_empty_scene_do_no_harm(mode):
     scene = vc.Scene.from_description(vc.SceneDescription())
-    f = vc.vlf.DynamicField(scene, vc.Vlf(n_directions=9, n_tiles=8), mode=mode)  # type: ignore[arg-type]
+    f = vc.vlf.DynamicField(scene, vc.Vlf(n_directions=9, n_tiles=8), mode=mode)
     nothing = f.insert(np.zeros((0, 3)), np.zeros((0, 3), int))
     number = f.insert([[0, 0, 0], [0.5, 0, 0], [0, 0.5, 0]], [[0, 1, 2]])
     found = f.intersect([[0.1, 0.1, 0.5], [0.9, 0.9, 0.5]], [[0, 0, -1.0]] * 2)

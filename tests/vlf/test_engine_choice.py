@@ -1,7 +1,5 @@
 """The engine for aligned rays is predicted from the input only, with a reason."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -32,7 +30,7 @@ def work(scene: vc.Scene, points: Array, normals: Array, frames: Array, t_max: f
 
 @needs_avx512
 @pytest.mark.parametrize("n_directions", [33, 513])
-def test_many_points_before_large_triangles_go_through_the_batch(n_directions: int) -> None:
+def test_many_points_before_large_triangles_go_through_the_batch(n_directions):
     """Large triangles block whole nodes of the tree of points: few tests per ray are left."""
     scene = vc.scenes.cornell_box()
     points, normals = seen_by_camera(scene, (96, 60))
@@ -43,7 +41,7 @@ def test_many_points_before_large_triangles_go_through_the_batch(n_directions: i
 
 
 @pytest.mark.parametrize("t_max", [0.02, 0.1])
-def test_short_rays_from_few_points_go_to_embree(t_max: float) -> None:
+def test_short_rays_from_few_points_go_to_embree(t_max):
     """Each pass of the batch meets more blocks of triangles than it has packets of points."""
     scene = vc.scenes.bumpy_spheres(triangles=30_000)
     points, normals = seen_by_camera(scene, (96, 60))
@@ -55,7 +53,7 @@ def test_short_rays_from_few_points_go_to_embree(t_max: float) -> None:
     assert rows.engine == "embree" and rows.reason.startswith("predicted ns per ray")
 
 
-def test_the_chosen_engines_bits_are_returned() -> None:
+def test_the_chosen_engines_bits_are_returned():
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     points, normals = surface(scene, 3000)
     rows = vc.vlf.trace_aligned(scene, points, normals, 129)
@@ -66,7 +64,7 @@ def test_the_chosen_engines_bits_are_returned() -> None:
 
 @pytest.mark.parametrize("t_max", [0.1, np.inf])
 @pytest.mark.parametrize("n_directions", [33, 513])
-def test_the_choice_depends_on_nothing_but_the_input(n_directions: int, t_max: float) -> None:
+def test_the_choice_depends_on_nothing_but_the_input(n_directions, t_max):
     scene = vc.scenes.bumpy_spheres(triangles=20_000)
     points, normals = surface(scene, 4000)
     batch, frames = scene.aligned_batch(), frames_of(n_directions)
@@ -79,7 +77,7 @@ def test_the_choice_depends_on_nothing_but_the_input(n_directions: int, t_max: f
         assert batch.sample(*arguments, t_max=t_max, threads=threads) == sample
 
 
-def test_a_sample_estimates_the_work_of_all_rays() -> None:
+def test_a_sample_estimates_the_work_of_all_rays():
     scene = vc.scenes.bumpy_spheres(triangles=20_000)
     points, normals = seen_by_camera(scene, (160, 100))
     frames = frames_of(513)
@@ -91,8 +89,7 @@ def test_a_sample_estimates_the_work_of_all_rays() -> None:
         assert 0.4 < sample[name] / (counts[name] / n_rays) < 2.5, name
 
 
-def test_short_rays_pass_by_what_is_beyond_their_reach() -> None:
-    """The work falls with the length of the rays, and the bits stay Embree's."""
+def test_short_rays_pass_by_what_is_beyond_their_reach():
     scene = vc.scenes.random_triangles(triangles=5000, edge=0.05)
     points, normals = surface(scene, 2000)
     frames = frames_of(129, 17)
@@ -109,7 +106,7 @@ def test_short_rays_pass_by_what_is_beyond_their_reach() -> None:
 
 
 @needs_avx512
-def test_predictions_follow_how_crowded_the_scene_is() -> None:
+def test_predictions_follow_how_crowded_the_scene_is():
     """More triangles per point cost both engines more, and the batch loses its advantage."""
     costs = []
     for triangles in (2000, 20_000, 200_000):
@@ -125,7 +122,7 @@ def test_predictions_follow_how_crowded_the_scene_is() -> None:
     assert few[0] / few[1] < SHARE < many[0] / many[1]
 
 
-def test_what_cannot_pay_is_not_even_probed() -> None:
+def test_what_cannot_pay_is_not_even_probed():
     scene = vc.scenes.bumpy_spheres(triangles=100_000)
     hopeless = _core.vlf.is_hopeless
     assert hopeless(scene._core, 2000) and not hopeless(scene._core, 4000)
@@ -136,7 +133,7 @@ def test_what_cannot_pay_is_not_even_probed() -> None:
     assert "aligned_batch" not in scene._made
 
 
-def test_an_order_that_misses_points_is_refused() -> None:
+def test_an_order_that_misses_points_is_refused():
     scene = vc.scenes.cube_on_plane()
     points, normals = surface(scene, 20)
     order = _core.vlf.point_order(points)

@@ -1,7 +1,5 @@
 """Aligned rays by look-up: Embree's bits except for rounding, and when "auto" chooses them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -25,7 +23,7 @@ def by_field(scene: vc.Scene, settings: vc.Vlf, points: Any, normals: Any, **mor
     "spec", ["bumpy_spheres?triangles=3000", "random_triangles?triangles=3000"]
 )
 @pytest.mark.parametrize("t_max", [np.inf, 0.5])
-def test_no_ray_differs_from_embrees_without_an_excuse(spec: str, t_max: float) -> None:
+def test_no_ray_differs_from_embrees_without_an_excuse(spec, t_max):
     scene, frames = built(spec), frames_of(33)
     points, normals = surface(scene, 3000)
     theirs = embree(scene, points, normals, frames, t_max=t_max)
@@ -39,7 +37,7 @@ def test_no_ray_differs_from_embrees_without_an_excuse(spec: str, t_max: float) 
     assert 0.02 < ours.mean() < 0.98
 
 
-def test_neither_threads_nor_laziness_change_a_bit() -> None:
+def test_neither_threads_nor_laziness_change_a_bit():
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 1500)
     plain = vc.Vlf(n_directions=33, n_tiles=16)
@@ -52,7 +50,7 @@ def test_neither_threads_nor_laziness_change_a_bit() -> None:
     assert by_field(scene, lazy, points[:0], normals[:0]).shape == (0, 33)
 
 
-def test_rows_of_a_field_given_or_built() -> None:
+def test_rows_of_a_field_given_or_built():
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 500)
     field = vc.VisibilityField(scene, n_directions=33, n_tiles=16)
@@ -71,7 +69,7 @@ def test_rows_of_a_field_given_or_built() -> None:
         _core.vlf.field_rows(field._core, points, normals, frames_of(9))
 
 
-def test_the_reason_says_what_the_field_would_cost() -> None:
+def test_the_reason_says_what_the_field_would_cost():
     """Too expensive without a field, by a lower bound, and with a built one, by its tests."""
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 3000)
@@ -82,7 +80,7 @@ def test_the_reason_says_what_the_field_would_cost() -> None:
     assert rows.engine != "field" and "tests, built already)" in rows.reason
 
 
-def test_the_field_is_chosen_where_it_is_predicted_to_be_cheapest(monkeypatch: Any) -> None:
+def test_the_field_is_chosen_where_it_is_predicted_to_be_cheapest(monkeypatch):
     """With expensive alternatives: by prediction, including time and memory of the build."""
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 6000)
@@ -98,7 +96,7 @@ def test_the_field_is_chosen_where_it_is_predicted_to_be_cheapest(monkeypatch: A
     assert tight.engine != "field" and "but over" in tight.reason
 
 
-def test_predictions_follow_tiles_and_triangles() -> None:
+def test_predictions_follow_tiles_and_triangles():
     scenes = [vc.scenes.bumpy_spheres(triangles=n)._core for n in (2000, 20_000)]
 
     def cost(scene: Any, n_tiles: int) -> dict[str, float]:
@@ -114,7 +112,7 @@ def test_predictions_follow_tiles_and_triangles() -> None:
     assert 0.5 * field.stats["bytes"] < fine["bytes"] < field.stats["bytes"]
 
 
-def test_frames_of_ambient_occlusion_by_a_field() -> None:
+def test_frames_of_ambient_occlusion_by_a_field():
     scene = vc.scenes.bumpy_spheres(triangles=2000)
 
     def frame_by(engine: Any) -> vc.Frame:
@@ -130,7 +128,7 @@ def test_frames_of_ambient_occlusion_by_a_field() -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_stops_the_look_ups_soon() -> None:
+def test_ctrl_c_stops_the_look_ups_soon():
     call = (
         "(lambda at: vc.aligned_occlusion(scene, at.positions, at.normals, 129, engine='field'))"
         "(vc.correlation.surface_points(scene, 1 << 17))"

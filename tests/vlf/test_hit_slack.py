@@ -1,7 +1,5 @@
 """A hit nearer to the end of a tile than its rounding error is compared with the next tile's."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -45,7 +43,7 @@ def border(free: vc.VisibilityField) -> float:
     return low
 
 
-def test_a_hit_just_before_the_end_of_a_tile_looks_into_the_next_one() -> None:
+def test_a_hit_just_before_the_end_of_a_tile_looks_into_the_next_one():
     end = border(field(None))
     before = tiles(field(None), end - 1e-3)[0]
     seen = {}
@@ -57,7 +55,7 @@ def test_a_hit_just_before_the_end_of_a_tile_looks_into_the_next_one() -> None:
     assert [seen[o] for o in (3, 10, 100)] == [0, 0, 0], "farther ones are not looked into"
 
 
-def test_a_hit_behind_the_end_of_a_tile_is_found() -> None:
+def test_a_hit_behind_the_end_of_a_tile_is_found():
     end = border(field(None))
     for offset in (-0.5, 0.0, 0.5):
         wall = end + offset * SLACK

@@ -1,7 +1,5 @@
 """The size of a field is predicted before the build; too large fields are refused."""
 
-from __future__ import annotations
-
 import re
 import resource
 from typing import Any
@@ -31,18 +29,6 @@ SCENES: dict[str, Any] = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("n", [16, 64, 128])
-def test_the_formula_for_lists_is_right_within_a_tenth(name: str, n: int) -> None:
-    """X3: A/(2c²) + P/(2c) + 1 tiles a triangle, on average."""
-    scene = SCENES[name]()
-    f = vc.VisibilityField(scene, 129, n, 0)
-    expected = 129 * _core.vlf.expected_references(scene._core, n)
-    # The lattice's directions are not quite uniform, coverage reaches a little farther
-    assert expected / f.stats["references"] == pytest.approx(1, abs=0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize(
     "settings",
     [
@@ -52,7 +38,7 @@ def test_the_formula_for_lists_is_right_within_a_tenth(name: str, n: int) -> Non
         vc.Vlf(n_directions=9, n_tiles=128, tile_ranges=False),
     ],
 )
-def test_the_predicted_bytes_are_those_built_within_a_tenth(name: str, settings: vc.Vlf) -> None:
+def test_the_predicted_bytes_are_those_built_within_a_tenth(name, settings):
     scene = SCENES[name]()
     predicted = vc.VisibilityField.memory_estimate(scene, settings)
     f = vc.VisibilityField(
@@ -61,7 +47,7 @@ def test_the_predicted_bytes_are_those_built_within_a_tenth(name: str, settings:
     assert predicted / f.stats["bytes"] == pytest.approx(1, abs=0.1)
 
 
-def test_a_field_beyond_its_budget_is_refused_with_what_fits() -> None:
+def test_a_field_beyond_its_budget_is_refused_with_what_fits():
     scene = soup_scene()
     whole = vc.VisibilityField(scene, 129, 64, 3).stats["bytes"]
     with pytest.raises(MemoryError) as refused:
@@ -79,7 +65,7 @@ def test_a_field_beyond_its_budget_is_refused_with_what_fits() -> None:
     assert "n_tiles=" in text and "n_directions=33" in text
 
 
-def test_a_hopeless_field_is_refused_without_memory_taken_for_it() -> None:
+def test_a_hopeless_field_is_refused_without_memory_taken_for_it():
     scene = soup_scene(200, 1.0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(MemoryError, match="predicted to take at least"):
@@ -88,7 +74,7 @@ def test_a_hopeless_field_is_refused_without_memory_taken_for_it() -> None:
     assert grown < 100_000
 
 
-def test_what_nothing_makes_fit_is_refused() -> None:
+def test_what_nothing_makes_fit_is_refused():
     with pytest.raises(MemoryError, match="no smaller"):
         vc.VisibilityField(soup_scene(), 3, 1, 0, max_bytes=1000)
 
@@ -97,7 +83,7 @@ def test_what_nothing_makes_fit_is_refused() -> None:
 
 
 @pytest.mark.parametrize("budget", [1 << 20, 4 << 20, 32 << 20])
-def test_parameters_left_open_are_chosen_to_fit(budget: int) -> None:
+def test_parameters_left_open_are_chosen_to_fit(budget):
     scene = soup_scene()
     f = vc.VisibilityField(scene, "auto", "auto", "auto", max_bytes=budget)
     assert f.stats["bytes"] <= 1.05 * budget
@@ -105,13 +91,13 @@ def test_parameters_left_open_are_chosen_to_fit(budget: int) -> None:
     assert f.settings.n_tiles == "auto"
 
 
-def test_a_larger_budget_gives_a_field_with_fewer_steps() -> None:
+def test_a_larger_budget_gives_a_field_with_fewer_steps():
     scene = soup_scene()
     r = np.random.default_rng(0)
     o = r.uniform(-1, 1, (2000, 3)).astype(np.float32)
     d = r.normal(size=o.shape).astype(np.float32)
     costs = []
-    for budget in (1 << 20, 8 << 20, 128 << 20):
+    for budget in (1 << 20, 8 << 20, 64 << 20):
         f = vc.VisibilityField(scene, "auto", "auto", "auto", max_bytes=budget)
         axes = vc.vlf.nearest_direction(d, f.n_directions)
         *_, steps, _ = f._core.trace_by(o, d, axes)
@@ -120,13 +106,13 @@ def test_a_larger_budget_gives_a_field_with_fewer_steps() -> None:
 
 
 @pytest.mark.parametrize("given", [{"n_tiles": 48}, {"n_directions": 9}, {"bsp_depth": 2}])
-def test_parameters_that_are_given_stay(given: dict[str, int]) -> None:
+def test_parameters_that_are_given_stay(given):
     open_ = {"n_directions": "auto", "n_tiles": "auto", "bsp_depth": "auto"} | given
     f = vc.VisibilityField(soup_scene(), **open_, max_bytes=16 << 20)  # type: ignore[arg-type]
     assert {name: getattr(f, name) for name in given} == given
 
 
-def test_the_default_depth_is_one_that_fits() -> None:
+def test_the_default_depth_is_one_that_fits():
     scene = soup_scene()
     assert vc.VisibilityField(scene, 33, 32).bsp_depth == 5
     tight = int(vc.VisibilityField(scene, 33, 32, 0).stats["bytes"] * 1.03)
@@ -140,10 +126,10 @@ def test_the_default_depth_is_one_that_fits() -> None:
         assert made.bsp_depth < 5
 
 
-def test_a_time_budget_chooses_a_field_that_is_built_sooner() -> None:
+def test_a_time_budget_chooses_a_field_that_is_built_sooner():
     scene = soup_scene()
     sizes = []
-    for seconds in (0.02, 0.2, 2.0):
+    for seconds in (0.01, 0.1, 1.0):
         settings = vc.Vlf(n_directions="auto", n_tiles="auto", max_build_s=seconds)
         f = vc.VisibilityField(scene, "auto", "auto", "auto", settings=settings)
         assert testing.expected_build_s(scene._core, f._core.settings) <= seconds
@@ -151,7 +137,7 @@ def test_a_time_budget_chooses_a_field_that_is_built_sooner() -> None:
     assert sizes[0] < 0.5 * sizes[1] < 0.25 * sizes[2]
 
 
-def test_the_rule_for_build_time_counts_references_and_tiles() -> None:
+def test_the_rule_for_build_time_counts_references_and_tiles():
     scene = soup_scene()
     for n in (16, 128):
         settings = vc.Vlf(n_directions=129, n_tiles=n, bsp_depth=3).core()

@@ -1,7 +1,5 @@
 """Tiles of triangles: none that is touched is missed, none that is clear of them is listed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -55,7 +53,7 @@ def tile_of(p: Array, n: int) -> Array:
 
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_tile_of_every_point_lists_its_triangle_at_its_depth(kind: str, n: int) -> None:
+def test_the_tile_of_every_point_lists_its_triangle_at_its_depth(kind, n):
     """10⁴ points of each triangle, in double."""
     corners = triangles_of_every_kind()[kind].astype(np.float32)
     tiles, depths = covered(corners, n)
@@ -89,7 +87,7 @@ def separated(t: Array, box: Array) -> bool:
 
 @pytest.mark.parametrize("n", (2, 7, 16, 64))
 @pytest.mark.parametrize("kind", KINDS)
-def test_no_tile_is_listed_that_a_separating_axis_clears(kind: str, n: int) -> None:
+def test_no_tile_is_listed_that_a_separating_axis_clears(kind, n):
     corners = triangles_of_every_kind()[kind].astype(np.float32)[:12]
     tiles, _ = covered(corners, n)
     assert len(np.unique(tiles, axis=0)) == len(tiles)
@@ -99,7 +97,7 @@ def test_no_tile_is_listed_that_a_separating_axis_clears(kind: str, n: int) -> N
 
 
 @pytest.mark.parametrize("n", (1, 16, 128))
-def test_depths_are_those_of_the_part_inside_the_tile(n: int) -> None:
+def test_depths_are_those_of_the_part_inside_the_tile(n):
     """The range is the triangle's own in its tile, grown by no more than a steep slope explains."""
     corners = triangles_of_every_kind(3)["random"].astype(np.float32)
     tiles, depths = covered(corners, n)
@@ -114,7 +112,7 @@ def test_depths_are_those_of_the_part_inside_the_tile(n: int) -> None:
         assert depths[mine, 1].max() == pytest.approx(t[:, 2].max() + SLACK, abs=1e-6)
 
 
-def test_a_diagonal_edge_touches_tiles_that_a_dda_skips() -> None:
+def test_a_diagonal_edge_touches_tiles_that_a_dda_skips():
     """Fig. 1: the edge of a triangle without width."""
     edge = np.array([[-0.9, -0.83, 0], [0.9, 0.71, 0], [0.9, 0.71, 0]], np.float32)
     tiles, _ = covered(edge[None], 16)
@@ -126,7 +124,7 @@ def test_a_diagonal_edge_touches_tiles_that_a_dda_skips() -> None:
     assert dda < found
 
 
-def test_arrays_of_another_shape_and_wrong_tilings_are_refused() -> None:
+def test_arrays_of_another_shape_and_wrong_tilings_are_refused():
     with pytest.raises(ValueError, match=r"shape \(N, 3, 3\), got \(2, 3\)"):
         covered(np.zeros((2, 3)), 4)
     for n in (0, -1, 4097):

@@ -1,7 +1,5 @@
 """Lists of the subfields: complete, ordered, without repeats, the same on any threads."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 
@@ -36,7 +34,7 @@ def tile_lists(lists: dict[str, Array]) -> list[set[int]]:
 
 
 @pytest.mark.parametrize("settings", PARAMETERS)
-def test_offsets_grow_and_lists_ascend_without_repeats(settings: dict[str, Any]) -> None:
+def test_offsets_grow_and_lists_ascend_without_repeats(settings):
     f = built(vc.Scene.from_arrays(*soup(800)), **settings)
     stats = f.stats
     leaves = references = 0
@@ -60,7 +58,7 @@ def test_offsets_grow_and_lists_ascend_without_repeats(settings: dict[str, Any])
 
 
 @pytest.mark.parametrize("settings", PARAMETERS)
-def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings: dict[str, Any]) -> None:
+def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings):
     vertices, triangles = soup(400)
     f = built(vc.Scene.from_arrays(vertices, triangles), **settings)
     lo, hi = vertices.min(0).astype(float), vertices.max(0).astype(float)
@@ -79,7 +77,7 @@ def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings: dict[st
         assert different <= 2e-3 * sum(map(len, expected))
 
 
-def test_a_picture_of_an_axis_counts_its_entries_where_the_triangles_lie() -> None:
+def test_a_picture_of_an_axis_counts_its_entries_where_the_triangles_lie():
     f = built(vc.Scene.from_arrays(*soup(800)), bsp_depth=3)
     assert sum(int(f.tile_entries(k).sum()) for k in range(33)) == f.stats["references"]
     frame = vc.vlf.direction_frames(33)[5].astype(float)
@@ -94,8 +92,7 @@ def test_a_picture_of_an_axis_counts_its_entries_where_the_triangles_lie() -> No
     assert shown.shape == (16, 16) and (shown > 0).sum() <= 8
 
 
-def test_every_depth_of_a_triangle_has_it_in_its_leaf() -> None:
-    """Straddling triangles are in all leaves between their depths in the tile."""
+def test_every_depth_of_a_triangle_has_it_in_its_leaf():
     f = built(vc.Scene.from_arrays(*soup(800)), bsp_depth=4, leaf_target=1)
     lists = f._core.subfield(7)
     for tile in np.flatnonzero(np.diff(lists["first_leaf"]) > 1)[:100]:
@@ -112,7 +109,7 @@ def test_every_depth_of_a_triangle_has_it_in_its_leaf() -> None:
 
 
 @pytest.mark.parametrize("threads", [2, 3, 7])
-def test_the_lists_are_the_same_bytes_for_any_number_of_threads(threads: int) -> None:
+def test_the_lists_are_the_same_bytes_for_any_number_of_threads(threads):
     scene = vc.Scene.from_arrays(*soup(1000))
     alone, together = (vc.VisibilityField(scene, 33, 32, 4, threads=t) for t in (1, threads))
     for direction in range(33):
@@ -121,7 +118,7 @@ def test_the_lists_are_the_same_bytes_for_any_number_of_threads(threads: int) ->
             np.testing.assert_array_equal(a[name], b[name])
 
 
-def test_a_direction_beyond_the_last_is_refused() -> None:
+def test_a_direction_beyond_the_last_is_refused():
     f = built(vc.Scene.from_arrays(*soup(10)))
     with pytest.raises(ValueError, match="direction must be < 33, got 33"):
         f._core.subfield(33)

@@ -1,7 +1,5 @@
 """Subfields on first use: built when a ray needs them, given up when the budget ends."""
 
-from __future__ import annotations
-
 import threading
 
 import numpy as np
@@ -19,7 +17,7 @@ def lazy(max_bytes: int = 1 << 30) -> vc.VisibilityField:
     return vc.VisibilityField(SCENE, settings=settings)
 
 
-def test_nothing_is_built_before_a_ray_comes() -> None:
+def test_nothing_is_built_before_a_ray_comes():
     f = lazy()
     assert f.stats["subfields"] == f.stats["built"] == 0
     f.occluded(CHORDS[:1, 0], CHORDS[:1, 1])
@@ -28,7 +26,7 @@ def test_nothing_is_built_before_a_ray_comes() -> None:
     assert f.stats["built"] == 1
 
 
-def test_a_lazy_field_ends_as_the_whole_one() -> None:
+def test_a_lazy_field_ends_as_the_whole_one():
     whole, f = vc.VisibilityField(SCENE, 129, 32, 3), lazy()
     axes = vc.vlf.directions(129)
     f.occluded(np.zeros_like(axes), axes)
@@ -38,7 +36,7 @@ def test_a_lazy_field_ends_as_the_whole_one() -> None:
         assert all((a[name] == b[name]).all() for name in a)
 
 
-def test_the_longest_unused_are_evicted_and_built_again() -> None:
+def test_the_longest_unused_are_evicted_and_built_again():
     whole = vc.VisibilityField(SCENE, 129, 32, 3)
     each = (whole.stats["bytes"] - 2000 * 96) / 129
     f = lazy(int(2000 * 96 + 20 * each))
@@ -59,7 +57,7 @@ def test_the_longest_unused_are_evicted_and_built_again() -> None:
     assert f.stats["built"] == built
 
 
-def test_threads_that_ask_at_once_get_right_answers_from_a_small_store() -> None:
+def test_threads_that_ask_at_once_get_right_answers_from_a_small_store():
     whole = vc.VisibilityField(SCENE, 129, 32, 3)
     expected = whole.occluded(CHORDS[:, 0], CHORDS[:, 1])
     f = lazy(2000 * 96 + 100_000)
@@ -80,6 +78,6 @@ def test_threads_that_ask_at_once_get_right_answers_from_a_small_store() -> None
     assert f.stats["evicted"] > 0
 
 
-def test_a_budget_below_the_triangles_is_refused() -> None:
+def test_a_budget_below_the_triangles_is_refused():
     with pytest.raises(MemoryError, match="triangles alone take 192000 bytes, max_bytes is 1000"):
         lazy(1000)

@@ -1,7 +1,5 @@
 """The partition of a tile: no depth without its leaf, both walks alike, near to far."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,7 +18,7 @@ def walk(z0, z1, leaves, borders, low, high, upwards, how="linear"):
 
 @settings(max_examples=300, deadline=None)
 @given(z=st.tuples(depth, depth), range_=st.tuples(depth, depth), leaves=counts, up=st.booleans())
-def test_leaves_of_equal_slabs_are_those_that_the_depths_meet(z, range_, leaves, up) -> None:
+def test_leaves_of_equal_slabs_are_those_that_the_depths_meet(z, range_, leaves, up):
     low, high = min(z), max(z)
     z0, z1 = min(range_), max(range_)
     if z1 - z0 < 1e-3:
@@ -43,7 +41,7 @@ def test_leaves_of_equal_slabs_are_those_that_the_depths_meet(z, range_, leaves,
     seed=st.integers(0, 1000),
     by_medians=st.booleans(),
 )
-def test_the_stack_visits_the_leaves_of_the_linear_walk(z, leaves, up, seed, by_medians) -> None:
+def test_the_stack_visits_the_leaves_of_the_linear_walk(z, leaves, up, seed, by_medians):
     borders = np.sort(np.random.default_rng(seed).uniform(-1, 1, leaves)).tolist()
     given_borders = borders if by_medians else []
     low, high = min(z), max(z)
@@ -58,14 +56,14 @@ def test_the_stack_visits_the_leaves_of_the_linear_walk(z, leaves, up, seed, by_
 
 @settings(max_examples=100, deadline=None)
 @given(z=st.lists(depth, min_size=2, max_size=20), leaves=counts, seed=st.integers(0, 1000))
-def test_a_deeper_depth_never_has_an_earlier_leaf(z, leaves, seed) -> None:
+def test_a_deeper_depth_never_has_an_earlier_leaf(z, leaves, seed):
     borders = np.sort(np.random.default_rng(seed).uniform(-1, 1, leaves)).tolist()
     for b in ([], borders):
         first = [walk(-1, 1, leaves, b, v, v, True)[0] for v in sorted(z)]
         assert first == sorted(first)
 
 
-def test_walks_end_where_the_ray_hardly_goes_deeper() -> None:
+def test_walks_end_where_the_ray_hardly_goes_deeper():
     """Depths in the wrong order by rounding once made a walk that compares for equality run on."""
     for how in ("linear", "stack"):
         for up in (True, False):
@@ -75,7 +73,7 @@ def test_walks_end_where_the_ray_hardly_goes_deeper() -> None:
 
 
 @pytest.mark.parametrize("target", [1, 4, 10])
-def test_the_depth_of_a_tile_leaves_at_most_the_target(target: int) -> None:
+def test_the_depth_of_a_tile_leaves_at_most_the_target(target):
     for count in range(200):
         d = testing.tile_depth(count, 12, target)
         assert count <= target << d
@@ -84,5 +82,5 @@ def test_the_depth_of_a_tile_leaves_at_most_the_target(target: int) -> None:
         assert testing.tile_depth(count, 2, target) == min(d, 2)
 
 
-def test_without_a_target_all_tiles_have_the_full_depth() -> None:
+def test_without_a_target_all_tiles_have_the_full_depth():
     assert [testing.tile_depth(c, 5, 0) for c in (0, 1, 100)] == [0, 5, 5]

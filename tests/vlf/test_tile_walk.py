@@ -1,7 +1,5 @@
 """A ray's way over the tiles: every tile it crosses, in order, with its interval."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -21,7 +19,7 @@ def random_rays(count: int, seed: int = 0):
 
 
 @pytest.mark.parametrize("n", (1, 2, 5, 16, 128, 4096))
-def test_every_point_of_a_ray_lies_in_the_tile_of_its_interval(n: int) -> None:
+def test_every_point_of_a_ray_lies_in_the_tile_of_its_interval(n):
     for o, d in zip(*random_rays(200, seed=n), strict=True):
         tiles, times = walk(o, d, n)
         o, d = o.astype(float), d.astype(float)
@@ -45,31 +43,31 @@ def test_every_point_of_a_ray_lies_in_the_tile_of_its_interval(n: int) -> None:
             assert (outside * 2 / n < 4e-6).all()
 
 
-def test_a_ray_along_the_beam_stays_in_its_tile() -> None:
+def test_a_ray_along_the_beam_stays_in_its_tile():
     for d in ([0, 0, 1], [0, 0, -2], [1e-8, -1e-8, 1]):
         tiles, times = walk([0.3, -0.2, 5 * -np.sign(d[2])], d, 16)
         assert tiles.tolist() == [[10, 6]]
         assert np.ptp(times) == pytest.approx(2 / abs(d[2]))
 
 
-def test_the_interval_of_a_segment_bounds_its_tiles() -> None:
+def test_the_interval_of_a_segment_bounds_its_tiles():
     tiles, times = walk([-0.95, 0.05, 0], [1, 0, 0], 10, 0.1, 0.5)
     assert tiles[:, 0].tolist() == [0, 1, 2] and (tiles[:, 1] == 5).all()
     assert times[0, 0] == 0.1 and times[-1, 1] == 0.5
 
 
 @pytest.mark.parametrize("interval", [(0.5, 0.4), (3.0, np.inf), (0.0, -1.0)])
-def test_empty_intervals_cross_no_tile(interval: tuple[float, float]) -> None:
+def test_empty_intervals_cross_no_tile(interval):
     assert len(walk([0, 0, 0], [1, 0, 0], 8, *interval)[0]) == 0
 
 
-def test_rays_beside_the_cube_cross_no_tile() -> None:
+def test_rays_beside_the_cube_cross_no_tile():
     assert len(walk([0, 0, 2], [1, 0, 0], 8)[0]) == 0
     assert len(walk([0, 3, 0], [1, 0.1, 0], 8)[0]) == 0
 
 
 @pytest.mark.extreme
-def test_rays_from_far_away_and_of_any_length_cross_the_same_tiles() -> None:
+def test_rays_from_far_away_and_of_any_length_cross_the_same_tiles():
     base, _ = walk([-0.5, 0.123, 0.1], [1, 0.25, 0.3], 64)
     for scale in (1e-30, 1e30):
         np.testing.assert_array_equal(
