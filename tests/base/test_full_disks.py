@@ -83,20 +83,6 @@ def one_line(capsys: pytest.CaptureFixture[str], words: list[str]) -> str:
     return told
 
 
-def test_a_frame_is_there_or_not(disk: SmallDisk) -> None:
-    frame = vc.render(SCENE, LIGHTS, size=(64, 64))
-    disk.fill(leave=20_000)
-    for name in ("x.exr", "x.png"):
-        with pytest.raises(OSError, match=name):
-            vc.Frame(layers={"color": np.random.default_rng(0).random((128, 128, 3))}).save(
-                disk.folder / name
-            )
-        assert disk.files() == set()
-    disk.make_room()
-    frame.save(disk.folder / "x.exr")
-    assert vc.Frame.load(disk.folder / "x.exr").sha256 == frame.sha256
-
-
 def test_a_state_is_the_last_whole_one(disk: SmallDisk) -> None:
     def picture() -> vc.Progressive:
         return vc.Progressive(SCENE, LIGHTS, size=(24, 16), threads=1)

@@ -78,12 +78,6 @@ def test_the_core_keeps_its_layers() -> None:
     assert list(violations(files)) == []
 
 
-def test_every_rank_has_its_folder() -> None:
-    present = {PurePosixPath(path).parts[2] for path in sources(".h", under="cpp/viscache/")}
-    assert present <= set(RANKS)
-    assert {"math", "scene", "visibility"} <= present
-
-
 @pytest.mark.parametrize(
     ("path", "line", "expected"),
     [

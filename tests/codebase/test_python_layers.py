@@ -39,8 +39,6 @@ BACK_UP = {
     ("shot", "vismap"): "a frame takes maps",
     ("correlation", "plots"): "`correlation.plots` draws with its colours",
 }
-#: At most so many rooms, and pairs of a room and one that it imports, without the single ones.
-MOST_ROOMS, MOST_IMPORTS = 22, 120
 SINGLE = {"_core", "calls", "viscache", "cli", "__main__"}
 PACKAGE = "python/viscache/"
 #: The experiments: beside the library, which knows nothing of them.
@@ -157,8 +155,6 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
                 if re.search(r"\._core\b", source):
                     yield f"{path}:{line}: the lab must not use _core"
         for node in ast.walk(tree):
-            if isinstance(node, ast.ImportFrom) and node.level > 0:
-                yield f"{path}:{node.lineno}: imports name the package, got a relative one"
             if "import_module" not in text or not isinstance(node, ast.Call):
                 continue
             if ast.unparse(node.func).endswith("import_module"):
@@ -173,11 +169,8 @@ def test_rooms_import_downward() -> None:
     assert list(violations(files)) == []
 
 
-def test_rooms_are_few_and_close_no_circle() -> None:
+def test_imports_that_run_back_up_have_a_reason() -> None:
     arrows = pairs(sources(".py", under=PACKAGE))
-    assert len(set(RANKS) - SINGLE) <= MOST_ROOMS
-    assert len(arrows) <= MOST_IMPORTS
-    assert circles(arrows) == set()
     assert {(a, b) for a, b in arrows if RANKS[a] < RANKS[b]} == set(BACK_UP)
 
 
@@ -255,7 +248,6 @@ def test_every_room_of_the_table_is_there(package: str) -> None:
             'importlib.import_module("viscache.scenes")',
             "import statements name rooms",
         ),
-        ("scenes/room.py", "from . import shapes", "got a relative one"),
         ("shot/render.py", "import viscache.passes", "shot must not import passes"),
         ("shelf.py", "", "shelf has no place among the floors"),
     ],

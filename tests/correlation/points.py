@@ -58,6 +58,23 @@ def random_points(n: int = 300, n_directions: int = 500, seed: int = 0, groups: 
     )
 
 
+def bumpy(n: int, n_directions: int = 500, seed: int = 0) -> Points:
+    """A bumpy patch of 4×4 units; a point sees what is above it, less a random blob of sky."""
+    rng = np.random.default_rng(seed)
+    directions = unit(rng.normal(size=(n_directions, 3)))
+    positions = np.column_stack([rng.uniform(0, 4, (n, 2)), rng.normal(0, 0.05, n)])
+    normals = unit(np.column_stack([rng.normal(0, 0.5, (n, 2)), np.ones(n)]))
+    blob = np.array([np.cos(positions[:, 0]), np.sin(positions[:, 1]), np.full(n, 0.4)]).T
+    visible = (normals @ directions.T > 0) & (blob @ directions.T < 0.6)
+    visible[::17] = False  # some points see nothing at all
+    return Points(
+        visible=visible,
+        positions=positions.astype(np.float32),
+        normals=normals,
+        group=np.zeros(n, np.int32),
+    )
+
+
 def convex_points(n: int, edge: int = 96, seed: int = 0) -> Points:
     """Points that see the whole half space above them, as on a convex body."""
     random = np.random.default_rng(seed)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -62,35 +60,6 @@ def test_local_visibility_and_processes_are_options(
     a, b = (load_dataset(tmp_path / f"{name}.nc") for name in "ab")
     assert a.attrs["t_max"] == 0.1
     assert a["mean"].values.tobytes() == b["mean"].values.tobytes()
-
-
-INTERRUPTIBLE = """
-import signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs of a shell ignore it
-from viscache import cli
-print(flush=True)
-sys.exit(cli.main())
-"""
-
-
-def test_ctrl_c_ends_with_130_and_keeps_finished_blocks(tmp_path: Path) -> None:
-    words = ["correlate", "room?triangles=20000", "--points", "40000"]
-    words += ["-o", tmp_path / "a.nc", "--store", tmp_path / "s"]
-    with subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTIBLE, *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        assert process.stdout is not None and process.stderr is not None
-        process.stdout.readline()
-        deadline = time.monotonic() + 60
-        while not list(tmp_path.glob("s/*/rows-*-*.npz")) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=20) == 130
-        assert process.stderr.read().strip() == "viscache: interrupted; what was finished is kept"
-    assert list(tmp_path.glob("s/*/rows-*-*.npz")) and not (tmp_path / "a.nc").exists()
 
 
 @pytest.mark.parametrize(

@@ -90,23 +90,6 @@ def test_the_default_says_what_it_chose_and_why() -> None:
     assert many.engine == "shafts" and "shafts answered" in many.reason
 
 
-def test_rows_of_points_go_into_the_statistics() -> None:
-    """Points that share their view of lamps are correlated, far ones less."""
-    scene = vc.scenes.build("room?triangles=3000")
-    points, targets = points_of(scene, 2000), lamps(scene, 256)
-    rows = vc.correlation.point_rows(scene, points, targets)
-    seen = unpacked(rows.bits, 256).astype(float)
-    varied = np.flatnonzero((seen.mean(1) > 0.05) & (seen.mean(1) < 0.95))
-    apart = np.linalg.norm(
-        points.positions[varied, None] - points.positions[None, varied[:200]], axis=-1
-    )
-    found = vc.correlation.phi(
-        rows.bits[varied], rows.bits[varied[:200]], n_directions=rows.n_directions
-    )
-    near, far = found[(apart > 0) & (apart < 0.3)], found[apart > 4]
-    assert np.nanmean(near) > np.nanmean(far) + 0.2
-
-
 def test_progress_counts_points_to_the_end() -> None:
     scene = clutter()
     seen: list[tuple[int, int]] = []

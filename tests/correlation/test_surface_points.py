@@ -77,14 +77,6 @@ def test_points_are_uniform_inside_their_pixels() -> None:
     assert stats.kstest(np.abs(y - 0.5) + 0.5, "uniform").pvalue < 1e-6  # negative control
 
 
-def test_pixels_are_left_out_at_random() -> None:
-    """Points dropped beyond the requested number are uniform over the image."""
-    found = points(clutter(), 3000, seed=11)
-    rows = found.stratum // found.width
-    hits = points(clutter(), 3000, seed=12).stratum // found.width
-    assert abs(rows.mean() - hits.mean()) < 5 * rows.std() / np.sqrt(3000)
-
-
 def test_a_small_thing_in_a_large_image_gets_its_points() -> None:
     view = vc.look_at((0, 0, 30), (0, 0, 0), fov_deg=60)
     found = points(convex(), 3000, camera=view)

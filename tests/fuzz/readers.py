@@ -13,11 +13,12 @@ import OpenEXR
 import viscache as vc
 from base.kept_formats import KEPT, two_frames
 from fuzz.calls_render import checked, in_json
-from fuzz.make_corpus import CORPUS
 from fuzz.outcome import WrongError
 from viscache import _core as core
 from viscache.sweeps.flip_maps import kept
 
+#: Small whole files of every format, by kind.
+CORPUS = Path(__file__).with_name("corpus")
 SIZE = (6, 5)
 QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1)
 DIRECT = vc.Direct(n_area=1, n_environment=1, n_brdf=1)

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from codebase.repository import environment
 from viscache.frame import Frame
 from viscache.sweeps import leases
 from viscache.sweeps.leases import LostLeaseError
@@ -63,10 +64,9 @@ class Owner:
     """A process that holds the lease of a key."""
 
     def __init__(self, folder: Path, before: list[str], beat_s: float = BEAT_S) -> None:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
         self.process = subprocess.Popen(
             [*before, sys.executable, "-c", OWNER, str(folder), KEY, str(beat_s)],
-            env=environment,
+            env=environment(),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -195,8 +195,7 @@ def test_a_killed_container_whose_numbers_run_again_blocks_nobody(
         "store.close()\n"
     )
     command = [*before, sys.executable, "-c", code, str(tmp_path), str(BEAT_S), str(SILENT_S)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    subprocess.run(command, env=environment, check=True, timeout=30)
+    subprocess.run(command, env=environment(), check=True, timeout=30)
 
 
 @pytest.mark.parametrize("since", ["2100-01-01 00:00:00+00:00", "1970-01-01 00:00:00+00:00", "?"])

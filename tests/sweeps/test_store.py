@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from codebase.repository import environment
 from viscache.base.array_digests import content_key
 from viscache.frame import Frame
 from viscache.sweeps.store import Store, picture_name
@@ -66,9 +66,8 @@ def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) 
         "            s.put(key, {'by': sys.argv[2]},"
         " Frame(layers={'color': np.full((4, 4, 3), float(i))}))\n"
     )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     workers = [
-        subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(n)], env=environment)
+        subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(n)], env=environment())
         for n in range(2)
     ]
     assert [w.wait(60) for w in workers] == [0, 0]

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from codebase.repository import environment
 from viscache.sweeps import work
 from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
@@ -55,9 +56,8 @@ sweep("room", "whitted", over={"c_e": list(range(1, 1 + int(sys.argv[3])))}, siz
 
 
 def start(directory: Path, log: Path, points: int, apart: str = "no") -> subprocess.Popen[bytes]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     words = [str(directory), str(log), str(points), str(HERE), apart]
-    return subprocess.Popen([sys.executable, "-c", SWEEP, *words], env=environment)
+    return subprocess.Popen([sys.executable, "-c", SWEEP, *words], env=environment())
 
 
 def rows_of(directory: Path) -> list[dict[str, str]]:
@@ -190,9 +190,8 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
         "        time.sleep(60)\n"
     )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     parent = subprocess.Popen(
-        [sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", code], env=environment(), stdout=subprocess.PIPE, text=True
     )
     assert parent.stdout is not None
     worker = int(parent.stdout.readline())
