@@ -254,8 +254,10 @@ def make_points(folder: Path) -> Path:
 
 def swept(folder: Path, **more: Any) -> Any:
     """A small sweep in a folder; what is there already is taken."""
-    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
-    return vc.sweep("cube_on_plane", DIRECT, directory=folder, **(given | more))
+    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "threads": 1}
+    return vc.sweep(
+        "cube_on_plane", DIRECT, directory=folder, **({"metrics": ["rel_l1"]} | given | more)
+    )
 
 
 def make_sweep(folder: Path) -> Path:

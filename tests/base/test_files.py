@@ -34,16 +34,6 @@ def test_an_error_leaves_the_file_as_it_was_and_nothing_beside_it(tmp_path: Path
     assert target.read_text("utf-8") == "old" and list(tmp_path.iterdir()) == [target]
 
 
-def test_two_writers_of_one_file_do_not_share_a_path(tmp_path: Path) -> None:
-    from concurrent.futures import ThreadPoolExecutor
-
-    target = tmp_path / "a"
-    with whole_file(target) as one, ThreadPoolExecutor(1) as pool:
-        pool.submit(write_whole, target, "other").result()
-        one.write_text("one")
-    assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
-
-
 KILLED = """
 import os, signal, sys
 from pathlib import Path

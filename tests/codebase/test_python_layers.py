@@ -6,6 +6,7 @@ import ast
 import posixpath
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import PurePosixPath
 
 import pytest
@@ -63,6 +64,9 @@ BY_NAME = (
 )
 
 
+parsed = cache(ast.parse)
+
+
 def room_of(path: str) -> str:
     """Which room a file belongs to."""
     package = LAB if path.startswith(LAB) else PACKAGE
@@ -105,7 +109,7 @@ def pairs(files: Mapping[str, str]) -> set[tuple[str, str]]:
         (room, target)
         for path, text in files.items()
         for room in [room_of(path)]
-        for _, package, target in imported(ast.parse(text))
+        for _, package, target in imported(parsed(text))
         if package == "viscache" and room != target and not SINGLE & {room, target}
     }
 
@@ -142,7 +146,7 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
         if ranks and room not in ranks:
             yield f"{path}: {room} has no place among the floors of {__name__}"
             continue
-        tree = ast.parse(text)
+        tree = parsed(text)
         for line, package, target in imported(tree):
             if here != "viscache_lab" and package == "viscache_lab":
                 yield f"{path}:{line}: {here} must not import viscache_lab"
@@ -183,7 +187,7 @@ def test_modules_close_no_circle() -> None:
     arrows = set()
     for path, text in files.items():
         here = path.removeprefix("python/").removesuffix(".py").replace("/", ".")
-        for node in ast.walk(ast.parse(text)):
+        for node in ast.walk(parsed(text)):
             if isinstance(node, ast.ImportFrom):
                 for alias in node.names:
                     whole = f"{node.module}.{alias.name}"

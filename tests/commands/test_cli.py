@@ -406,15 +406,6 @@ def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed() -> None:
     assert vc.Scene.from_description(d).coplanar_share == pytest.approx(6 / 7)
 
 
-def test_info_describes_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    (tmp_path / "m.obj").write_text(CUBE)
-    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"), "--json")
-    got = json.loads(text)
-    assert status == 0 and got["triangles"] == 1
-    assert got["bounds"] == [[-1, -1, 0], [1, 1, 0]]
-    assert {"instances", "lights", "cameras", "memory_bytes", "warnings"} <= set(got)
-
-
 def test_doctor_is_well_here(capsys: pytest.CaptureFixture[str]) -> None:
     status, text, _ = run(capsys, "doctor", "--json")
     got = json.loads(text)

@@ -25,8 +25,8 @@ def clustered(n: int, seed: int) -> Points:
 @pytest.mark.parametrize("d_near", [1e-4, 0.02, 0.3, 5])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_near_pairs_are_those_of_brute_force(d_near: float, seed: int) -> None:
-    """Among 2000 points, exactly."""
-    points = clustered(2000 if (d_near, seed) == (0.02, 0) else 400, seed)
+    """Among 1200 points, exactly."""
+    points = clustered(1200 if (d_near, seed) == (0.02, 0) else 400, seed)
     edges, angles = np.linspace(0, d_near, 4), np.arange(0, 181, 20.0)
     table = pairs.near_pairs(*points.arguments, edges, angles, d_near=edges[-1])
     sums = expected(points, edges, angles)

@@ -66,7 +66,7 @@ def test_phi_is_the_correlation_of_numpy() -> None:
     # Words that are no multiple of 8, all of them directions
     words = np.ascontiguousarray(packed(rows)[9:14, :3])
     expected = np.corrcoef(rows[9:14, :192].astype(float))
-    np.testing.assert_allclose(pairs.phi(words, words), expected, atol=1e-6)
+    np.testing.assert_allclose(pairs.phi(words, words, 192), expected, atol=1e-6)
 
 
 def test_phi_is_undefined_where_all_bits_are_equal() -> None:

@@ -199,12 +199,12 @@ def test_wrong_arguments_are_refused(case: str) -> None:
 
 
 def test_progress_counts_pairs_and_may_stop_the_call() -> None:
-    points = random_points(n=4000, n_directions=9000, groups=1)
+    points = random_points(n=2000, n_directions=9000, groups=1)
     calls = []
-    some: dict[str, Any] = {"tile": 200, "tiles": np.arange(20), "threads": 1, "isa": "portable"}
+    some: dict[str, Any] = {"tile": 100, "tiles": np.arange(20), "threads": 1, "isa": "portable"}
     some["progress"] = lambda *c: calls.append(c)
     pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, **some)
-    tiles = pairs.tile_list(points.group, 200)
+    tiles = pairs.tile_list(points.group, 100)
     assert calls[-1] == (tiles["pairs"][:20].sum(),) * 2
 
     def stop(done: int, total: int) -> None:

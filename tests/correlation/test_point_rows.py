@@ -48,7 +48,9 @@ def test_rows_say_what_single_rays_say(count: int) -> None:
     assert count < 64 or 0.05 < expected.sum() / wanted.sum() < 0.95
 
 
-@pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
+@pytest.mark.parametrize(
+    "spec", ["room?triangles=3000", "cornell_box", "random_triangles?triangles=5000"]
+)
 @pytest.mark.parametrize("threads", [1, 3])
 def test_engines_and_threads_change_no_bit(spec: str, threads: int) -> None:
     scene = vc.scenes.build(spec)
@@ -92,11 +94,14 @@ def test_the_default_says_what_it_chose_and_why() -> None:
 
 def test_progress_counts_points_to_the_end() -> None:
     scene = clutter()
-    seen: list[tuple[int, int]] = []
-    vc.correlation.point_rows(
-        scene, points_of(scene, 9000), lamps(scene, 70), progress=lambda *a: seen.append(a)
-    )
-    assert seen[-1] == (9000, 9000)
+    points, sky = points_of(scene, 9000), vc.correlation.DirectionSet(map_size=24)
+    for call, ends in (
+        (vc.correlation.point_rows, lamps(scene, 70)),
+        (vc.correlation.visibility_rows, sky),
+    ):
+        seen: list[tuple[int, int]] = []
+        call(scene, points, ends, progress=lambda *a, seen=seen: seen.append(a))
+        assert seen[-1] == (9000, 9000) and seen == sorted(seen)
 
 
 @pytest.mark.parametrize(

@@ -151,17 +151,6 @@ def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> N
     np.testing.assert_array_equal(traced(None, 2, slice(100, 333))[0], bits[100:333])
 
 
-def test_progress_counts_points_to_the_end() -> None:
-    seen: list[tuple[int, int]] = []
-    scene = clutter()
-    points = vc.correlation.surface_points(scene, 20_000)
-    vc.correlation.visibility_rows(
-        scene, points, SKY, threads=1, progress=lambda done, total: seen.append((done, total))
-    )
-    assert seen[-1] == (20_000, 20_000)
-    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
-
-
 def test_no_points_have_no_rows() -> None:
     rows = trace_rows(convex(), np.zeros((0, 3)), np.zeros((0, 3)), SKY)
     assert rows.bits.shape == (0, 16) and rows.n_rays == 0

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from base.kept_formats import KEPT, WRONG, picture
+from base.kept_formats import KEPT, WRONG
 from fuzz import campaign, readers
-from fuzz.calls_render import checked
 from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
 from fuzz.readers import CORPUS, READERS, Reader
@@ -90,16 +89,8 @@ def test_any_file_is_read_or_refused_by_its_name(name: str, fuzz: Any, tmp_path:
     fuzz(target(wholes), name)
 
 
-def go_on(path: Path) -> None:
-    """Passes after a state, and what they give."""
-    made = picture()
-    made.load(path)
-    checked(made.passes(1))
-    made.error(), made.save(path)
-
-
 #: What users do with what was read, beside `Kept.read`.
-USES = {"state": go_on, "maps": readers.cache, "sweep": readers.swept}
+USES = {"state": readers.state, "maps": readers.cache, "sweep": readers.swept}
 USES |= {"frame of a sweep": readers.swept, "comparison": readers.swept}
 
 

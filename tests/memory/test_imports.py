@@ -55,15 +55,6 @@ def test_all_of_them_work_in_any_order(names: tuple[str, ...]) -> None:
     run(names)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("other", [name for name in WORK if name != "viscache"])
-def test_two_of_them_work_in_any_order(other: str) -> None:
-    if other not in THERE:
-        pytest.skip(f"{other} is not installed")
-    run(("viscache", other))
-    run((other, "viscache"))
-
-
 def test_what_few_calls_need_is_loaded_by_these() -> None:
     """`import viscache` stays quick: scipy would double its time."""
     code = "import sys, viscache; print(*{name.partition('.')[0] for name in sys.modules})"

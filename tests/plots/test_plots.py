@@ -82,9 +82,8 @@ def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Pat
     np.testing.assert_allclose(pair.collections[0].get_array(), ds.rel_l1[:, 0])
     assert first.get_xscale() == "log" and "INF" in first.get_ylabel()
     assert shown[-1].get_xlabel() == "VPLs" and shown[3].get_xlabel() == "$C_E$ [px]"
-    for kind in ("svg", "png", "pdf"):
-        figure.savefig(tmp_path / f"a.{kind}")
-        assert (tmp_path / f"a.{kind}").stat().st_size > 2000
+    figure.savefig(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 2000
     assert plt.get_fignums() == []
     with pytest.raises(ValueError, match=r"two swept parameters of numbers, got \['c_e'\]"):
         plots.pairs(

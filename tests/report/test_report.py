@@ -77,17 +77,6 @@ def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
     assert key == [first, second, ["Pareto front: nothing is better in both"]]
 
 
-def test_many_levels_of_one_parameter_have_colours_of_their_own(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    ds = sweep(
-        "room", "whitted", over={"c_e": list(range(4, 14))}, size=(16, 12), metrics=["rel_l1"]
-    )
-    points, key = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
-    assert len({fill for fill, _ in points}) == 10 and len({shape for _, shape in points}) == 1
-    assert [len(row) for row in key] == [10, 1]
-
-
 def test_a_sweep_without_a_directory_has_a_report_without_pictures(
     fake_vc: Any, tmp_path: Path
 ) -> None:
@@ -151,12 +140,6 @@ def test_a_random_design_has_pair_plots_and_short_words(fake_vc: Any, tmp_path: 
     assert f"C_E: 14 values from {ends}" in text
     _, key = series(text)
     assert len(key[0]) == 2 and key[0][0].endswith(f"= {ordered[0]:.5g} …")
-
-
-def test_one_parameter_has_markers_besides_colours(fake_vc: Any, tmp_path: Path) -> None:
-    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16]}, size=(16, 12), metrics=["rel_l1"])
-    points, _ = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
-    assert len({fill for fill, _ in points}) == len({shape for _, shape in points}) == 3
 
 
 def test_axes_have_round_ticks_inside_their_range() -> None:

@@ -175,19 +175,6 @@ def test_flip_maps_are_made_for_what_nothing_beats_first(fake_vc: Any, tmp_path:
         report.write(tmp_path, flip_maps=-1)
 
 
-def test_flip_maps_are_kept_for_the_next_report(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first = page.model(run(tmp_path, flip_maps=2))
-    assert len(list((tmp_path / "flip").iterdir())) == 1  # c_n changes nothing in the stand-in
-    monkeypatch.setattr(metrics, "flip_map", lambda *_: pytest.fail("was made again"))
-    told: list[tuple[int, int]] = []
-    text = report.write(tmp_path, flip_maps=2, progress=lambda *at: told.append(at)).read_text()
-    again = page.model(text)
-    assert told == [(i, 6) for i in range(1, 7)]
-    assert [s.get("flip") for s in again["settings"]] == [s.get("flip") for s in first["settings"]]
-
-
 def test_wide_frames_are_shown_by_means_and_the_page_says_so(fake_vc: Any, tmp_path: Path) -> None:
     run(tmp_path)
     text = report.write(tmp_path, width=24, flip_maps=1).read_text("utf-8")

@@ -197,12 +197,6 @@ def test_render_refuses_an_argument_of_the_wrong_kind(given: dict[str, Any], mes
         vc.render(scene, options.pop("integrator", vc.Direct()), **options)
 
 
-def test_a_number_of_threads_below_one_is_refused() -> None:
-    scene = vc.scenes.cube_on_plane()
-    with pytest.raises(ValueError, match="threads must be"):
-        scene.visible([[0, 0, 0]], [[1, 1, 1]], threads=-2)
-
-
 def test_numpy_numbers_become_plain_ones() -> None:
     np = pytest.importorskip("numpy")
     settings = vc.Whitted(n_vpls=np.int64(7), vpl_bound=np.float32(0.5))

@@ -187,16 +187,6 @@ def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
     assert isinstance(share.visibility, vc.Aqvc) and share.use == vc.Correct(share=share.value)
     assert share.pilots[0].error > share.pilots[-1].error
     assert share.outcome != "missed"
-    word = vc.tune(
-        room,
-        WHITTED,
-        rel_l1_reflected=0.03,
-        visibility=vc.Aqvc(exact_groups=()),
-        use="correct",
-        parameter={"use.share": (0.02, 1)},
-        size=SIZE,
-    )
-    assert word.pilots == share.pilots
 
 
 def test_other_numbers_of_the_quantized_cache(room: vc.Scene) -> None:

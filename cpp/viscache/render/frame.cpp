@@ -250,8 +250,9 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     if (integrator.direct && scene.environment() && integrator.environment == EnvironmentSampling::kProduct &&
         integrator.n_environment > 0) {
         light.emplace(*scene.environment());
-        product.emplace(*light, integrator, frame.seed, frame.width, maps ? &maps->source : nullptr,
-                        maps ? maps->settings : VisMapSettings{});
+        product.emplace(ProductContext{*light, integrator, frame.seed, frame.width,
+                                       maps ? &maps->source : nullptr,
+                                       maps ? maps->settings : VisMapSettings{}});
         context.product = &*product;
     }
     FrameResult out = empty_result(context, source.corrects());
