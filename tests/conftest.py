@@ -1,7 +1,5 @@
 """Fixtures that every test can ask for."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path

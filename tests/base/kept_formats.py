@@ -1,7 +1,5 @@
 """All formats that are read back: what writes them, what reads them, and how to change a file."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
@@ -254,10 +252,8 @@ def make_points(folder: Path) -> Path:
 
 def swept(folder: Path, **more: Any) -> Any:
     """A small sweep in a folder; what is there already is taken."""
-    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "threads": 1}
-    return vc.sweep(
-        "cube_on_plane", DIRECT, directory=folder, **({"metrics": ["rel_l1"]} | given | more)
-    )
+    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
+    return vc.sweep("cube_on_plane", DIRECT, directory=folder, threads=1, **(given | more))
 
 
 def make_sweep(folder: Path) -> Path:

@@ -1,7 +1,5 @@
 """No array, colour or matrix may be complex: NumPy would drop imaginary parts with a warning."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any

@@ -3,8 +3,6 @@
 The table has all formats of the package; each goes through all changes.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import random

@@ -1,7 +1,5 @@
 """Disks that are really full: a tmpfs of 300 kB. Nothing is half written; work goes on later."""
 
-from __future__ import annotations
-
 import functools
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Processes killed at any moment lose nothing that was finished; full disks say what to do."""
 
-from __future__ import annotations
-
 import errno
 import random
 import resource

@@ -1,7 +1,5 @@
 """Arguments that are no numbers are refused by their name, whatever takes them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

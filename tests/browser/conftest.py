@@ -1,7 +1,5 @@
 """Fixtures: a report whose pictures are known, and a browser."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from pathlib import Path

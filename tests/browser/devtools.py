@@ -1,7 +1,5 @@
 """A headless chromium driven by its DevTools protocol over pipes; the standard library suffices."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json

@@ -1,7 +1,5 @@
 """Scenes, settings and sizes as every call takes them: by object or by name, with one default."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import warnings

@@ -1,7 +1,5 @@
 """The API pages show every public name, and docstrings describe existing parameters."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re

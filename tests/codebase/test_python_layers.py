@@ -1,7 +1,5 @@
 """Rooms of the Python packages import downward only, checked in their import statements."""
 
-from __future__ import annotations
-
 import ast
 import posixpath
 import re

@@ -1,7 +1,5 @@
 """`--until`: a run on a slow machine ends in time and says what it left out."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

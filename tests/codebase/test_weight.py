@@ -1,7 +1,5 @@
 """The weight of the repository has limits, which each step lowers."""
 
-from __future__ import annotations
-
 from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.

@@ -1,7 +1,5 @@
 """The command line: exit statuses, shapes of the JSON, one-line complaints."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

@@ -1,7 +1,5 @@
 """`viscache params`: every parameter of every setting, with what its docstring says."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Points, normals and rows of bits for the tests of pairs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Bins and slices: unions of cells, exactly."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

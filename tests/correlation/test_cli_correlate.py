@@ -1,7 +1,5 @@
 """`viscache correlate` and `scripts/correlation.py`."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

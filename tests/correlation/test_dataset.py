@@ -1,7 +1,5 @@
 """The dataset: names, units, derived quantities, and saving and loading."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

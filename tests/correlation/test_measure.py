@@ -1,7 +1,5 @@
 """`measure` and `correlate` against brute force; any split, executor or restart: same bytes."""
 
-from __future__ import annotations
-
 import multiprocessing
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Rows whose columns are points: the bits of single rays, from both engines."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rows of visibility: the right bits, the rays they cost, the same for any threads and packets."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Points on surfaces: right places, requested number, equal for any blocks and threads."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

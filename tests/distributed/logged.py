@@ -1,7 +1,5 @@
 """Tasks that leave a line in a log when they begin and when they end; importable by workers."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable

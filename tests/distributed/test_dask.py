@@ -1,7 +1,5 @@
 """A real dask scheduler with two local worker processes, one of which is killed."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex

@@ -1,7 +1,5 @@
 """The site's own Sphinx extensions. A CI stage builds the site itself."""
 
-from __future__ import annotations
-
 import pytest
 
 from codebase.repository import module, sources, text

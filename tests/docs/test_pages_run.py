@@ -1,7 +1,5 @@
 """The code of the documentation runs and prints the output shown below it."""
 
-from __future__ import annotations
-
 import ast
 import io
 import os

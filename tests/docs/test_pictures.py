@@ -1,7 +1,5 @@
 """Pictures of the documentation: made by the present recipes, small, and shown with words."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

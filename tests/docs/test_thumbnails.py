@@ -1,7 +1,5 @@
 """Thumbnails of the gallery: one for each figure with a picture, made by the present script."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/performance/where.md has a row for every figure, with commands that exist; counts hold."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Callable

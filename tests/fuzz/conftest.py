@@ -1,7 +1,5 @@
 """The frame of all fuzzers."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Runs one case in a forked child with limits of memory and time: no case may stop the tests."""
 
-from __future__ import annotations
-
 import faulthandler
 import math
 import os

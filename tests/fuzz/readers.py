@@ -1,7 +1,5 @@
 """Every reader of files, and a whole file for it to start from."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass

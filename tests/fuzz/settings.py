@@ -1,7 +1,5 @@
 """Settings of any class, made from the annotations and defaults of its fields."""
 
-from __future__ import annotations
-
 import typing
 from dataclasses import MISSING, fields
 from typing import Any, Literal

@@ -4,8 +4,6 @@
 A finding is repeated by its group and seed: `-k GROUP --fuzz-seed SEED --fuzz-seconds 0`.
 """
 
-from __future__ import annotations
-
 import random
 import re
 import warnings

@@ -1,7 +1,5 @@
 """The fuzzer finds what it looks for: crashes, hangs, wrong results and errors that say nothing."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import random

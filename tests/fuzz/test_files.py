@@ -3,8 +3,6 @@
 Each case changes a whole file in one to eight places and reads it in a child of its own.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import shutil

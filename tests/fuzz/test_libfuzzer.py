@@ -3,8 +3,6 @@
 The targets (`tests/cpp/fuzz`) need clang: `cmake --preset fuzz && cmake --build --preset fuzz`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

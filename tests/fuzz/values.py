@@ -1,7 +1,5 @@
 """Numbers and arrays of every kind that a caller may pass."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

@@ -3,8 +3,6 @@
 python cycles.py STRUCTURE CYCLES MOST
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import os

@@ -1,7 +1,5 @@
 """viscache works beside other renderers in one process, whichever is imported first."""
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import re

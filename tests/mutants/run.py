@@ -7,8 +7,6 @@ module; the environment variable VISCACHE_MUTANT says which one runs. The releas
 trace of them. First, all tests must pass without a mutant.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

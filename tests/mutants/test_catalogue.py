@@ -1,7 +1,5 @@
 """The list of mutants fits the sources, and `scripts/mutants` tells which of them die."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

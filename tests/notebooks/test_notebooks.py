@@ -1,7 +1,5 @@
 """Every notebook runs from top to bottom, in its quick form."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Figures of sweeps: what is drawn, its labels, and its files for papers."""
 
-from __future__ import annotations
-
 import io
 import re
 import zlib

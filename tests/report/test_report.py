@@ -1,7 +1,5 @@
 """The report's file: self-contained, complete, safe. (tests/browser drives it.)"""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

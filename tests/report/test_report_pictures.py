@@ -1,7 +1,5 @@
 """Pictures packed for the report's page: nothing lost that is promised, and maps that are true."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The verdict of a sweep: what an error costs beside exact visibility, and when it does not pay."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

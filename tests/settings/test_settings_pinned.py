@@ -1,7 +1,5 @@
 """Names and defaults of the Python dataclasses are those of the C++ structs."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Any
 

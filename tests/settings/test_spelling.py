@@ -1,7 +1,5 @@
 """Misspelt keywords are refused with the nearest known one; settings show what differs."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import inspect

@@ -1,7 +1,5 @@
 """Fixtures: the stand-in renderer of `fake_renderer.py` in place of the real one."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 from collections.abc import Iterator

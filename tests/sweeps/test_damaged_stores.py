@@ -1,7 +1,5 @@
 """What stores load is checked: damage is mended and told, or refused by name in one line."""
 
-from __future__ import annotations
-
 import shutil
 import sqlite3
 from contextlib import closing

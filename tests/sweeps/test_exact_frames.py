@@ -1,7 +1,5 @@
 """Exact frames are rendered once, are never those of something else, and are checked when read."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

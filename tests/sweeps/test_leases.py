@@ -1,7 +1,5 @@
 """Leases: who stopped loses its frames within a minute, who lives never; clocks do not count."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os

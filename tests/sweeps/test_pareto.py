@@ -1,7 +1,5 @@
 """vc.pareto: which settings of a sweep another one beats."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

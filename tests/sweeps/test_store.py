@@ -1,7 +1,5 @@
 """The store: atomic, shared between processes, nothing lost and nothing repeated."""
 
-from __future__ import annotations
-
 import sqlite3
 from contextlib import closing
 from pathlib import Path

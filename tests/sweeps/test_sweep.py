@@ -1,7 +1,5 @@
 """Sweeps over the stand-in renderer, whose error and cost are known exactly."""
 
-from __future__ import annotations
-
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

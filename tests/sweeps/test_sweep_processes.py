@@ -1,7 +1,5 @@
 """Sweeps and processes: killed at any moment, several at one store, side by side or apart."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

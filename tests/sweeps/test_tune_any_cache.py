@@ -1,7 +1,5 @@
 """`vc.tune` over any number of any cache: both directions, whole numbers, own oracles, refusals."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import dataclass

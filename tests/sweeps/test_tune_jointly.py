@@ -1,7 +1,5 @@
 """`vc.tune` over several parameters, by FLIP, by time and over passes."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

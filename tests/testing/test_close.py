@@ -1,7 +1,5 @@
 """`assert_close` passes what is within its limits, and says of the rest what is wrong."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The pytest plugin: it costs other tests nothing, keeps exact frames, and leaves pages."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

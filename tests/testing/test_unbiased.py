@@ -1,7 +1,5 @@
 """`assert_unbiased`: its size, its power, and what it says of both."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 
