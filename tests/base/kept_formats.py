@@ -34,13 +34,11 @@ class Kept:
     read: Callable[[Path], Any]
 
     def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
-        """Head and arrays of a file."""
         with np.load(path) as file:
             arrays = {name: file[name] for name in file.files}
         return arrays.pop(formats.HEAD).tobytes(), arrays
 
     def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
-        """A file with this head and these arrays."""
         if head is not None:
             arrays = arrays | {formats.HEAD: np.frombuffer(head, np.uint8)}
         np.savez(path, **arrays)

@@ -31,7 +31,6 @@ class SmallDisk:
         self.folder = folder
 
     def fill(self, leave: int) -> None:
-        """Leave so many bytes free."""
         at = os.statvfs(self.folder)
         (self.folder / "filler").write_bytes(bytes(at.f_bavail * at.f_frsize - leave))
 
@@ -131,7 +130,6 @@ def test_a_sweep_goes_on_when_there_is_room(
 
 
 def errors(table: list[str]) -> list[tuple[str, ...]]:
-    """C_E and rel_l1 of a table."""
     head = table[0].split(",")
     columns = [head.index("c_e"), head.index("rel_l1")]
     return sorted(tuple(row.split(",")[i] for i in columns) for row in table[1:])

@@ -52,10 +52,8 @@ def module(path: str) -> ModuleType:
 
 
 def text(path: str) -> str:
-    """Text of one file of the repository."""
     return (ROOT / path).read_text(encoding="utf-8")
 
 
 def sources(*suffixes: str, under: str = "") -> dict[str, str]:
-    """Texts by path."""
     return {path: text(path) for path in paths(*suffixes, under=under)}

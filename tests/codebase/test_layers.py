@@ -90,11 +90,7 @@ def test_the_core_keeps_its_layers() -> None:
         ("cpp/viscache/utils/a.h", "", "folders of the core are"),
         ("cpp/viscache/math/deep/a.h", "", "one level deep"),
         ("cpp/viscache/math/a.h", '#include "vec.h"', "own headers are included as"),
-        (
-            "cpp/viscache/render/a.cpp",
-            "#include <embree3/rtcore.h>",
-            "only cpp/viscache/casters",
-        ),
+        ("cpp/viscache/render/a.cpp", "#include <embree3/rtcore.h>", "only cpp/viscache/casters"),
         ("cpp/viscache/render/a.h", '#include "viscache/casters/embree.h"', "includes Embree"),
         (EMBREE_HOME, '#include "viscache/casters/embree.h"', "includes Embree"),
         (EMBREE_BOXES, '#include "viscache/casters/embree_packets.h"', "includes Embree"),

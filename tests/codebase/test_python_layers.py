@@ -55,18 +55,13 @@ ROOMS = {
     "viscache_lab": {room: rank for rank, floor in enumerate(LAB_FLOORS) for room in floor},
 }
 #: Files that find modules of their package by name: sub-commands, figures, families of checks.
-BY_NAME = (
-    f"{PACKAGE}__init__.py",
-    f"{PACKAGE}cli.py",
-    f"{LAB}experiment/registry.py",
-)
+BY_NAME = (f"{PACKAGE}__init__.py", f"{PACKAGE}cli.py", f"{LAB}experiment/registry.py")
 
 
 parsed = cache(ast.parse)
 
 
 def room_of(path: str) -> str:
-    """Which room a file belongs to."""
     package = LAB if path.startswith(LAB) else PACKAGE
     first = PurePosixPath(path).relative_to(package).parts[0]
     return (
@@ -95,7 +90,6 @@ def imported(tree: ast.Module) -> Iterator[tuple[int, str, str]]:
 
 
 def allowed(ranks: Mapping[str, int], room: str, target: str) -> bool:
-    """Whether a room may import another one of its package."""
     if ranks is RANKS and RANKS[room] == RANKS[target]:
         return target not in SINGLE or room == target
     return room == target or ranks[target] < ranks[room] or (room, target) in BACK_UP
@@ -207,20 +201,12 @@ def test_every_room_of_the_table_is_there(package: str) -> None:
 @pytest.mark.parametrize(
     ("path", "line", "expected"),
     [
-        (
-            "frame/frame.py",
-            "from viscache.shot.render import render",
-            "frame must not import shot",
-        ),
+        ("frame/frame.py", "from viscache.shot.render import render", "frame must not import shot"),
         ("base/files.py", "import viscache.scenes.room", "base must not import scenes"),
         ("scene/scene.py", "from viscache import sweeps", "scene must not import sweeps"),
         ("settings/by_name.py", "import viscache as vc", "settings must not import viscache"),
         ("settings/by_name.py", "from viscache import Aqvc", "settings must not import viscache"),
-        (
-            "vlf/field.py",
-            "def f():\n    from viscache.plots import g",
-            "vlf must not import plots",
-        ),
+        ("vlf/field.py", "def f():\n    from viscache.plots import g", "vlf must not import plots"),
         ("vlf/field.py", "if TYPE_CHECKING:\n    from viscache.plots import g", "vlf must not"),
         ("cli.py", "from viscache_lab.figures import FIGURES", "must not import viscache_lab"),
         ("../pytest_viscache/__init__.py", "import viscache_lab", "must not import viscache_lab"),

@@ -276,7 +276,6 @@ def test_measurements_that_cannot_be_are_refused(change: dict[str, Any], says: s
 
 
 def count_work(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """Count the blocks computed from now on."""
     done = {"rows": 0, "pairs": 0}
 
     def traced(*args: Any) -> Any:
@@ -402,4 +401,4 @@ def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any)
     assert again.attrs["rows_s"] == 0 and again.attrs["batch_rays"] == again.attrs["n_rays"]
     np.testing.assert_array_equal(again["mean"], batch["mean"])
     with pytest.raises(ValueError, match="engine must be"):
-        measure("room?triangles=3000", engine="gpu", **common)  # type: ignore[arg-type]
+        measure("room?triangles=3000", engine="gpu", **common)

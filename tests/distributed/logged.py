@@ -29,7 +29,7 @@ class Logged(Executor):
         self._executor, self._client, self.log = executor, executor._client, log
         self.submitted = 0
 
-    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:  # type: ignore[override]
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
         self.submitted += 1
         return self._executor.submit(logged, str(self.log), function, arguments)
 

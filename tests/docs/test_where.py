@@ -22,7 +22,6 @@ Cells = list[str]
 
 
 def rows(page: str, heading: str) -> list[Cells]:
-    """Cells of the tables under a heading of level two, without their heads."""
     section = re.split(r"^## ", page, flags=re.M)
     (found,) = [part for part in section if part.partition("\n")[0] == heading]
     lines = [line for line in found.splitlines() if line.startswith("|")]

@@ -56,7 +56,6 @@ def changed_file(reader: Reader, path: Path, content: bytes) -> Path:
 
 
 def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
-    """A case: one of the files, changed and read."""
 
     def case(seeded: random.Random) -> None:
         reader, path = seeded.choice(wholes)
@@ -109,7 +108,6 @@ def values_of(fields: Any) -> list[Any]:
 
 
 def other_array(array: Any, dice: random.Random) -> Any:
-    """Another array in the place of one."""
     kinds = ("i1", "u4", "i8", "f4", "f8", "?", "U3")
     return dice.choice(
         [

@@ -80,7 +80,6 @@ def catalogue() -> list[Mutant]:
 
 
 def sources() -> list[str]:
-    """Paths of the files that git tracks or would track."""
     listed = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard"],
         cwd=ROOT, capture_output=True, text=True, check=True,
@@ -115,7 +114,6 @@ def copy(mutants: list[Mutant]) -> None:
 
 
 def build(jobs: int) -> None:
-    """One module with all mutants of the core."""
     log = COPY.parent / "build.log"
     with log.open("w") as output:
         for command in (

@@ -214,5 +214,5 @@ def test_bad_input_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"seed must be in \[0, 2\^63\), got -1"):
         exact("cube_on_plane", "direct", seed=-1)
     with pytest.raises(TypeError, match="did you mean 'camera'"):
-        exact("cube_on_plane", "direct", camra=1)  # type: ignore[call-arg]
+        exact("cube_on_plane", "direct", camra=1)
     assert not (tmp_path / "frames").exists()

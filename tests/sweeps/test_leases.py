@@ -72,11 +72,9 @@ class Owner:
         assert self.says() == "claimed\n"
 
     def says(self) -> str:
-        assert self.process.stdout is not None
         return self.process.stdout.readline()
 
     def renders(self) -> str:
-        assert self.process.stdin is not None
         self.process.stdin.write("\n")
         self.process.stdin.flush()
         return self.says()

@@ -175,7 +175,6 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     parent = subprocess.Popen(
         [sys.executable, "-c", code], env=environment(), stdout=subprocess.PIPE, text=True
     )
-    assert parent.stdout is not None
     worker = int(parent.stdout.readline())
     os.kill(worker, 0)
     parent.kill()
@@ -227,8 +226,7 @@ def test_where_the_time_went_is_told(fake_vc: Any, tmp_path: Path) -> None:
 
 
 def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import viscache as vc
 
@@ -276,7 +274,7 @@ def test_a_worker_loads_a_scene_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Here(ThreadPoolExecutor):
         """Takes scenes by name, as workers in other processes do."""
 
-        def submit(self, function: Any, task: Any, scene: Any) -> Any:  # type: ignore[override]
+        def submit(self, function: Any, task: Any, scene: Any) -> Any:
             return super().submit(function, task, None)
 
     with Here(2) as pool:
