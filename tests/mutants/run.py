@@ -75,7 +75,10 @@ def catalogue() -> list[Mutant]:
     found = []
     for file in ("core.toml", "package.toml"):
         table = tomllib.loads((HERE / file).read_text(encoding="utf-8"))
-        found += [Mutant(**{**row, "tests": tuple(row["tests"])}) for row in table["mutant"]]
+        found += [
+            Mutant(**row | {"name": name, "tests": tuple(row["tests"])})
+            for name, row in table.items()
+        ]
     return found
 
 
