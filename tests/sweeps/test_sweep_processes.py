@@ -27,12 +27,15 @@ SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
 SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
-import pytest
-from sweeps import fake_renderer as fake, stand_in
+from sweeps import fake_renderer as fake
+from viscache.scenes import sources
+from viscache.settings import by_name
 from viscache.sweeps import work
 from viscache.sweeps.sweep import sweep
 
-stand_in.install(pytest.MonkeyPatch())
+for role, name, settings in fake.NAMES:
+    by_name.NAMES[role][name] = settings
+sources.open_scene = lambda spec, **_: fake.FakeScene(name=spec)
 log = os.open(sys.argv[2], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
 def render(scene, integrator, **options):
