@@ -1,7 +1,5 @@
 """Fixtures that every test can ask for."""
 
-from __future__ import annotations
-
 import os
 import time
 from pathlib import Path
@@ -67,28 +65,3 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     until = item.config.getoption("--until")
     if until is not None and time.time() > until:
         pytest.skip("no time is left on this machine")
-
-
-@pytest.fixture
-def fuzz_seconds(request: pytest.FixtureRequest) -> float:
-    """How long a target is fuzzed."""
-    return float(request.config.getoption("--fuzz-seconds"))
-
-
-@pytest.fixture
-def fuzz_cases(request: pytest.FixtureRequest) -> int | None:
-    """How many cases a target is fuzzed at most; None without a limit."""
-    wish = request.config.getoption("--fuzz-cases")
-    return None if wish is None else int(wish)
-
-
-@pytest.fixture
-def fuzz_runs(request: pytest.FixtureRequest) -> int:
-    """How many inputs a target of libFuzzer runs at most; -1 without a limit."""
-    return int(request.config.getoption("--fuzz-runs"))
-
-
-@pytest.fixture
-def fuzz_seed(request: pytest.FixtureRequest) -> int:
-    """The seed of a target's first case."""
-    return int(request.config.getoption("--fuzz-seed"))

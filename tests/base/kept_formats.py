@@ -1,7 +1,5 @@
 """All formats that are read back: what writes them, what reads them, and how to change a file."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
@@ -36,13 +34,11 @@ class Kept:
     read: Callable[[Path], Any]
 
     def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
-        """Head and arrays of a file."""
         with np.load(path) as file:
             arrays = {name: file[name] for name in file.files}
         return arrays.pop(formats.HEAD).tobytes(), arrays
 
     def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
-        """A file with this head and these arrays."""
         if head is not None:
             arrays = arrays | {formats.HEAD: np.frombuffer(head, np.uint8)}
         np.savez(path, **arrays)
@@ -255,7 +251,7 @@ def make_points(folder: Path) -> Path:
 def swept(folder: Path, **more: Any) -> Any:
     """A small sweep in a folder; what is there already is taken."""
     given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
-    return vc.sweep("cube_on_plane", DIRECT, directory=folder, **(given | more))
+    return vc.sweep("cube_on_plane", DIRECT, directory=folder, threads=1, **(given | more))
 
 
 def make_sweep(folder: Path) -> Path:

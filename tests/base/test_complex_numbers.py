@@ -1,7 +1,5 @@
 """No array, colour or matrix may be complex: NumPy would drop imaginary parts with a warning."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -45,10 +43,7 @@ DOORS: dict[str, tuple[Any, Callable[[Any], object]]] = {
     "add_instance": (PLACE, described("add_instance", [0])),
     "add_point_light position": (COLOR, lambda v: described("add_point_light")(v, (1, 1, 1))),
     "add_point_light intensity": (COLOR, described("add_point_light", (0, 0, 0))),
-    "add_point_light axis": (
-        COLOR,
-        lambda v: described("add_point_light", COLOR, COLOR)(axis=v),
-    ),
+    "add_point_light axis": (COLOR, lambda v: described("add_point_light", COLOR, COLOR)(axis=v)),
     "add_point_lights positions": (POINTS, lambda v: described("add_point_lights")(v, POINTS)),
     "add_point_lights intensities": (POINTS, described("add_point_lights", POINTS)),
     "add_directional_light": (COLOR, described("add_directional_light", (0, 1, 0))),

@@ -1,7 +1,5 @@
 """Tables as CSV: numbers are numbers, and text is never a formula to a spreadsheet."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Files that exist completely or not at all."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -32,16 +30,6 @@ def test_an_error_leaves_the_file_as_it_was_and_nothing_beside_it(tmp_path: Path
         partial.write_text("ne", encoding="utf-8")
         raise RuntimeError("half way")
     assert target.read_text("utf-8") == "old" and list(tmp_path.iterdir()) == [target]
-
-
-def test_two_writers_of_one_file_do_not_share_a_path(tmp_path: Path) -> None:
-    from concurrent.futures import ThreadPoolExecutor
-
-    target = tmp_path / "a"
-    with whole_file(target) as one, ThreadPoolExecutor(1) as pool:
-        pool.submit(write_whole, target, "other").result()
-        one.write_text("one")
-    assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
 
 
 KILLED = """

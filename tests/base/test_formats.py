@@ -3,8 +3,6 @@
 The table has all formats of the package; each goes through all changes.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import random
@@ -22,15 +20,7 @@ import OpenEXR
 import pytest
 
 import viscache as vc
-from base.kept_formats import (
-    KEPT,
-    WRONG,
-    Kept,
-    Row,
-    make_sweep,
-    measured,
-    read_records,
-)
+from base.kept_formats import KEPT, WRONG, Kept, Row, make_sweep, measured, read_records
 from codebase.repository import sources
 from viscache.base.formats import FormatError
 from viscache.correlation import dataset

@@ -1,7 +1,5 @@
 """Disks that are really full: a tmpfs of 300 kB. Nothing is half written; work goes on later."""
 
-from __future__ import annotations
-
 import functools
 import os
 import subprocess
@@ -33,7 +31,6 @@ class SmallDisk:
         self.folder = folder
 
     def fill(self, leave: int) -> None:
-        """Leave so many bytes free."""
         at = os.statvfs(self.folder)
         (self.folder / "filler").write_bytes(bytes(at.f_bavail * at.f_frsize - leave))
 
@@ -81,20 +78,6 @@ def one_line(capsys: pytest.CaptureFixture[str], words: list[str]) -> str:
     told = capsys.readouterr().err.strip().splitlines()[-1]
     assert "Traceback" not in told and "make room and run" in told
     return told
-
-
-def test_a_frame_is_there_or_not(disk: SmallDisk) -> None:
-    frame = vc.render(SCENE, LIGHTS, size=(64, 64))
-    disk.fill(leave=20_000)
-    for name in ("x.exr", "x.png"):
-        with pytest.raises(OSError, match=name):
-            vc.Frame(layers={"color": np.random.default_rng(0).random((128, 128, 3))}).save(
-                disk.folder / name
-            )
-        assert disk.files() == set()
-    disk.make_room()
-    frame.save(disk.folder / "x.exr")
-    assert vc.Frame.load(disk.folder / "x.exr").sha256 == frame.sha256
 
 
 def test_a_state_is_the_last_whole_one(disk: SmallDisk) -> None:
@@ -147,7 +130,6 @@ def test_a_sweep_goes_on_when_there_is_room(
 
 
 def errors(table: list[str]) -> list[tuple[str, ...]]:
-    """C_E and rel_l1 of a table."""
     head = table[0].split(",")
     columns = [head.index("c_e"), head.index("rel_l1")]
     return sorted(tuple(row.split(",")[i] for i in columns) for row in table[1:])

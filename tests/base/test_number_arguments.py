@@ -1,7 +1,5 @@
 """Arguments that are no numbers are refused by their name, whatever takes them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -16,8 +14,8 @@ CALLS: dict[str, Callable[[object], object]] = {
     "normals": lambda bad: vc.Vpls(POINT, bad, POINT),
     "flux": lambda bad: vc.Vpls(POINT, UP, bad),
     "directions": lambda bad: vc.FarEnds.directions(bad),
-    "albedo": lambda bad: vc.Sky(sun_direction=(0, 1, 0), albedo=bad),  # type: ignore[arg-type]
-    "sun_direction": lambda bad: vc.Sky(sun_direction=bad),  # type: ignore[arg-type]
+    "albedo": lambda bad: vc.Sky(sun_direction=(0, 1, 0), albedo=bad),
+    "sun_direction": lambda bad: vc.Sky(sun_direction=bad),
 }
 
 
@@ -32,7 +30,7 @@ def test_a_light_that_is_no_number_is_refused_by_name() -> None:
     maps = vc.VisibilityMapCache("cube_on_plane", vc.MapSettings(m=4, n_startup=10))
     image = vc.Relighting(maps, size=(8, 8), threads=1)
     with pytest.raises(ValueError, match=r"^env must be numbers, got b"):
-        image.under(b"x")  # type: ignore[arg-type]
+        image.under(b"x")
 
 
 def test_numbers_become_floats_of_their_shape() -> None:
@@ -50,4 +48,4 @@ def test_arrays_given_to_vpls_stay_writable() -> None:
 
 def test_pictures_that_are_no_numbers_are_refused_by_name() -> None:
     with pytest.raises(ValueError, match="must be numbers, got 'x'"):
-        vc.metrics.compare("x", np.zeros((4, 4, 3)))  # type: ignore[arg-type]
+        vc.metrics.compare("x", np.zeros((4, 4, 3)))

@@ -1,7 +1,5 @@
 """Objects in several threads: the same object, the same bytes, or a clear refusal."""
 
-from __future__ import annotations
-
 import copy
 import os
 import pickle

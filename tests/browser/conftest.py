@@ -1,7 +1,5 @@
 """Fixtures: a report whose pictures are known, and a browser."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,24 +11,18 @@ sys.path.insert(0, str(Path(__file__).parent))
 from devtools import CHROMIUM, Browser
 from known_report import HEIGHT, WIDTH, Report
 
-from sweeps import fake_renderer as fake
+from sweeps import stand_in
 
 
 @pytest.fixture(scope="session")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
     """A report of 3 × 2 settings, moved away from its directory."""
     from viscache import report
-    from viscache.scenes import sources
-    from viscache.settings import by_name
-    from viscache.sweeps import work
     from viscache.sweeps.store import Store
     from viscache.sweeps.sweep import sweep
 
     with pytest.MonkeyPatch.context() as patch:
-        for role, name, settings in fake.NAMES:
-            patch.setitem(by_name.NAMES[role], name, settings)
-        patch.setattr(work, "render_function", fake.fake_render)
-        patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
+        stand_in.install(patch)
         directory = tmp_path_factory.mktemp("sweep")
         over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
         sweep(

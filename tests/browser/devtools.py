@@ -1,7 +1,5 @@
 """A headless chromium driven by its DevTools protocol over pipes; the standard library suffices."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
@@ -72,7 +70,6 @@ class Browser:
         self.size(width, height)
 
     def close(self) -> None:
-        """End the browser."""
         self._process.terminate()
         self._process.wait(20)
         os.close(self._write)
@@ -107,7 +104,6 @@ class Browser:
         return got["result"].get("value")
 
     def wait_for(self, condition: str) -> None:
-        """Wait until a JavaScript expression is true."""
         end = time.monotonic() + TIMEOUT_S
         while not self.eval(condition):
             assert time.monotonic() < end, f"still not so: {condition}; errors: {self.errors}"
@@ -128,7 +124,6 @@ class Browser:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
-        """Drag with the left button."""
         held: dict[str, Any] = {"button": "left", "buttons": 1, "clickCount": 1}
         self.mouse("mousePressed", *begin, **held)
         for share in (0.5, 1.0):

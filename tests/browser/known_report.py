@@ -1,7 +1,5 @@
 """A report whose pictures are known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page of the parity suite in a real browser: folded pictures, sorting and filters."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The report in a real browser: Debian's chromium, headless, straight from disk."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What the report's script unpacks and computes is what NumPy does, on coloured pictures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The report's difference viewer: the screen shows the radiance of the store."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

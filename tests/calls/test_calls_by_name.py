@@ -1,7 +1,5 @@
 """Scenes, settings and sizes as every call takes them: by object or by name, with one default."""
 
-from __future__ import annotations
-
 import inspect
 import warnings
 from pathlib import Path
@@ -51,7 +49,7 @@ def test_scenes_are_files_too(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="unknown scene 'romm'; did you mean 'room'"):
         vc.render("romm", "direct")
     with pytest.raises(ValueError, match="scene must be a Scene, a file or a built-in name, got 3"):
-        vc.tune(3, "direct")  # type: ignore[arg-type]
+        vc.tune(3, "direct")
 
 
 def test_queries_take_names_of_ray_casters(scene: vc.Scene) -> None:
@@ -126,7 +124,7 @@ def test_a_keyword_that_contradicts_the_settings_is_refused_by_name(
 ) -> None:
     settings = vc.Vlf(n_directions=33, n_tiles=8)
     with pytest.raises(ValueError, match=says):
-        vc.VisibilityField("cube_on_plane", settings=settings, **given)  # type: ignore[arg-type]
+        vc.VisibilityField("cube_on_plane", settings=settings, **given)
 
 
 SIZED = (

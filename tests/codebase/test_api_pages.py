@@ -1,7 +1,5 @@
 """The API pages show every public name, and docstrings describe existing parameters."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re
@@ -150,8 +148,15 @@ def api() -> list[tuple[str, Any]]:
     return sorted({name: v for value in kept for name, v in documented(value)}.items())
 
 
-def test_public_methods_and_properties_have_docstrings() -> None:
-    assert [name for name, value in api() if not (inspect.getdoc(value) or "").strip()] == []
+def is_documented(name: str, value: Any) -> bool:
+    """Whether it has a docstring of its own; a dataclass without one shows its signature."""
+    doc = (inspect.getdoc(value) or "").strip()
+    return doc != "" and not doc.startswith(f"{name}(")
+
+
+def test_public_names_methods_and_properties_have_docstrings() -> None:
+    assert [name for name, value in api() if not is_documented(name, value)] == []
+    assert is_documented("render", viscache.render) and not is_documented("f", lambda: None)
 
 
 def test_docstrings_tell_of_parameters_that_there_are() -> None:

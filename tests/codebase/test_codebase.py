@@ -1,6 +1,5 @@
 """House rules that a test can check."""
 
-import inspect
 import json
 import re
 from pathlib import PurePosixPath
@@ -113,37 +112,6 @@ def test_the_version_is_the_same_everywhere() -> None:
     assert find("CITATION.cff", r'^version: "?([^"\n]+)') == version
     assert find("CHANGELOG.md", r"^## (\d\S*)") == version
     assert viscache.__version__ == version
-
-
-def undocumented(module: object, names: list[str]) -> list[str]:
-    """Names of functions and classes without a docstring of their own."""
-    missing = []
-    for name in names:
-        found = getattr(module, name)
-        if not (inspect.isclass(found) or inspect.isroutine(found) or inspect.ismodule(found)):
-            continue
-        doc = inspect.getdoc(found) or ""
-        # A dataclass without a docstring shows its signature.
-        if not doc.strip() or doc.startswith(f"{name}("):
-            missing.append(name)
-    return missing
-
-
-def test_public_names_have_docstrings() -> None:
-    assert viscache.__all__
-    assert undocumented(viscache, list(viscache.__all__)) == []
-
-
-def test_the_package_shows_its_public_names_alone() -> None:
-    assert dir(viscache) == sorted(viscache.__all__)
-
-
-def test_a_missing_docstring_is_found() -> None:
-    class Module:
-        documented = staticmethod(undocumented)
-        bare = staticmethod(lambda: None)
-
-    assert undocumented(Module, ["documented", "bare"]) == ["bare"]
 
 
 def test_notebooks_hold_no_outputs() -> None:

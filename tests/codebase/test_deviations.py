@@ -1,7 +1,5 @@
 """docs/deviations.md and the comments `// Differs (A5):` name the same rows."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterable

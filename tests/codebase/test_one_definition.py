@@ -35,7 +35,6 @@ def signature(parameters: str) -> str:
 
 
 def repeated(files: dict[str, str]) -> dict[str, list[str]]:
-    """Functions that several headers define."""
     found: dict[str, list[str]] = {}
     for path, source in files.items():
         for match in FUNCTION.finditer(source):

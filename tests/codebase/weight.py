@@ -4,8 +4,6 @@ Lines are all lines of a file; in C++, those that hold nothing but a comment are
 Rooms and imports are those of `test_python_layers`. Words are those of pages, with their code.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import re

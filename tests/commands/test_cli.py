@@ -1,7 +1,5 @@
 """The command line: exit statuses, shapes of the JSON, one-line complaints."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
@@ -9,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +19,18 @@ from codebase.repository import text
 from viscache import cli, metrics
 from viscache.frame import Frame
 
+Run = Callable[..., tuple[int, str, str]]
 
-def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    status = cli.main(list(words))
-    captured = capsys.readouterr()
-    return status, captured.out, captured.err
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Status, output and complaints of a command line."""
+
+    def run(*words: str) -> tuple[int, str, str]:
+        status = cli.main(list(words))
+        return status, *capsys.readouterr()
+
+    return run
 
 
 @pytest.fixture
@@ -36,11 +42,11 @@ def pair(tmp_path: Path) -> tuple[str, str]:
 
 
 def test_diff_prints_every_metric_as_one_json_object(
-    capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
+    run: Run, pair: tuple[str, str], tmp_path: Path
 ) -> None:
     png = tmp_path / "d.png"
     status, out, err = run(
-        capsys, "diff", *pair, "--json", "--png", str(png), "--html", str(tmp_path / "d.html")
+        "diff", *pair, "--json", "--png", str(png), "--html", str(tmp_path / "d.html")
     )
     got = json.loads(out)
     assert status == 0 and err == "" and png.read_bytes()[:4] == b"\x89PNG"
@@ -53,98 +59,73 @@ def test_diff_prints_every_metric_as_one_json_object(
     assert got["energy"] == pytest.approx(0.1, rel=1e-5)
 
 
-def test_diff_with_limits_is_a_check(
-    capsys: pytest.CaptureFixture[str], pair: tuple[str, str]
-) -> None:
+def test_diff_with_limits_is_a_check(run: Run, pair: tuple[str, str]) -> None:
     met = ["--limit", "rel_l1<=0.11", "--limit", "ssim>=0.5"]
-    status, out, err = run(capsys, "diff", *pair, "--json", *met)
+    status, out, err = run("diff", *pair, "--json", *met)
     assert status == 0 and err == "" and json.loads(out)
-    status, out, err = run(capsys, "diff", *pair, "--json", *met, "--limit", "energy<=0.05")
+    status, out, err = run("diff", *pair, "--json", *met, "--limit", "energy<=0.05")
     assert status == 1 and json.loads(out)["energy"] == pytest.approx(0.1, rel=1e-5)
     assert err == "energy 0.1 must be within ±0.05, 2 times\n"
     for wrong, says in (("energy>=0.1", "energy<=NUMBER"), ("flop<=1", "did you mean 'flip'")):
-        status, out, err = run(capsys, "diff", *pair, "--limit", wrong)
+        status, out, err = run("diff", *pair, "--limit", wrong)
         assert status == 2 and out == "" and says in err and len(err.splitlines()) == 1
 
 
-def test_diff_against_black_prints_null(
-    capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
-) -> None:
+def test_diff_against_black_prints_null(run: Run, pair: tuple[str, str], tmp_path: Path) -> None:
     Frame(layers={"color": np.zeros((16, 20, 3))}).save(tmp_path / "z.exr")
-    _, out, _ = run(capsys, "diff", pair[0], str(tmp_path / "z.exr"), "--json")
+    _, out, _ = run("diff", pair[0], str(tmp_path / "z.exr"), "--json")
     assert json.loads(out)["rel_l1"] is None
 
 
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ([], "required: COMMAND"),
-        (["rendr"], "did you mean 'render'"),
-        (["diff", "no.exr", "no.exr"], "no such file: no.exr"),
-        (["diff", "a.exr"], "required: REF.exr"),
-        (["render", "room", "-o", "x.gif"], "path must end in .exr, .png, .jpg, .jpeg, got"),
-        (["render", "a.obj", "-o", "x.exr", "--exposure", "2"], "exposure must be left out for"),
-        (["render", "room", "-o", "x.exr", "--size", "0x4"], "size must be WxH, both >= 1"),
-        (["render", "room", "-o", "x.exr", "--spp", "0"], "whole number >= 1, got '0'"),
-        (["render", "room", "-o", "x.exr", "--set", "c_e"], "--set must be name=value"),
+        ("", "required: COMMAND"),
+        ("rendr", "did you mean 'render'"),
+        ("diff no.exr no.exr", "no such file: no.exr"),
+        ("diff a.exr", "required: REF.exr"),
+        ("render room -o x.gif", "path must end in .exr, .png, .jpg, .jpeg, got"),
+        ("render a.obj -o x.exr --exposure 2", "exposure must be left out for"),
+        ("render room -o x.exr --size 0x4", "size must be WxH, both >= 1"),
+        ("render room -o x.exr --spp 0", "whole number >= 1, got '0'"),
+        ("render room -o x.exr --set c_e", "--set must be name=value"),
+        ("render room -o x.exr --visibility aqvc --set c_x=1", "unknown parameter 'c_x'"),
+        ("render room -o x.exr --visibility vlf --rays bsp", "is short for"),
         (
-            ["render", "room", "-o", "x.exr", "--visibility", "aqvc", "--set", "c_x=1"],
-            "unknown parameter 'c_x'",
-        ),
-        (["render", "room", "-o", "x.exr", "--visibility", "vlf", "--rays", "bsp"], "is short for"),
-        (
-            [
-                "render",
-                "room",
-                "-o",
-                "x.exr",
-                "--visibility",
-                "shadow_map",
-                "--set",
-                "resolution=0",
-            ],
+            "render room -o x.exr --visibility shadow_map --set resolution=0",
             "resolution must be in [1, 16384], got 0",
         ),
-        (
-            ["render", "cube_on_plane", "-o", "x.exr", "--visibility", "vismap"],
-            "must have an environment light",
-        ),
-        (["render", "room", "-o", "x.exr", "--set", "n_vpls=1.5"], "must be a whole number"),
-        (["render", "room", "-o", "x.exr", "--set", "vpl_bound=nan"], "must be a finite number"),
-        (["render", "room", "-o", "x.exr", "--set", "robust=maybe"], "must be true or false"),
-        (["render", "cube_on_plane", "-o", "x.exr", "--env", "/"], "/: no such file"),
-        (["render", "cube_on_plane", "-o", "x.exr", "--env", "nan"], "must be finite"),
-        (["render", "cube_on_plane", "-o", "x.exr", "--camera", "7"], "camera must be in [0, 1)"),
-        (["info", "/"], "/: is a directory, not a scene file"),
-        (["info", ""], "a file or a built-in name, got ''"),
-        (["sweep", "none.toml", "-o", "out"], "no such sweep file"),
-        (["sweep", "/", "-o", "out"], "must have --over NAME=VALUE,VALUE, got / alone"),
-        (["report", "none"], "no such directory"),
-        (["reproduce", "aqvc-fig9"], "unknown figure"),
-        (["reproduce", "aqvc-fig3", "--size", "0x4"], "size must be WxH, both >= 1"),
-        (["reproduce", "vismap-fig5", "--size", "8x4"], "size must be left out for vismap-fig5"),
-        (["bench", "no-such-bench"], "unknown bench"),
-        (["tune", "room", "--error", "2"], "rel_l1_reflected must lie in (0, 1), got 2"),
-        (["tune", "room", "--set", "c_ee=2"], "unknown parameter 'c_ee'"),
+        ("render cube_on_plane -o x.exr --visibility vismap", "must have an environment light"),
+        ("render room -o x.exr --set n_vpls=1.5", "must be a whole number"),
+        ("render room -o x.exr --set vpl_bound=nan", "must be a finite number"),
+        ("render room -o x.exr --set robust=maybe", "must be true or false"),
+        ("render cube_on_plane -o x.exr --env /", "/: no such file"),
+        ("render cube_on_plane -o x.exr --env nan", "must be finite"),
+        ("render cube_on_plane -o x.exr --camera 7", "camera must be in [0, 1)"),
+        ("info /", "/: is a directory, not a scene file"),
+        ("info ''", "a file or a built-in name, got ''"),
+        ("sweep none.toml -o out", "no such sweep file"),
+        ("sweep / -o out", "must have --over NAME=VALUE,VALUE, got / alone"),
+        ("report none", "no such directory"),
+        ("reproduce aqvc-fig9", "unknown figure"),
+        ("reproduce aqvc-fig3 --size 0x4", "size must be WxH, both >= 1"),
+        ("reproduce vismap-fig5 --size 8x4", "size must be left out for vismap-fig5"),
+        ("bench no-such-bench", "unknown bench"),
+        ("tune room --error 2", "rel_l1_reflected must lie in (0, 1), got 2"),
+        ("tune room --set c_ee=2", "unknown parameter 'c_ee'"),
     ],
 )
 def test_bad_usage_is_one_line_and_status_2(
-    capsys: pytest.CaptureFixture[str],
-    words: list[str],
-    says: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    run: Run, words: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    status, out, err = run(capsys, *words)
+    status, out, err = run(*shlex.split(words))
     assert status == 2 and out == "" and says in err
     assert len(err.strip().splitlines()) == 1 and "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_report_says_what_its_directory_must_be_and_what_it_is(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_report_says_what_its_directory_must_be_and_what_it_is(run: Run, tmp_path: Path) -> None:
     empty, other, file = tmp_path / "empty", tmp_path / "other", tmp_path / "a.exr"
     empty.mkdir(), other.mkdir(), file.touch()
     for name in "abcdefg":
@@ -154,7 +135,7 @@ def test_a_report_says_what_its_directory_must_be_and_what_it_is(
         (other, "holds a.md, b.md, c.md, d.md, e.md and 2 more"),
         (file, f"got the file {file}"),
     ):
-        status, out, err = run(capsys, "report", str(given))
+        status, out, err = run("report", str(given))
         assert status == 2 and out == "" and len(err.strip().splitlines()) == 1
         assert "DIR must be a directory that `viscache sweep FILE.toml -o DIR` filled" in err
         assert says in err and str(given) in err
@@ -162,13 +143,13 @@ def test_a_report_says_what_its_directory_must_be_and_what_it_is(
 
 
 def test_too_little_memory_is_one_line(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: Any, **__: Any) -> None:
         raise MemoryError("std::bad_alloc")
 
     monkeypatch.setattr(viscache, "render", full)
-    status, out, err = run(capsys, "render", "cube_on_plane", "-o", str(tmp_path / "x.exr"))
+    status, out, err = run("render", "cube_on_plane", "-o", str(tmp_path / "x.exr"))
     assert status == 2 and out == ""
     assert "not enough memory" in err and len(err.strip().splitlines()) == 1
 
@@ -179,43 +160,43 @@ def test_debug_gives_the_traceback(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_gives_130_and_keeps_what_was_finished(
-    capsys: pytest.CaptureFixture[str], fake_vc: Any, tmp_path: Path
+    run: Run, fake_vc: Any, tmp_path: Path
 ) -> None:
     file = tmp_path / "a.toml"
     text = 'scene = "room"\nsize = [16, 12]\nmetrics = ["rel_l1"]\n[over]\nc_e = [2, 4, 8]\n'
     file.write_text(text)
     out = str(tmp_path / "out")
     fake_vc.STOP[:] = [2]
-    status, _, err = run(capsys, "sweep", str(file), "-o", out)
+    status, _, err = run("sweep", str(file), "-o", out)
     assert status == 130 and "Traceback" not in err
     assert len((tmp_path / "out" / "table.csv").read_text().splitlines()) == 2
     fake_vc.STOP.clear()
-    status, text, _ = run(capsys, "sweep", str(file), "-o", out, "--json")
+    status, text, _ = run("sweep", str(file), "-o", out, "--json")
     assert status == 0 and json.loads(text)["sizes"]["c_e"] == 3
     assert len(fake_vc.CALLS) == 4
-    status, text, _ = run(capsys, "report", out)
+    status, text, _ = run("report", out)
     assert status == 0 and Path(text.strip()).read_text("utf-8").startswith("<!doctype html>")
     words = shlex.split("--flip-maps 0 --format pdf --format svg --json")
-    status, text, _ = run(capsys, "report", out, "--plots", f"{out}/figures", *words)
+    status, text, _ = run("report", out, "--plots", f"{out}/figures", *words)
     drawn = [Path(p) for p in json.loads(text)["plots"]]
     assert [p.name for p in drawn] == [
         f"trade-{c}.{k}" for c in ("total_s", "rays") for k in ("pdf", "svg")
     ]
     assert all(p.stat().st_size > 2000 for p in drawn)
-    status, _, err = run(capsys, "report", out, "--format", "pdf")
+    status, _, err = run("report", out, "--format", "pdf")
     assert status == 2 and "--format must come with --plots FOLDER" in err
 
 
-def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, _ = run(capsys, "reproduce", "list")
+def test_lists_name_what_there_is(run: Run) -> None:
+    status, out, _ = run("reproduce", "list")
     assert status == 0 and "aqvc-fig3 (shadow edges" in out
-    status, out, _ = run(capsys, "bench", "list", "--json")
+    status, out, _ = run("bench", "list", "--json")
     names = [b["bench"] for b in json.loads(out)["benches"]]
     assert status == 0 and {"rays", "aqvc-frame", "loading"} <= set(names)
 
 
 def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from viscache_lab import bench
 
@@ -237,13 +218,13 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
         }
 
     monkeypatch.setattr(bench, "run_bench", made)
-    assert run(capsys, "bench", "right")[0] == 0
-    status, out, _ = run(capsys, "bench", "no", "--json")
+    assert run("bench", "right")[0] == 0
+    status, out, _ = run("bench", "no", "--json")
     assert status == 1 and json.loads(out)["answers_hold"] is False
 
 
 def test_another_package_can_add_a_command(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     info = tmp_path / "bakery-1.0.dist-info"
     info.mkdir()
@@ -258,14 +239,14 @@ def test_another_package_can_add_a_command(
     monkeypatch.syspath_prepend(tmp_path)
     cli._added.cache_clear()
     try:
-        assert run(capsys, "bake", "room") == (1, "baked room\n", "")
-        assert re.search(r"bake +light of a scene, baked\n", run(capsys, "--help")[1])
-        assert "Light of a scene, baked.\n" in run(capsys, "bake", "--help")[1]
-        assert "did you mean 'bake'" in run(capsys, "bakke")[2]
-        said = run(capsys, "burn", "room")
+        assert run("bake", "room") == (1, "baked room\n", "")
+        assert re.search(r"bake +light of a scene, baked\n", run("--help")[1])
+        assert "Light of a scene, baked.\n" in run("bake", "--help")[1]
+        assert "did you mean 'bake'" in run("bakke")[2]
+        said = run("burn", "room")
         assert said[0] == 2 and "command 'burn' must load, got No module named 'ash" in said[2]
-        assert "burn " in run(capsys, "--help")[1]  # and all others are listed
-        status, out, _ = run(capsys, "scenes")  # our own command stays
+        assert "burn " in run("--help")[1]  # and all others are listed
+        status, out, _ = run("scenes")  # our own command stays
         assert status == 0 and "baked" not in out
     finally:
         cli._added.cache_clear()
@@ -308,16 +289,14 @@ def test_help_needs_no_heavy_imports() -> None:
 CUBE = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n"
 
 
-def test_render_writes_the_picture_its_json_describes(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_render_writes_the_picture_its_json_describes(run: Run, tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text(CUBE)
     out = tmp_path / "o.exr"
     words = shlex.split(
         "--integrator ao --visibility aqvc --set c_e=4 --set integrator.n_samples=8"
     )
     words += ["--size", "24x16", "--json"]
-    status, text, _ = run(capsys, "render", str(tmp_path / "m.obj"), "-o", str(out), *words)
+    status, text, _ = run("render", str(tmp_path / "m.obj"), "-o", str(out), *words)
     assert status == 0
     got = json.loads(text)
     assert {"counters", "timings", "parameters", "sha256", "warnings"} <= set(got)
@@ -328,24 +307,20 @@ def test_render_writes_the_picture_its_json_describes(
     assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
 
 
-def test_render_writes_pictures_to_look_at(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_render_writes_pictures_to_look_at(run: Run, tmp_path: Path) -> None:
     out = tmp_path / "o.png"
     words = ["render", "slits", "-o", str(out), "--integrator", "direct", "--size", "24x16"]
-    assert run(capsys, *words)[0] == 0
+    assert run(*words)[0] == 0
     plain = out.read_bytes()
     assert plain.startswith(b"\x89PNG")
-    assert run(capsys, *words, "--exposure", "0.01")[0] == 0
+    assert run(*words, "--exposure", "0.01")[0] == 0
     assert out.read_bytes() != plain
 
 
-def test_a_camera_is_named_by_index_too_and_env_takes_a_number(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_camera_is_named_by_index_too_and_env_takes_a_number(run: Run, tmp_path: Path) -> None:
     words = ["-o", str(tmp_path / "o.exr"), "--integrator", "direct", "--size", "8x5", "--json"]
     status, text, _ = run(
-        capsys, "render", "room?triangles=2000&lights=0", "--camera", "1", "--env", "0.5", *words
+        "render", "room?triangles=2000&lights=0", "--camera", "1", "--env", "0.5", *words
     )
     got = json.loads(text)
     assert status == 0 and got["parameters"]["camera"] == "corner"
@@ -369,7 +344,6 @@ sys.exit(cli.main())
         stderr=subprocess.PIPE,
         text=True,
     ) as process:
-        assert process.stdout is not None and process.stderr is not None
         process.stdout.readline()
         time.sleep(0.7)
         process.send_signal(signal.SIGINT)
@@ -379,16 +353,16 @@ sys.exit(cli.main())
 
 
 def test_info_prints_the_share_of_coplanar_triangles_and_that_there_is_no_light(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+    run: Run, tmp_path: Path
 ) -> None:
     quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 1\n"
     (tmp_path / "m.obj").write_text(quad + "f 1 2 3\nf 1 3 4\nf 5 6 7\n")
-    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"))
+    status, text, _ = run("info", str(tmp_path / "m.obj"))
     assert status == 0
     assert re.search(r"^coplanar_share +66\.7%$", text, re.M)
     assert re.search(r"^memory +.* MiB", text, re.M)
     assert "warning: the scene has no light; give it one with env=" in text
-    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"), "--json")
+    status, text, _ = run("info", str(tmp_path / "m.obj"), "--json")
     assert json.loads(text)["coplanar_share"] == pytest.approx(2 / 3)
 
 
@@ -406,17 +380,8 @@ def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed() -> None:
     assert vc.Scene.from_description(d).coplanar_share == pytest.approx(6 / 7)
 
 
-def test_info_describes_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    (tmp_path / "m.obj").write_text(CUBE)
-    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"), "--json")
-    got = json.loads(text)
-    assert status == 0 and got["triangles"] == 1
-    assert got["bounds"] == [[-1, -1, 0], [1, 1, 0]]
-    assert {"instances", "lights", "cameras", "memory_bytes", "warnings"} <= set(got)
-
-
-def test_doctor_is_well_here(capsys: pytest.CaptureFixture[str]) -> None:
-    status, text, _ = run(capsys, "doctor", "--json")
+def test_doctor_is_well_here(run: Run) -> None:
+    status, text, _ = run("doctor", "--json")
     got = json.loads(text)
     assert status == 0 and got["ok"], got["checks"]
     assert len(got["checks"]) >= 5 and all(c["holds"] for c in got["checks"])
@@ -424,20 +389,18 @@ def test_doctor_is_well_here(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_doctor_reports_a_broken_build_with_status_1(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     inverted = viscache.Scene.visible
     monkeypatch.setattr(viscache.Scene, "visible", lambda s, x, y: ~inverted(s, x, y))
-    status, text, _ = run(capsys, "doctor", "--json")
+    status, text, _ = run("doctor", "--json")
     failed = [c["name"] for c in json.loads(text)["checks"] if not c["holds"]]
     assert status == 1 and failed == ["visible() agrees with plane geometry"]
 
 
-def test_scenes_lists_every_built_in_scene_with_its_parameters(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    status, text, _ = run(capsys, "scenes", "--json")
+def test_scenes_lists_every_built_in_scene_with_its_parameters(run: Run) -> None:
+    status, text, _ = run("scenes", "--json")
     got = json.loads(text)
     assert status == 0 and "triangles" in got["room"]["parameters"]
-    status, text, _ = run(capsys, "scenes")
+    status, text, _ = run("scenes")
     assert status == 0 and all(f"{name}: " in text for name in got)

@@ -1,7 +1,5 @@
 """`viscache params`: every parameter of every setting, with what its docstring says."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -24,9 +22,7 @@ def test_every_parameter_is_documented_and_can_be_set(role: by_name.Role, name: 
         assert p.default == by_name.plain({p.name: by_name.parameters(made)[p.name]})[p.name]
 
 
-def test_params_prints_symbol_default_range_and_meaning(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_params_prints_symbol_default_range_and_meaning(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["params", "aqvc"]) == 0
     text = capsys.readouterr().out
     assert text.startswith("aqvc: visibility, vc.Aqvc")

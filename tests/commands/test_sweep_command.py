@@ -1,7 +1,5 @@
 """`viscache sweep SCENE --over ...`: the sweep of a file, without the file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Points, normals and rows of bits for the tests of pairs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -55,6 +53,23 @@ def random_points(n: int = 300, n_directions: int = 500, seed: int = 0, groups: 
         positions=positions[shuffled],
         normals=normals[shuffled],
         group=group,
+    )
+
+
+def bumpy(n: int, n_directions: int = 500, seed: int = 0) -> Points:
+    """A bumpy patch of 4×4 units; a point sees what is above it, less a random blob of sky."""
+    rng = np.random.default_rng(seed)
+    directions = unit(rng.normal(size=(n_directions, 3)))
+    positions = np.column_stack([rng.uniform(0, 4, (n, 2)), rng.normal(0, 0.05, n)])
+    normals = unit(np.column_stack([rng.normal(0, 0.5, (n, 2)), np.ones(n)]))
+    blob = np.array([np.cos(positions[:, 0]), np.sin(positions[:, 1]), np.full(n, 0.4)]).T
+    visible = (normals @ directions.T > 0) & (blob @ directions.T < 0.6)
+    visible[::17] = False  # some points see nothing at all
+    return Points(
+        visible=visible,
+        positions=positions.astype(np.float32),
+        normals=normals,
+        group=np.zeros(n, np.int32),
     )
 
 

@@ -1,7 +1,5 @@
 """Small scenes whose visibility is known."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The dataset: names, units, derived quantities, and saving and loading."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -9,7 +7,7 @@ import numpy as np
 import pytest
 import xarray
 
-from correlation.synthetic import bumpy
+from correlation.points import bumpy
 from viscache.correlation import (
     correlate,
     correlation_lengths,
@@ -101,9 +99,6 @@ def test_a_file_gives_back_the_dataset(measured: xarray.Dataset, tmp_path: Path)
 def test_files_that_are_none_of_ours_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no such file"):
         load_dataset(tmp_path / "none.nc")
-    (tmp_path / "text.nc").write_text("not a file of numbers")
-    with pytest.raises(ValueError, match="must be a NetCDF file"):
-        load_dataset(tmp_path / "text.nc")
     xarray.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(ValueError, match="must be a NetCDF file of corr"):
         load_dataset(tmp_path / "other.nc")

@@ -1,7 +1,5 @@
 """Direction sets: equal solid angles, compact patches, Lloyd's iteration in its cells."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np

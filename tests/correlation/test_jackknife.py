@@ -1,7 +1,5 @@
 """Statistics from integer sums, and standard errors that cover the truth."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

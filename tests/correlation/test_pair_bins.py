@@ -1,5 +1,6 @@
 """ρ, its bin and its sums against the transcription of Section 4."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -128,12 +129,7 @@ def test_scenes_of_any_size_bin_exactly(scale: float) -> None:
     """Where d² overflows it is infinite, and lies in the open bin."""
     points = random_points(n=100, n_directions=70, groups=1)
     with np.errstate(over="ignore", under="ignore"):
-        points = Points(
-            visible=points.visible,
-            positions=points.positions * np.float32(scale),
-            normals=points.normals,
-            group=points.group,
-        )
+        points = replace(points, positions=points.positions * np.float32(scale))
         edges = np.array([0, 0.1, 0.5, 0.9, np.inf]) * scale
         sums = expected(points, edges)
     for isa in AVAILABLE:

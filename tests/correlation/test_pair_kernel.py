@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from reference.isas import AVAILABLE
 from reference.vismap import packed
@@ -56,16 +54,6 @@ def test_totals_are_those_of_the_columns(isa: str, skip_dead: bool) -> None:
     assert total == int(a.sum(0) @ b.sum(0))
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.integers(0, 2**32), st.integers(1, 40), st.integers(1, 700), st.floats(0, 1))
-def test_instruction_sets_agree(seed: int, n: int, n_directions: int, density: float) -> None:
-    random = np.random.default_rng(seed)
-    a = packed(random.random((n, n_directions)) < density)
-    first = pairs.intersections(a, a, isa=AVAILABLE[0], threads=1)
-    for isa in AVAILABLE[1:]:
-        np.testing.assert_array_equal(pairs.intersections(a, a, isa=isa, threads=1), first)
-
-
 def test_phi_is_the_correlation_of_numpy() -> None:
     random = np.random.default_rng(3)
     rows = random.random((60, 900)) < random.random((60, 1))
@@ -75,6 +63,10 @@ def test_phi_is_the_correlation_of_numpy() -> None:
     expected = np.corrcoef(rows.astype(float))[:20]
     np.testing.assert_allclose(rho, expected, atol=1e-6)
     assert rho[5, 7] == 1 and rho[5, 8] == -1
+    # Words that are no multiple of 8, all of them directions
+    words = np.ascontiguousarray(packed(rows)[9:14, :3])
+    expected = np.corrcoef(rows[9:14, :192].astype(float))
+    np.testing.assert_allclose(pairs.phi(words, words, 192), expected, atol=1e-6)
 
 
 def test_phi_is_undefined_where_all_bits_are_equal() -> None:

@@ -1,7 +1,5 @@
 """Pictures: empty bins stay white, the map is the camera's view, files are written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

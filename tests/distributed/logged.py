@@ -1,7 +1,5 @@
 """Tasks that leave a line in a log when they begin and when they end; importable by workers."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable
@@ -31,7 +29,7 @@ class Logged(Executor):
         self._executor, self._client, self.log = executor, executor._client, log
         self.submitted = 0
 
-    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:  # type: ignore[override]
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
         self.submitted += 1
         return self._executor.submit(logged, str(self.log), function, arguments)
 

@@ -1,7 +1,5 @@
 """A real dask scheduler with two local worker processes, one of which is killed."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex
@@ -15,14 +13,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import xarray
 
 import viscache as vc
 from viscache import cli
 from viscache.base import workers
-from viscache.shot import tiles
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
@@ -161,53 +157,6 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     with Store(tmp_path / "sweep") as store:
         assert len(store.finished()) == frames
         assert store._db.execute("SELECT count(*) FROM leases").fetchone() == (0,)
-
-
-def test_a_correlation_is_the_same_when_a_worker_is_killed(
-    cluster: Cluster, run: Logged, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from viscache.correlation import measure, work
-
-    monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
-    monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 8000)
-    arguments: dict[str, Any] = {
-        "n_points": 900,
-        "map_size": 16,
-        "d_edges": 16,
-        "theta_edges_deg": 18,
-        "threads": 1,
-    }
-    here = measure(SCENE, **arguments)
-    with cluster.losing_a_worker(run, after=3):
-        there = measure(SCENE, directory=tmp_path / "rows", executor=run, **arguments)
-    assert len({pid for _, pid in run.lines()}) == 2
-    assert set(here.variables) == set(there.variables)
-    for name in here.variables:
-        left, right = (np.asarray(d[name].values) for d in (here, there))
-        assert left.tobytes() == right.tobytes(), name
-
-
-def test_tiles_give_the_bytes_of_the_frame_when_a_worker_is_killed(
-    cluster: Cluster, run: Logged
-) -> None:
-    arguments: dict[str, Any] = {
-        "visibility": vc.Aqvc(c_e=8),
-        "size": (200, 150),
-        "spp": 16,
-        "threads": 1,
-        "seed": 7,
-    }
-    whitted = vc.Whitted(n_vpls=64)
-    whole = vc.render(vc.scenes.build(SCENE), whitted, **arguments)
-    with cluster.losing_a_worker(run, after=4):
-        frame = tiles.render(SCENE, whitted, executor=run, parts=14, **arguments)
-    assert run.submitted == 14
-    assert {n: p.tobytes() for n, p in frame.layers.items()} == {
-        n: p.tobytes() for n, p in whole.layers.items()
-    }
-    # Every part draws audited pixels of its own
-    told = [{n: c for n, c in f.counters.items() if n != "audit"} for f in (frame, whole)]
-    assert told[0] == told[1]
 
 
 def test_the_command_line_sweeps_on_a_scheduler(

@@ -1,23 +1,10 @@
 """The site's own Sphinx extensions. A CI stage builds the site itself."""
 
-from __future__ import annotations
-
-import importlib.util
-import sys
-from types import ModuleType
-
 import pytest
 
-from codebase.repository import ROOT, sources, text
+from codebase.repository import module, sources, text
 
-
-def extension(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look there
-    spec.loader.exec_module(module)
-    return module
+ROWS, FETCHED = (module(f"docs/_ext/{n}.py") for n in ("missed_rows", "self_contained"))
 
 
 def test_missed_goals_are_found_with_their_section_and_column() -> None:
@@ -25,25 +12,23 @@ def test_missed_goals_are_found_with_their_section_and_column() -> None:
         "## A part: two\n| frame | goal |\n| --- | --- |\n| one | 5: missed |\n| two | 6 |\n\n"
         "| other | |\n| --- | --- |\n| three | missed, just |\n"
     )
-    rows = extension("missed_rows")
-    found = [(row.section, row.what, row.words) for row in rows.missed(page)]
+    found = [(row.section, row.what, row.words) for row in ROWS.missed(page)]
     assert found == [
         ("A part: two", "one", "goal: 5: missed"),
         ("A part: two", "three", "missed, just"),
     ]
-    assert rows.anchor("A part: two") == "a-part-two"
+    assert ROWS.anchor("A part: two") == "a-part-two"
 
 
 def test_the_pages_of_measurements_name_missed_goals() -> None:
-    rows = extension("missed_rows")
     pages = sources(".md", under="docs/performance/")
-    found = [row for page in pages.values() for row in rows.missed(page)]
+    found = [row for page in pages.values() for row in ROWS.missed(page)]
     assert len(found) >= 10
     assert {"Whole frames", "Rays"} <= {row.section for row in found}
 
 
 def test_the_summary_repeats_no_missed_goal() -> None:
-    assert list(extension("missed_rows").missed(text("docs/performance.md"))) == []
+    assert list(ROWS.missed(text("docs/performance.md"))) == []
 
 
 @pytest.mark.parametrize(
@@ -58,7 +43,7 @@ def test_the_summary_repeats_no_missed_goal() -> None:
     ],
 )
 def test_what_a_page_fetches_from_elsewhere_is_found(page: str, suffix: str) -> None:
-    assert len(list(extension("self_contained").outside(page, suffix))) == 1
+    assert len(list(FETCHED.outside(page, suffix))) == 1
 
 
 def test_links_and_local_files_are_not_taken_for_it() -> None:
@@ -66,5 +51,5 @@ def test_links_and_local_files_are_not_taken_for_it() -> None:
         '<a href="https://example.org">x</a><script src="_static/a.js"></script>'
         '<img src="data:image/png;base64,aaaa"><pre>url(https://example.org)</pre>'
     )
-    assert list(extension("self_contained").outside(page, ".html")) == []
-    assert list(extension("self_contained").outside("a { src: url(../a.woff2) }", ".css")) == []
+    assert list(FETCHED.outside(page, ".html")) == []
+    assert list(FETCHED.outside("a { src: url(../a.woff2) }", ".css")) == []

@@ -1,7 +1,5 @@
 """The code of the documentation runs and prints the output shown below it."""
 
-from __future__ import annotations
-
 import ast
 import io
 import os
@@ -29,11 +27,21 @@ LOOSER = {"docs/howto/own-cache.md": 0.25, "docs/howto/pytest.md": 0.25}
 #: Pages that take more than a second or two.
 SLOW = {
     "README.md",
-    *(f"docs/{page}.md" for page in ("aqvc", "cluster", "correlation", "vismap", "vlf")),
+    *(
+        f"docs/{page}.md"
+        for page in ("aqvc", "cluster", "correlation", "tutorial", "vismap", "vlf")
+    ),
     *(
         f"docs/howto/{page}.md"
         for page in (
-            *("ambient-occlusion", "correlation", "own-cache", "own-integrator", "passes"),
+            *(
+                "ambient-occlusion",
+                "cluster",
+                "correlation",
+                "own-cache",
+                "own-integrator",
+                "passes",
+            ),
             *("pytest", "report", "sweep", "unbiased"),
         )
     ),
@@ -129,7 +137,7 @@ def test_the_tests_on_a_page_pass(tmp_path: Path) -> None:
 
 
 def test_pages_for_users_have_code() -> None:
-    assert set(WITH_CODE) >= {*SLOW, "docs/tutorial.md", "docs/which-cache.md"}
+    assert set(WITH_CODE) >= {*SLOW, "docs/which-cache.md"}
     howtos = [p for p in PAGES if p.startswith("docs/howto/")]
     commanded = {p for p in howtos if any(commands(text(p)))}
     assert len((set(howtos) & set(WITH_CODE)) | commanded) >= len(howtos) - 1  # all but their index

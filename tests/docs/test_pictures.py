@@ -1,21 +1,17 @@
 """Pictures of the documentation: made by the present recipes, small, and shown with words."""
 
-from __future__ import annotations
-
-import importlib.util
 import io
 import json
 import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from codebase.repository import ROOT, sources
+from codebase.repository import ROOT, module, paths, sources
 
 IMAGES = ROOT / "docs" / "images"
 LARGEST, ALL = 200_000, 3_000_000
@@ -24,28 +20,20 @@ LARGEST, ALL = 200_000, 3_000_000
 SAME, SAME_PAGE = 0.02, 0.06
 #: All others take more processor time: they are made again before a release alone.
 EACH_TIME = {"how-aqvc", "how-correlation", "how-sweep"}
+SCRIPT = module("scripts/doc_pictures.py")
 SHOWN = re.compile(r"!\[(.*?)\]\((\S+?)\)", re.S)
 
 
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("doc_pictures", ROOT / "scripts/doc_pictures.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def stale(pictures: ModuleType, folder: Path, recipe: Callable[[str], str]) -> list[str]:
+def stale(folder: Path, recipe: Callable[[str], str] = SCRIPT.recipe) -> list[str]:
     """Pictures that are missing, changed by hand, or made by another text of the script."""
-    made = json.loads((folder / pictures.MANIFEST).read_text("utf-8"))
+    made = json.loads((folder / SCRIPT.MANIFEST).read_text("utf-8"))
     fresh = [
         name
-        for name in pictures.PICTURES
+        for name in SCRIPT.PICTURES
         if (path := folder / f"{name}.webp").is_file()
-        and made.get(name)
-        == {"recipe": recipe(name), "picture": pictures.digest(path.read_bytes())}
+        and made.get(name) == {"recipe": recipe(name), "picture": SCRIPT.digest(path.read_bytes())}
     ]
-    return sorted({*pictures.PICTURES, *made} - {*fresh})
+    return sorted({*SCRIPT.PICTURES, *made} - {*fresh})
 
 
 def difference(one: bytes, other: bytes) -> float:
@@ -55,19 +43,17 @@ def difference(one: bytes, other: bytes) -> float:
 
 
 def test_pictures_were_made_by_the_present_script() -> None:
-    pictures = script()
-    assert stale(pictures, IMAGES, pictures.recipe) == [], "run scripts/doc_pictures.py"
+    assert stale(IMAGES) == [], "run scripts/doc_pictures.py"
 
 
 def test_an_old_or_changed_picture_is_found(tmp_path: Path) -> None:
-    pictures = script()
-    assert stale(pictures, IMAGES, lambda _: "0" * 16) == sorted(pictures.PICTURES)
+    assert stale(IMAGES, lambda _: "0" * 16) == sorted(SCRIPT.PICTURES)
     for path in IMAGES.glob("how-*.webp"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
-    (tmp_path / pictures.MANIFEST).write_text((IMAGES / pictures.MANIFEST).read_text("utf-8"))
+    (tmp_path / SCRIPT.MANIFEST).write_text((IMAGES / SCRIPT.MANIFEST).read_text("utf-8"))
     with (tmp_path / "how-vlf.webp").open("ab") as file:
         file.write(b"0")
-    assert stale(pictures, tmp_path, pictures.recipe) == ["how-vlf"]
+    assert stale(tmp_path) == ["how-vlf"]
 
 
 def test_every_picture_is_shown_with_words() -> None:
@@ -76,29 +62,29 @@ def test_every_picture_is_shown_with_words() -> None:
         for page in sources(".md", under="docs/").values()
         for words, target in SHOWN.findall(page)
     }
-    for name in script().PICTURES:
+    for name in SCRIPT.PICTURES:
         assert len(shown.get(f"{name}.webp", "")) > 40, name
 
 
 def test_pictures_are_small() -> None:
     sizes = {path.name: path.stat().st_size for path in IMAGES.rglob("*.*")}
-    assert [name for name in script().PICTURES if sizes[f"{name}.webp"] > LARGEST] == []
-    assert sum(sizes.values()) < ALL
+    assert [name for name in SCRIPT.PICTURES if sizes[f"{name}.webp"] > LARGEST] == []
+    every = paths(".webp", ".png", ".svg", under="docs/")
+    assert len(every) > 30 and sum((ROOT / path).stat().st_size for path in every) < ALL
 
 
 @pytest.mark.parametrize(
     "name",
     [
         pytest.param(name, marks=pytest.mark.slow if name in EACH_TIME else pytest.mark.release)
-        for name in sorted(script().PICTURES)
+        for name in sorted(SCRIPT.PICTURES)
     ],
 )
 def test_the_script_makes_the_committed_pictures(name: str) -> None:
-    pictures = script()
-    of_browser = name in pictures.OF_BROWSERS
-    if of_browser and not any(shutil.which(program) for program in pictures.pages.BROWSERS):
+    of_browser = name in SCRIPT.OF_BROWSERS
+    if of_browser and not any(shutil.which(program) for program in SCRIPT.pages.BROWSERS):
         pytest.skip("chromium is not installed")
-    made = pictures.webp(pictures.PICTURES[name]())
+    made = SCRIPT.webp(SCRIPT.PICTURES[name]())
     kept = (IMAGES / f"{name}.webp").read_bytes()
     assert difference(made, kept) < (SAME_PAGE if of_browser else SAME)
 

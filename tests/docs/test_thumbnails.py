@@ -1,24 +1,19 @@
 """Thumbnails of the gallery: one for each figure with a picture, made by the present script."""
 
-from __future__ import annotations
-
-import importlib.util
 import io
 import json
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from codebase.repository import ROOT, paths
+from codebase.repository import ROOT, module
 from viscache_lab import figures
 
 FOLDER = ROOT / "docs" / "gallery" / "thumbnails"
-#: All pictures of the pages, in bytes.
-ALL = 3_000_000
+SCRIPT = module("scripts/gallery_thumbnails.py")
 #: Difference of two pictures of a figure, as a share of that of another picture: text may move
 #: with matplotlib's version, lines may not.
 SAME = 0.25
@@ -26,24 +21,14 @@ SAME = 0.25
 CHEAP = ("aqvc-fig2", "vlf-fig1", "vlf-fig2", "vlf-fig3")
 
 
-def script() -> ModuleType:
-    place = ROOT / "scripts/gallery_thumbnails.py"
-    spec = importlib.util.spec_from_file_location("gallery_thumbnails", place)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def kept() -> dict[str, Any]:
-    made: dict[str, Any] = json.loads((FOLDER / script().MANIFEST).read_text("utf-8"))
+    made: dict[str, Any] = json.loads((FOLDER / SCRIPT.MANIFEST).read_text("utf-8"))
     return made
 
 
 def stale(made: dict[str, Any]) -> list[str]:
     """Figures without an entry, entries without a figure, and entries of an older script."""
-    thumbnails = script()
-    fresh = {n for n in figures.FIGURES if made.get(n, {}).get("recipe") == thumbnails.recipe(n)}
+    fresh = {n for n in figures.FIGURES if made.get(n, {}).get("recipe") == SCRIPT.recipe(n)}
     return sorted({*figures.FIGURES, *made} - fresh)
 
 
@@ -64,22 +49,17 @@ def test_a_new_figure_and_an_old_script_are_found() -> None:
 
 
 def test_the_files_are_those_of_the_manifest() -> None:
-    thumbnails, made = script(), kept()
-    files = {p.stem: thumbnails.digest(p.read_bytes()) for p in FOLDER.glob("*.webp")}
+    made = kept()
+    files = {p.stem: SCRIPT.digest(p.read_bytes()) for p in FOLDER.glob("*.webp")}
     assert files == {name: e["picture"] for name, e in made.items() if "picture" in e}
     assert len(files) > 30
-
-
-def test_all_pictures_of_the_pages_are_small() -> None:
-    pictures = paths(".webp", ".png", ".svg", under="docs/")
-    assert 0 < sum((ROOT / path).stat().st_size for path in pictures) < ALL
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHEAP)
 def test_a_quick_run_gives_the_thumbnail(name: str, tmp_path: Path) -> None:
     figures.reproduce(name, tmp_path, quick=True)
-    made = pixels(script().thumbnail(tmp_path / f"{name}.png"))
+    made = pixels(SCRIPT.thumbnail(tmp_path / f"{name}.png"))
     shown = pixels((FOLDER / f"{name}.webp").read_bytes())
     assert made.shape == shown.shape
     # Nearly white pictures differ little: the same lines upside down say how much another would

@@ -1,7 +1,5 @@
 """docs/performance/where.md has a row for every figure, with commands that exist; counts hold."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Callable
@@ -24,7 +22,6 @@ Cells = list[str]
 
 
 def rows(page: str, heading: str) -> list[Cells]:
-    """Cells of the tables under a heading of level two, without their heads."""
     section = re.split(r"^## ", page, flags=re.M)
     (found,) = [part for part in section if part.partition("\n")[0] == heading]
     lines = [line for line in found.splitlines() if line.startswith("|")]

@@ -1,7 +1,5 @@
 """Calls that ask for rays, fields and maps."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Calls that measure: correlation, metrics, frames as files, sweeps."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Calls that give frames."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cases of one target, seed after seed, for some seconds or a number of cases."""
 
-from __future__ import annotations
-
 import random
 import time
 from collections import Counter

@@ -1,7 +1,5 @@
 """Runs one case in a forked child with limits of memory and time: no case may stop the tests."""
 
-from __future__ import annotations
-
 import faulthandler
 import math
 import os
@@ -37,7 +35,7 @@ def outcome(case: Callable[[], object], folder: Path, limit_s: float = LIMIT_S) 
     _, status = os.waitpid(child, 0)
     kind, _, text = said.partition(b"\n")
     if in_time and kind.decode() in ("works", "refused", "wrong", "unclean"):
-        return Outcome(kind.decode(), text.decode(errors="replace"))  # type: ignore[arg-type]
+        return Outcome(kind.decode(), text.decode(errors="replace"))
     told = log.read_text(errors="replace") if log.exists() else ""
     last = told.partition("\nExtension modules")[0][:1500]
     if not in_time or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU):
@@ -71,7 +69,6 @@ def _in_child(
 
 
 def _read(pipe: int, limit_s: float) -> tuple[bytes, bool]:
-    """What the child wrote until it ended, and whether it ended in time."""
     deadline, said = time.monotonic() + limit_s, b""
     while True:
         ready, _, _ = select.select([pipe], [], [], max(0.0, deadline - time.monotonic()))

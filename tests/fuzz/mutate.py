@@ -1,7 +1,5 @@
 """Mutations of files: bits, numbers, words, lengths, ends."""
 
-from __future__ import annotations
-
 import random
 import re
 

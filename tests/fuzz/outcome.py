@@ -1,7 +1,5 @@
 """What may come of any input: a finite result, or an error that says what must hold."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """Every reader of files, and a whole file for it to start from."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,16 +9,17 @@ import numpy as np
 import OpenEXR
 
 import viscache as vc
-from base.kept_formats import KEPT, two_frames
+from base.kept_formats import KEPT, measured, swept, two_frames
+from base.kept_formats import picture as kept_picture
 from fuzz.calls_render import checked, in_json
-from fuzz.make_corpus import CORPUS
 from fuzz.outcome import WrongError
 from viscache import _core as core
 from viscache.sweeps.flip_maps import kept
 
+#: Small whole files of every format, by kind.
+CORPUS = Path(__file__).with_name("corpus")
 SIZE = (6, 5)
 QUICK = vc.Whitted(n_vpls=4, n_area=1, n_environment=1, n_brdf=1)
-DIRECT = vc.Direct(n_area=1, n_environment=1, n_brdf=1)
 
 
 @dataclass(frozen=True)
@@ -78,16 +77,12 @@ def cache(path: Path) -> None:
         raise WrongError("a look-up has one row for each point")
 
 
-def progressive() -> vc.Progressive:
-    """The picture whose state is saved."""
-    return vc.Progressive("cube_on_plane", DIRECT, size=SIZE, threads=1)
-
-
 def state(path: Path) -> None:
     """The state of a progressive picture, which then goes on."""
-    picture = progressive()
-    picture.load(path)
-    checked(picture.passes(1))
+    made = kept_picture()
+    made.load(path)
+    checked(made.passes(1))
+    made.error(), made.save(path)
 
 
 def pair_table(path: Path) -> None:
@@ -99,32 +94,6 @@ def pair_table(path: Path) -> None:
 def dataset(path: Path) -> None:
     """A saved correlation."""
     vc.correlation.correlation_lengths(vc.correlation.load_dataset(path))
-
-
-def swept(folder: Path) -> None:
-    """A sweep of two settings in a folder; what is there already is taken."""
-    vc.sweep(
-        "cube_on_plane",
-        DIRECT,
-        over={"c_e": [4, 8]},
-        size=(8, 8),
-        metrics=["rel_l1"],
-        directory=folder,
-        threads=1,
-    )
-
-
-def correlated(folder: Path) -> None:
-    """A correlation that keeps its blocks in a folder."""
-    vc.correlation.measure(
-        "cube_on_plane",
-        n_points=16,
-        map_size=4,
-        d_edges=4,
-        theta_edges_deg=4,
-        directory=folder,
-        threads=1,
-    )
 
 
 def sweep_file(path: Path) -> None:
@@ -144,6 +113,21 @@ def corpus(kind: str) -> Callable[[Path], list[Path]]:
     return make
 
 
+def correlated(folder: Path) -> None:
+    """A correlation that keeps its blocks in a folder."""
+    measured(directory=folder)
+
+
+def saved(name: str, within: str = "") -> Callable[[Path], list[Path]]:
+    """A file of a format that is read back."""
+
+    def make(folder: Path) -> list[Path]:
+        (folder / within).mkdir(exist_ok=True)
+        return [KEPT[name].make(folder / within)]
+
+    return make
+
+
 def stored(run: Callable[[Path], object]) -> Callable[[Path], list[Path]]:
     """The small files of a folder that a run keeps."""
 
@@ -155,42 +139,11 @@ def stored(run: Callable[[Path], object]) -> Callable[[Path], list[Path]]:
     return make
 
 
-def save_frame(folder: Path) -> list[Path]:
-    vc.render("cube_on_plane", DIRECT, size=(8, 8), threads=1).save(folder / "frame.exr")
-    return [folder / "frame.exr"]
-
-
 def save_sky(folder: Path) -> list[Path]:
     pixels = {c: np.random.default_rng(1).random((8, 16), dtype=np.float32) for c in "RGB"}
     head = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(head, pixels).write(str(folder / "sky.exr"))
     return [folder / "sky.exr"]
-
-
-def save_cache(folder: Path) -> list[Path]:
-    maps = vc.VisibilityMapCache("cube_on_plane", vc.MapSettings(m=4, n_startup=10))
-    maps.update(size=(8, 8), threads=1)
-    maps.save(folder / "cache.npz")
-    return [folder / "cache.npz"]
-
-
-def save_state(folder: Path) -> list[Path]:
-    picture = progressive()
-    picture.passes(1)
-    picture.save(folder / "state.npz")
-    return [folder / "state.npz"]
-
-
-def save_dataset(folder: Path) -> list[Path]:
-    found = vc.correlation.measure(
-        "cube_on_plane", n_points=16, map_size=4, d_edges=4, theta_edges_deg=4, threads=1
-    )
-    vc.correlation.save_dataset(found, folder / "correlation.nc")
-    return [folder / "correlation.nc"]
-
-
-def save_pair_table(folder: Path) -> list[Path]:
-    return [KEPT["pair table"].make(folder)]
 
 
 def flip_map(folder: Path) -> None:
@@ -202,11 +155,6 @@ def flip_map(folder: Path) -> None:
     found = kept(frames[0], frames[1], folder)
     if found is not None and found.errors.shape != frames[0].image.shape[:2]:
         raise WrongError("it has another size")
-
-
-def save_flip_map(folder: Path) -> list[Path]:
-    (folder / "whole").mkdir()
-    return [KEPT["flip map"].make(folder / "whole")]
 
 
 def save_sweep(folder: Path) -> list[Path]:
@@ -223,13 +171,13 @@ READERS = {
     "mtl": Reader(corpus("mtl"), materials),
     **{kind: Reader(corpus(kind), picture) for kind in ("png", "jpg", "hdr", "bmp", "tga")},
     "sky.exr": Reader(save_sky, sky),
-    "frame.exr": Reader(save_frame, frame),
-    "cache.npz": Reader(save_cache, cache),
-    "dataset.nc": Reader(save_dataset, dataset),
-    "pairs.npz": Reader(save_pair_table, pair_table),
-    "flip map": Reader(save_flip_map, flip_map, in_place=True),
+    "frame.exr": Reader(saved("frame"), frame),
+    "cache.npz": Reader(saved("maps"), cache),
+    "dataset.nc": Reader(saved("dataset"), dataset),
+    "pairs.npz": Reader(saved("pair table"), pair_table),
+    "flip map": Reader(saved("flip map", "whole"), flip_map, in_place=True),
     "sweep": Reader(stored(swept), swept, in_place=True),
     "correlation": Reader(stored(correlated), correlated, in_place=True),
-    "state.npz": Reader(save_state, state),
+    "state.npz": Reader(saved("state"), state),
     "sweep.toml": Reader(save_sweep, sweep_file),
 }

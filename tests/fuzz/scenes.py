@@ -1,7 +1,5 @@
 """Scenes, environments and cameras of every kind."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -89,7 +87,6 @@ def camera(dice: Dice) -> Any:
 
 
 def described(dice: Dice) -> vc.Scene:
-    """A scene of materials, meshes, lights and instances."""
     d, kinds = vc.SceneDescription(), core.MaterialKind
     if dice.chance(0.2):
         d.add_image(dice.array((dice.pick(1, 2, 8), dice.pick(1, 8), dice.pick(1, 3, 4))))

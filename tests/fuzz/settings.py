@@ -1,7 +1,5 @@
 """Settings of any class, made from the annotations and defaults of its fields."""
 
-from __future__ import annotations
-
 import typing
 from dataclasses import MISSING, fields
 from typing import Any, Literal
@@ -93,7 +91,6 @@ def _range(name: str, low: float, high: float) -> tuple[float, float]:
 
 
 def integrator(dice: Dice) -> Any:
-    """Settings of any integrator."""
     return made(dice, dice.pick(vc.Direct, vc.Direct, vc.Whitted, vc.AmbientOcclusion, vc.Bdpt))
 
 
@@ -110,7 +107,6 @@ def visibility(dice: Dice) -> Any:
 
 
 def map_settings(dice: Dice) -> Any:
-    """Settings of visibility maps."""
     return made(dice, vc.MapSettings, preset=dice.pick("low", "medium", "high", "auto"))
 
 
@@ -131,7 +127,6 @@ def field(dice: Dice) -> Any:
 
 
 def size(dice: Dice) -> Any:
-    """Of a frame, small."""
     if dice.is_wild():
         return dice.pick(
             (0, 1), (-1, 5), (2**31, 2**31), (1.5, 2), "ab", (3,), (2**64, 1), (1, 2, 3)

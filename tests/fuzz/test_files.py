@@ -3,8 +3,6 @@
 Each case changes a whole file in one to eight places and reads it in a child of its own.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import shutil
@@ -15,17 +13,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from base.kept_formats import KEPT, WRONG, picture
+from base.kept_formats import KEPT, WRONG
 from fuzz import campaign, readers
-from fuzz.calls_render import checked
-from fuzz.make_corpus import CORPUS, pictures, scenes
 from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
-from fuzz.readers import READERS, Reader
+from fuzz.readers import CORPUS, READERS, Reader
 from viscache.base.formats import FormatError
 
 MOST_BYTES = 1 << 20
-CORPUS_KINDS = {path.partition("/")[0] for path in (*pictures(), *scenes())}
+CORPUS_KINDS = {path.name for path in CORPUS.iterdir()}
 
 
 class NamelessError(Exception):
@@ -60,7 +56,6 @@ def changed_file(reader: Reader, path: Path, content: bytes) -> Path:
 
 
 def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
-    """A case: one of the files, changed and read."""
 
     def case(seeded: random.Random) -> None:
         reader, path = seeded.choice(wholes)
@@ -81,33 +76,18 @@ def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
 @pytest.mark.fuzz
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
-def test_any_file_is_read_or_refused_by_its_name(
-    name: str, fuzz_seconds: float, fuzz_cases: int | None, fuzz_seed: int, tmp_path: Path
-) -> None:
+def test_any_file_is_read_or_refused_by_its_name(name: str, fuzz: Any, tmp_path: Path) -> None:
     wholes = []
     for kind in TARGETS[name]:
         (tmp_path / kind).mkdir()
         wholes += [(READERS[kind], path) for path in READERS[kind].seeds(tmp_path / kind)]
     for reader, path in wholes:
         reader.read(changed_file(reader, path, path.read_bytes()))
-    case = target(wholes)
-    counts, bad = campaign.run(
-        case, name, tmp_path, seconds=fuzz_seconds, cases=fuzz_cases, first=fuzz_seed
-    )
-    print(f"{name}: {sum(counts.values())} files, {dict(counts)}")
-    assert not bad, "\n".join(bad)
-
-
-def go_on(path: Path) -> None:
-    """Passes after a state, and what they give."""
-    made = picture()
-    made.load(path)
-    checked(made.passes(1))
-    made.error(), made.save(path)
+    fuzz(target(wholes), name)
 
 
 #: What users do with what was read, beside `Kept.read`.
-USES = {"state": go_on, "maps": readers.cache, "sweep": readers.swept}
+USES = {"state": readers.state, "maps": readers.cache, "sweep": readers.swept}
 USES |= {"frame of a sweep": readers.swept, "comparison": readers.swept}
 
 
@@ -128,7 +108,6 @@ def values_of(fields: Any) -> list[Any]:
 
 
 def other_array(array: Any, dice: random.Random) -> Any:
-    """Another array in the place of one."""
     kinds = ("i1", "u4", "i8", "f4", "f8", "?", "U3")
     return dice.choice(
         [
@@ -145,7 +124,7 @@ def other_array(array: Any, dice: random.Random) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KEPT)
 def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(
-    name: str, fuzz_seconds: float, fuzz_cases: int | None, fuzz_seed: int, tmp_path: Path
+    name: str, fuzz: Any, tmp_path: Path
 ) -> None:
     kept, whole = KEPT[name], tmp_path / "whole"
     whole.mkdir()
@@ -173,11 +152,7 @@ def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(
                 raise
             USES.get(name, lambda _: None)(path)
 
-    counts, bad = campaign.run(
-        case, name, tmp_path, seconds=fuzz_seconds, cases=fuzz_cases, first=fuzz_seed
-    )
-    print(f"{name}: {sum(counts.values())} files, {dict(counts)}")
-    assert not bad, "\n".join(bad)
+    fuzz(case, name)
 
 
 def test_every_reader_has_a_target() -> None:
@@ -191,7 +166,6 @@ def test_mutations_change_files_and_follow_their_seed() -> None:
     assert len(set(changed)) > 150
 
 
-def test_the_corpus_is_small_and_made_by_its_script() -> None:
-    files = {path for path in CORPUS.rglob("*") if path.is_file()}
-    assert sum(path.stat().st_size for path in files) < MOST_BYTES
-    assert {path.relative_to(CORPUS).as_posix() for path in files} == {*pictures(), *scenes()}
+def test_the_corpus_is_small() -> None:
+    sizes = [path.stat().st_size for path in CORPUS.glob("*/*")]
+    assert len(sizes) > 30 and sum(sizes) < MOST_BYTES

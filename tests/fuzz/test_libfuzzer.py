@@ -3,8 +3,6 @@
 The targets (`tests/cpp/fuzz`) need clang: `cmake --preset fuzz && cmake --build --preset fuzz`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -13,16 +11,17 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.make_corpus import CORPUS
+from fuzz.readers import CORPUS
 
 BUILT = Path(__file__).resolve().parents[2] / "build" / "fuzz"
 TARGETS = sorted(path.name for path in CORPUS.iterdir())
 
 
-def run(
-    target: Path, corpus: Path, folder: Path, *options: str
-) -> subprocess.CompletedProcess[str]:
+def run(name: str, corpus: Path, folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """One run of a target; new inputs and findings lie in the folder."""
+    target = BUILT / name
+    if not target.exists():
+        pytest.skip("the targets of libFuzzer are not built: cmake --build --preset fuzz (clang)")
     (folder / "found").mkdir(exist_ok=True)
     memory = Path("/dev/shm")  # loaders read files: there they are written at once
     scratch = tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None)
@@ -48,18 +47,16 @@ def run(
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
 def test_no_input_of_a_loader_is_a_finding(
-    name: str, fuzz_seconds: float, fuzz_runs: int, fuzz_seed: int, tmp_path: Path
+    name: str, pytestconfig: pytest.Config, tmp_path: Path
 ) -> None:
-    target = BUILT / f"fuzz_{name}"
-    if not target.exists():
-        pytest.skip("the targets of libFuzzer are not built: cmake --build --preset fuzz (clang)")
+    option = pytestconfig.getoption
     found = run(
-        target,
+        f"fuzz_{name}",
         CORPUS / name,
         tmp_path,
-        f"-max_total_time={max(1, round(fuzz_seconds))}",
-        f"-runs={fuzz_runs}",
-        f"-seed={fuzz_seed + 1}",
+        f"-max_total_time={max(1, round(option('--fuzz-seconds')))}",
+        f"-runs={option('--fuzz-runs')}",
+        f"-seed={option('--fuzz-seed') + 1}",
     )
     assert found.returncode == 0, found.stderr[-4000:]
     units = re.search(r"stat::number_of_executed_units: (\d+)", found.stderr)
@@ -72,10 +69,7 @@ def test_no_input_of_a_loader_is_a_finding(
 @pytest.mark.slow
 def test_a_finding_fails(tmp_path: Path) -> None:
     """The bytes "defect" alone abort the target that only knows them."""
-    target = BUILT / "fuzz_defect"
-    if not target.exists():
-        pytest.skip("the targets of libFuzzer are not built: cmake --build --preset fuzz (clang)")
     (tmp_path / "seeds").mkdir()
     (tmp_path / "seeds" / "near").write_bytes(b"defekt")
-    found = run(target, tmp_path / "seeds", tmp_path, "-runs=200000", "-seed=1")
+    found = run("fuzz_defect", tmp_path / "seeds", tmp_path, "-runs=200000", "-seed=1")
     assert found.returncode != 0 and "heap-buffer-overflow" in found.stderr

@@ -1,7 +1,5 @@
 """Numbers and arrays of every kind that a caller may pass."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 
@@ -24,19 +22,15 @@ class Dice:
         self.wild = random_.choice([0.0, 0.0, 0.01, 0.05, 0.3])
 
     def chance(self, share: float) -> bool:
-        """True in this share of the calls."""
         return self.random.random() < share
 
     def is_wild(self) -> bool:
-        """True in the share of wild values."""
         return self.chance(self.wild)
 
     def pick(self, *values: Any) -> Any:
-        """One of them."""
         return self.random.choice(values)
 
     def numpy(self) -> np.random.Generator:
-        """A generator of arrays."""
         return np.random.default_rng(self.random.getrandbits(32))
 
     def number(self) -> Any:

@@ -21,7 +21,6 @@ ROOM = "room?triangles=2000"
 
 
 def digest(*arrays: Any) -> str:
-    """Hash of the arrays' bytes."""
     total = hashlib.sha256()
     for array in arrays:
         total.update(np.ascontiguousarray(array).tobytes())
@@ -42,7 +41,6 @@ def frame(
 
 
 def kept_frames() -> str:
-    """Three frames over one table of the quantized cache."""
     table, scene = vc.AqvcTable(table_bytes=1 << 20, check=0.25), built(ROOM)
     frames = [
         vc.render(
@@ -86,7 +84,6 @@ def map_records() -> str:
 
 
 def swept() -> str:
-    """Errors and rays of a small sweep."""
     over = {"visibility.c_e": [4.0, 16.0]}
     table = vc.sweep(
         built(ROOM),
@@ -117,11 +114,7 @@ def strips() -> str:
 def corrected_passes() -> str:
     """Passes with learnt shares. 300 lights leave rows half empty."""
     picture = vc.Progressive(
-        built(ROOM),
-        vc.Whitted(n_vpls=300),
-        visibility=vc.Aqvc(c_e=10),
-        size=SIZE,
-        rays=vc.Bsp(),
+        built(ROOM), vc.Whitted(n_vpls=300), visibility=vc.Aqvc(c_e=10), size=SIZE, rays=vc.Bsp()
     )
     return digest(picture.passes(4).image)
 

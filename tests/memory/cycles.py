@@ -3,8 +3,6 @@
 python cycles.py STRUCTURE CYCLES MOST
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import os
@@ -44,12 +42,10 @@ LEAK: list[bytes] = []
 
 
 def frame(visibility: object = "exact", integrator: object = DIRECT, **options: object) -> None:
-    """A frame of the kept scene."""
     vc.render(KEPT, integrator, visibility=visibility, size=SIZE, threads=2, **options)
 
 
 def field() -> None:
-    """A visibility field and its rays."""
     made = vc.VisibilityField(KEPT, settings=vc.Vlf(n_directions=9, n_tiles=8), threads=2)
     made.intersect([[0, 0, 3]], [[0, 0, -1]])
 
@@ -63,7 +59,6 @@ def moving() -> None:
 
 
 def maps() -> None:
-    """Visibility maps, filled, saved and loaded."""
     made = vc.VisibilityMapCache(KEPT, vc.MapSettings(m=4, n_startup=10))
     made.update(size=SIZE, threads=2)
     with tempfile.TemporaryDirectory() as folder:
@@ -72,7 +67,6 @@ def maps() -> None:
 
 
 def passes() -> None:
-    """Two passes of a progressive picture."""
     vc.Progressive(KEPT, DIRECT, size=SIZE, threads=2).passes(2)
 
 

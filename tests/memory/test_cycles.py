@@ -1,7 +1,5 @@
 """Structures that are freed leave no memory behind."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

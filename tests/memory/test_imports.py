@@ -1,7 +1,5 @@
 """viscache works beside other renderers in one process, whichever is imported first."""
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import re
@@ -53,15 +51,6 @@ def run(names: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("names", list(itertools.permutations(THERE)), ids="-".join)
 def test_all_of_them_work_in_any_order(names: tuple[str, ...]) -> None:
     run(names)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("other", [name for name in WORK if name != "viscache"])
-def test_two_of_them_work_in_any_order(other: str) -> None:
-    if other not in THERE:
-        pytest.skip(f"{other} is not installed")
-    run(("viscache", other))
-    run((other, "viscache"))
 
 
 def test_what_few_calls_need_is_loaded_by_these() -> None:

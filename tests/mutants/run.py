@@ -7,8 +7,6 @@ module; the environment variable VISCACHE_MUTANT says which one runs. The releas
 trace of them. First, all tests must pass without a mutant.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -77,12 +75,14 @@ def catalogue() -> list[Mutant]:
     found = []
     for file in ("core.toml", "package.toml"):
         table = tomllib.loads((HERE / file).read_text(encoding="utf-8"))
-        found += [Mutant(**{**row, "tests": tuple(row["tests"])}) for row in table["mutant"]]
+        found += [
+            Mutant(**row | {"name": name, "tests": tuple(row["tests"])})
+            for name, row in table.items()
+        ]
     return found
 
 
 def sources() -> list[str]:
-    """Paths of the files that git tracks or would track."""
     listed = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard"],
         cwd=ROOT, capture_output=True, text=True, check=True,
@@ -117,7 +117,6 @@ def copy(mutants: list[Mutant]) -> None:
 
 
 def build(jobs: int) -> None:
-    """One module with all mutants of the core."""
     log = COPY.parent / "build.log"
     with log.open("w") as output:
         for command in (

@@ -1,9 +1,6 @@
 """The live film and the sliders of notebooks."""
 
-from __future__ import annotations
-
 import io
-import statistics
 import threading
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of sweeps: what is drawn, its labels, and its files for papers."""
 
-from __future__ import annotations
-
 import io
 import re
 import zlib
@@ -21,6 +19,8 @@ from viscache.sweeps.designs import Range
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.swept import looks_of
 
+pytestmark = pytest.mark.usefixtures("fake_vc")
+
 
 def test_the_front_joins_what_nothing_beats() -> None:
     points = [(1.0, 5.0), (2.0, 3.0), (2.5, 4.0), (3.0, 1.0), (4.0, 1.0)]
@@ -30,13 +30,13 @@ def test_the_front_joins_what_nothing_beats() -> None:
 def test_a_notebook_shows_a_plot_without_pyplot() -> None:
     """IPython asks for `_repr_png_`; a plain Figure has none and shows as text."""
     figure = new_figure(2.0, 1.0)
-    assert figure._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
-    with Image.open(io.BytesIO(figure._repr_png_())) as shown:  # type: ignore[attr-defined]
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    with Image.open(io.BytesIO(figure._repr_png_())) as shown:
         assert shown.size == (200, 100)
     assert not hasattr(Figure(), "_repr_png_")
 
 
-def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
+def test_plots_are_labelled_and_leave_pyplot_alone() -> None:
     import matplotlib.pyplot as plt
 
     ds = sweep(
@@ -62,7 +62,7 @@ def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
         plots.heatmap(ds, x="c_q")
 
 
-def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Path) -> None:
+def test_pairs_show_every_two_parameters_of_a_design(tmp_path: Path) -> None:
     import matplotlib.pyplot as plt
 
     over = {
@@ -82,9 +82,8 @@ def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Pat
     np.testing.assert_allclose(pair.collections[0].get_array(), ds.rel_l1[:, 0])
     assert first.get_xscale() == "log" and "INF" in first.get_ylabel()
     assert shown[-1].get_xlabel() == "VPLs" and shown[3].get_xlabel() == "$C_E$ [px]"
-    for kind in ("svg", "png", "pdf"):
-        figure.savefig(tmp_path / f"a.{kind}")
-        assert (tmp_path / f"a.{kind}").stat().st_size > 2000
+    figure.savefig(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 2000
     assert plt.get_fignums() == []
     with pytest.raises(ValueError, match=r"two swept parameters of numbers, got \['c_e'\]"):
         plots.pairs(
@@ -92,7 +91,7 @@ def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Pat
         )
 
 
-def grid(fake_vc: Any) -> Any:
+def grid() -> Any:
     return sweep(
         "room",
         "whitted",
@@ -116,10 +115,8 @@ def pdf_text(file: Path) -> str:
 
 
 @pytest.mark.slow
-def test_every_figure_is_saved_in_three_formats_with_its_labels(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    files = plots.save_all(grid(fake_vc), tmp_path / "figures")
+def test_every_figure_is_saved_in_three_formats_with_its_labels(tmp_path: Path) -> None:
+    files = plots.save_all(grid(), tmp_path / "figures")
     names = ["trade-total_s", "trade-rays", "heatmap-rel_l1", "heatmap-rays"]
     assert [f.name for f in files] == [f"{n}.{k}" for n in names for k in ("svg", "png", "pdf")]
     trade, heat = (tmp_path / "figures" / n for n in ("trade-rays", "heatmap-rays"))
@@ -135,8 +132,8 @@ def test_every_figure_is_saved_in_three_formats_with_its_labels(
 
 
 @pytest.mark.slow
-def test_the_same_figure_gives_the_same_bytes(fake_vc: Any, tmp_path: Path) -> None:
-    ds = grid(fake_vc)
+def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
+    ds = grid()
     for folder in ("a", "b"):
         plots.save(plots.heatmap(ds, value="rays"), tmp_path / folder / "heat")
     for kind in plots.FORMATS:
@@ -148,9 +145,7 @@ def test_the_same_figure_gives_the_same_bytes(fake_vc: Any, tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(
-    fake_vc: Any, tmp_path: Path
-) -> None:
+def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(tmp_path: Path) -> None:
     points = designs.latin_hypercube({"c_e": Range(2, 32, "log"), "c_n": Range(2, 16)}, 5)
     random = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
     over = {"c_e": [4, 8], "c_n": [4, 8], "integrator.n_vpls": [1, 2]}
@@ -162,8 +157,8 @@ def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(
     assert kinds == [{"trade", "pairs"}, {"trade", "heatmap", "pairs"}]
 
 
-def test_the_front_and_the_levels_are_drawn(fake_vc: Any) -> None:
-    ds = grid(fake_vc)
+def test_the_front_and_the_levels_are_drawn() -> None:
+    ds = grid()
     axes = plots.trade(ds, x="rays").axes[0]
     front = next(line for line in axes.get_lines() if line.get_label() == "Pareto front")
     rays = sorted({float(v) for v in ds.rays.values.ravel()})

@@ -1,10 +1,7 @@
 """The report's file: self-contained, complete, safe. (tests/browser drives it.)"""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,10 +14,10 @@ from viscache.sweeps import designs
 from viscache.sweeps.designs import Range
 from viscache.sweeps.sweep import sweep
 
-pytestmark = pytest.mark.usefixtures("without_netcdf")
+pytestmark = pytest.mark.usefixtures("fake_vc", "without_netcdf")
 
 
-def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room") -> str:
+def page(directory: Path | None, target: Path, scene: str = "room") -> str:
     ds = sweep(
         scene,
         "whitted",
@@ -33,17 +30,15 @@ def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room"
     return report.write(ds, target).read_text("utf-8")
 
 
-def test_the_file_asks_the_network_for_nothing(fake_vc: Any, tmp_path: Path) -> None:
-    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
+def test_the_file_asks_the_network_for_nothing(tmp_path: Path) -> None:
+    text = page(tmp_path / "s", tmp_path / "r.html")
     assert "default-src 'none'" in text
     assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", text)
     assert not re.search(r"https?://|@import|url\((?!#)|fetch\(|XMLHttpRequest", text)
 
 
-def test_every_setting_is_a_point_in_each_plot_a_row_and_a_picture(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
+def test_every_setting_is_a_point_in_each_plot_a_row_and_a_picture(tmp_path: Path) -> None:
+    text = page(tmp_path / "s", tmp_path / "r.html")
     assert len(re.findall(r'<path class="point"', text)) == 2 * 6
     assert len(re.findall(r'<tr data-id="s\d"', text)) == 6
     data = pictures.model(text)
@@ -64,10 +59,8 @@ def series(text: str) -> tuple[list[tuple[str, str]], list[list[str]]]:
     return [(fill, d) for d, fill in points], words
 
 
-def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    points, key = series(page(fake_vc, tmp_path / "s", tmp_path / "r.html"))
+def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(tmp_path: Path) -> None:
+    points, key = series(page(tmp_path / "s", tmp_path / "r.html"))
     assert len(points) == len(set(points)) == 6
     assert len({fill for fill, _ in points}) == 3 and len({shape for _, shape in points}) == 2
     first, second = (
@@ -77,29 +70,16 @@ def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
     assert key == [first, second, ["Pareto front: nothing is better in both"]]
 
 
-def test_many_levels_of_one_parameter_have_colours_of_their_own(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    ds = sweep(
-        "room", "whitted", over={"c_e": list(range(4, 14))}, size=(16, 12), metrics=["rel_l1"]
-    )
-    points, key = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
-    assert len({fill for fill, _ in points}) == 10 and len({shape for _, shape in points}) == 1
-    assert [len(row) for row in key] == [10, 1]
-
-
-def test_a_sweep_without_a_directory_has_a_report_without_pictures(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    text = page(fake_vc, None, tmp_path / "r.html")
+def test_a_sweep_without_a_directory_has_a_report_without_pictures(tmp_path: Path) -> None:
+    text = page(None, tmp_path / "r.html")
     assert len(re.findall(r'<path class="point"', text)) == 12
     data = pictures.model(text)
     assert data["pictures"] == {} and not any("difference" in s for s in data["settings"])
 
 
-def test_names_from_outside_cannot_break_out_of_the_page(fake_vc: Any, tmp_path: Path) -> None:
+def test_names_from_outside_cannot_break_out_of_the_page(tmp_path: Path) -> None:
     evil = "room?<!--<script></script><script>alert(1)</script>"
-    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html", scene=evil)
+    text = page(tmp_path / "s", tmp_path / "r.html", scene=evil)
     assert "<script>alert" not in text and "<!--" not in text
 
 
@@ -115,8 +95,8 @@ def cells(text: str, plot: str) -> list[tuple[str, str]]:
     return [(which.strip().removeprefix("data-id=").strip('"'), shown) for which, shown in found]
 
 
-def test_a_grid_has_heat_maps_whose_cells_are_the_settings(fake_vc: Any, tmp_path: Path) -> None:
-    text = page(fake_vc, None, tmp_path / "r.html")
+def test_a_grid_has_heat_maps_whose_cells_are_the_settings(tmp_path: Path) -> None:
+    text = page(None, tmp_path / "r.html")
     error = cells(text, "heatmap-rel_l1")
     assert [which for which, _ in error] == [f"s{i}" for i in range(6)]
     assert [shown for _, shown in error] == ["0.04", "0.04", "0.08", "0.08", "0.16", "0.16"]
@@ -124,9 +104,7 @@ def test_a_grid_has_heat_maps_whose_cells_are_the_settings(fake_vc: Any, tmp_pat
     assert "<tspan" in text and "[px]" in text  # C_E with its index and unit
 
 
-def test_three_parameters_have_pair_plots_and_heat_maps_of_means(
-    fake_vc: Any, tmp_path: Path
-) -> None:
+def test_three_parameters_have_pair_plots_and_heat_maps_of_means(tmp_path: Path) -> None:
     over = {"c_e": [4, 8], "c_n": [4, 8, 16], "integrator.n_vpls": [10, 30]}
     ds = sweep("room", "whitted", over=over, size=(16, 12), metrics=["rel_l1"])
     text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
@@ -141,7 +119,7 @@ def test_three_parameters_have_pair_plots_and_heat_maps_of_means(
     assert "VPLs" in svg and "[px]" in svg
 
 
-def test_a_random_design_has_pair_plots_and_short_words(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_random_design_has_pair_plots_and_short_words(tmp_path: Path) -> None:
     points = designs.latin_hypercube({"c_e": Range(2, 32, "log"), "c_n": Range(2, 64)}, 14)
     ds = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
     text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
@@ -151,12 +129,6 @@ def test_a_random_design_has_pair_plots_and_short_words(fake_vc: Any, tmp_path: 
     assert f"C_E: 14 values from {ends}" in text
     _, key = series(text)
     assert len(key[0]) == 2 and key[0][0].endswith(f"= {ordered[0]:.5g} …")
-
-
-def test_one_parameter_has_markers_besides_colours(fake_vc: Any, tmp_path: Path) -> None:
-    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16]}, size=(16, 12), metrics=["rel_l1"])
-    points, _ = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
-    assert len({fill for fill, _ in points}) == len({shape for _, shape in points}) == 3
 
 
 def test_axes_have_round_ticks_inside_their_range() -> None:

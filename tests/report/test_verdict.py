@@ -1,7 +1,5 @@
 """The verdict of a sweep: what an error costs beside exact visibility, and when it does not pay."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,8 @@ from reference import report_pictures as pictures
 from viscache import metrics, report
 from viscache.report.costs import knee
 from viscache.sweeps.sweep import sweep
+
+pytestmark = pytest.mark.usefixtures("fake_vc")
 
 
 def dataset(
@@ -99,9 +99,7 @@ def test_the_knee_is_where_the_front_bends_most() -> None:
     assert knee([(100, 0.04), (1, 1), (2, 0.1), (3, 3), (10, 0.05)]) == 2
 
 
-def test_the_page_begins_with_the_verdict_and_opens_on_the_target(
-    fake_vc: Any, tmp_path: Path
-) -> None:
+def test_the_page_begins_with_the_verdict_and_opens_on_the_target(tmp_path: Path) -> None:
     over = {"c_e": [1, 2, 4, 8]}
     ds = sweep("room", "whitted", over=over, size=(48, 32), metrics=["rel_l1"], directory=tmp_path)
     text = report.write(ds, target=0.02, flip_maps=0).read_text("utf-8")
@@ -113,7 +111,7 @@ def test_the_page_begins_with_the_verdict_and_opens_on_the_target(
 
 
 def test_flip_maps_that_the_sweep_measured_are_not_measured_again(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     over, size = {"c_e": [4, 8]}, (48, 32)
     wanted = {"repeats": 2, "metrics": ["rel_l1", "flip"], "directory": tmp_path}

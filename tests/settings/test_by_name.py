@@ -1,7 +1,5 @@
 """Settings by name: those within settings go by their bare names, too."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

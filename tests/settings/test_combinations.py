@@ -1,7 +1,5 @@
 """One table says what does not combine: it is refused, and docs/limits.md prints it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One row per parameter: what Python makes of the C++ tables."""
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 import math

@@ -1,7 +1,5 @@
 """Names and defaults of the Python dataclasses are those of the C++ structs."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Any
 
@@ -195,12 +193,6 @@ def test_render_refuses_an_argument_of_the_wrong_kind(given: dict[str, Any], mes
     scene = options.pop("scene", None) or vc.scenes.cube_on_plane()
     with pytest.raises(ValueError, match=message):
         vc.render(scene, options.pop("integrator", vc.Direct()), **options)
-
-
-def test_a_number_of_threads_below_one_is_refused() -> None:
-    scene = vc.scenes.cube_on_plane()
-    with pytest.raises(ValueError, match="threads must be"):
-        scene.visible([[0, 0, 0]], [[1, 1, 1]], threads=-2)
 
 
 def test_numpy_numbers_become_plain_ones() -> None:

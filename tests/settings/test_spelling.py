@@ -1,7 +1,5 @@
 """Misspelt keywords are refused with the nearest known one; settings show what differs."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import inspect
@@ -80,7 +78,7 @@ def test_the_constructors_looked_at_are_those_that_users_call() -> None:
         (lambda: vc.render("slits", "direct", visibilities="aqvc"), "did you mean 'visibility'"),
         (lambda: vc.tune("slits", "direct", rel_l2=0.1), "did you mean 'rel_l1'"),
         (
-            lambda: vc.tune("slits", "direct", metric="rel_l1"),  # type: ignore[call-arg]
+            lambda: vc.tune("slits", "direct", metric="rel_l1"),
             "no parameter 'metric': the target names its metric, rel_l1_reflected= or rel_l1=",
         ),
         (lambda: vc.sweep("slits", "direct", ovr={}), "did you mean 'over'"),
@@ -97,7 +95,7 @@ def test_public_calls_name_the_nearest_known_keyword(call: Any, says: str) -> No
 
 def test_without_a_near_name_all_known_ones_are_listed() -> None:
     with pytest.raises(TypeError, match="Embree has no parameter 'zzz'; known: robust, watertight"):
-        vc.Embree(zzz=1)  # type: ignore[call-arg]
+        vc.Embree(zzz=1)
     assert nearest("a", []) == "; there are none"
 
 
@@ -124,7 +122,7 @@ def test_what_is_decorated_still_raises_its_own_errors() -> None:
 
     assert told(1) == 3 and told(1, b=3) == 4
     with pytest.raises(TypeError, match="missing 1 required positional argument: 'a'"):
-        told(b=1)  # type: ignore[call-arg]
+        told(b=1)
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,6 @@ The exact picture is a ramp; the cached one is the ramp times (1 + c_e / 100), s
 against the paired reference is c_e / 100 exactly; it traces queries / c_e² rays.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,26 +1,37 @@
 """Fixtures: the stand-in renderer of `fake_renderer.py` in place of the real one."""
 
-from __future__ import annotations
-
+import csv
 import importlib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from sweeps import fake_renderer as fake
 
-@pytest.fixture
-def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
-    """viscache with the stand-in's settings and renderer; yields the stand-in's module."""
-    from sweeps import fake_renderer as fake
+
+def rows_of(directory: Path) -> list[dict[str, str]]:
+    """Of a sweep's table."""
+    with (directory / "table.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def install(patch: pytest.MonkeyPatch) -> None:
+    """Give viscache the stand-in's settings and renderer."""
     from viscache.scenes import sources
     from viscache.settings import by_name
     from viscache.sweeps import work
 
     for role, name, settings in fake.NAMES:
-        monkeypatch.setitem(by_name.NAMES[role], name, settings)
-    monkeypatch.setattr(work, "render_function", fake.fake_render)
-    monkeypatch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
+        patch.setitem(by_name.NAMES[role], name, settings)
+    patch.setattr(work, "render_function", fake.fake_render)
+    patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
+
+
+@pytest.fixture
+def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
+    """viscache with the stand-in; yields the stand-in's module."""
+    install(monkeypatch)
     fake.CALLS.clear()
     fake.STOP.clear()
     yield fake

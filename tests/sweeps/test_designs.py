@@ -1,7 +1,5 @@
 """Ranges, random points and Latin hypercubes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """vc.pareto: which settings of a sweep another one beats."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -93,7 +91,7 @@ def test_a_sweep_with_repeats_has_both_and_the_cache_is_biased(tmp_path: Path) -
         assert setting.bias2[1] <= setting.bias2[0] <= setting.bias2[2]
         assert setting.variance[0] > 0
     by_c_e = {s.values["c_e"]: s for s in front}
-    assert by_c_e[64].bias2[0] > by_c_e[8].bias2[0]  # type: ignore[index]
+    assert by_c_e[64].bias2[0] > by_c_e[8].bias2[0]
     assert str(front).splitlines()[0].split() == ["c_e", "rays", "rel_l1", "bias²", "variance"]
     assert "bias²" in front._repr_html_()
     assert all(s.bias2 is None for s in vc.pareto(ds, cost="rays", split=False))

@@ -1,11 +1,6 @@
 """The store: atomic, shared between processes, nothing lost and nothing repeated."""
 
-from __future__ import annotations
-
-import os
 import sqlite3
-import subprocess
-import sys
 from contextlib import closing
 from pathlib import Path
 
@@ -53,28 +48,6 @@ def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> Non
         assert store.compared(KEY, OTHER) == {"rmse": 1.0, "flip": None}
         store.put(KEY, {}, frame(3.0))
         assert store.compared(KEY, OTHER) == {}
-
-
-def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) -> None:
-    code = (
-        "import sys, numpy as np\nfrom viscache.sweeps.store import Store\n"
-        "from viscache.frame import Frame\n"
-        "with Store(sys.argv[1]) as s:\n"
-        "    for i in range(12):\n"
-        "        key = f'{i:020x}' + 44 * '0'\n"
-        "        if s.leases.claim(key) and s.get(key) is None:\n"
-        "            s.put(key, {'by': sys.argv[2]},"
-        " Frame(layers={'color': np.full((4, 4, 3), float(i))}))\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    workers = [
-        subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(n)], env=environment)
-        for n in range(2)
-    ]
-    assert [w.wait(60) for w in workers] == [0, 0]
-    with Store(tmp_path) as store:
-        for i in range(12):
-            assert store.frame(f"{i:020x}" + 44 * "0").image[0, 0, 0] == i
 
 
 def test_a_file_that_is_no_store_is_refused(tmp_path: Path) -> None:

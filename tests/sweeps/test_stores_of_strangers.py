@@ -1,7 +1,5 @@
 """Stores that somebody else made: nothing outside their folder is read, replaced or removed."""
 
-from __future__ import annotations
-
 import json
 import pickle
 import shutil

@@ -1,8 +1,5 @@
 """Sweeps over the stand-in renderer, whose error and cost are known exactly."""
 
-from __future__ import annotations
-
-import csv
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -13,6 +10,7 @@ import pytest
 import xarray
 
 from sweeps.fake_renderer import FakeScene
+from sweeps.stand_in import rows_of
 from viscache import metrics
 from viscache.frame import Frame
 from viscache.settings import by_name
@@ -23,11 +21,6 @@ from viscache.sweeps.sweep import SweepFile, sweep
 from viscache.sweeps.table import open_dataset
 
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1", "rmse")}
-
-
-def rows_of(directory: Path) -> list[dict[str, str]]:
-    with (directory / "table.csv").open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def test_the_grid_comes_back_with_dims_named_by_the_last_part(fake_vc: Any) -> None:
@@ -97,18 +90,6 @@ def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc: Any, tmp_path
     )
     assert len(fake_vc.CALLS) == 4
     assert ds.ssim.notnull().all() and "rmse" not in ds
-
-
-def test_a_picture_that_is_lost_is_rendered_and_measured_again(
-    fake_vc: Any, tmp_path: Path
-) -> None:
-    arguments: dict[str, Any] = {"over": {"c_e": [4, 8]}, "directory": tmp_path, **SMALL}
-    whole = sweep("room", "whitted", **arguments)
-    lost = tmp_path / rows_of(tmp_path)[1]["frame"]
-    lost.unlink()
-    again = sweep("room", "whitted", **arguments)
-    assert len(fake_vc.CALLS) == 4 and lost.is_file()
-    xarray.testing.assert_equal(whole.rel_l1, again.rel_l1)
 
 
 def test_a_frame_is_measured_while_its_picture_is_written(

@@ -1,8 +1,5 @@
 """Sweeps and processes: killed at any moment, several at one store, side by side or apart."""
 
-from __future__ import annotations
-
-import csv
 import os
 import random
 import signal
@@ -16,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from codebase.repository import environment
+from sweeps.stand_in import rows_of
 from viscache.sweeps import work
 from viscache.sweeps.leases import Leases
 from viscache.sweeps.store import Store
@@ -55,14 +54,8 @@ sweep("room", "whitted", over={"c_e": list(range(1, 1 + int(sys.argv[3])))}, siz
 
 
 def start(directory: Path, log: Path, points: int, apart: str = "no") -> subprocess.Popen[bytes]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     words = [str(directory), str(log), str(points), str(HERE), apart]
-    return subprocess.Popen([sys.executable, "-c", SWEEP, *words], env=environment)
-
-
-def rows_of(directory: Path) -> list[dict[str, str]]:
-    with (directory / "table.csv").open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return subprocess.Popen([sys.executable, "-c", SWEEP, *words], env=environment())
 
 
 def begun(log: Path) -> list[str]:
@@ -97,15 +90,6 @@ def test_a_sweep_killed_at_any_moment_loses_nothing_and_repeats_one_frame_at_mos
     np.testing.assert_allclose([float(r["rel_l1"]) * 100 for r in rows], range(1, 61), rtol=1e-5)
     assert len(begun(log)) - (points + 1) <= kills  # one frame is under way at a time
     assert set(begun(log)) == {"exact", *map(str, range(1, 1 + points))}
-
-
-@pytest.mark.slow
-def test_processes_at_one_directory_share_the_work(tmp_path: Path) -> None:
-    log, directory = tmp_path / "log", tmp_path / "sweep"
-    workers = [start(directory, log, 40) for _ in range(3)]
-    assert [w.wait(60) for w in workers] == [0, 0, 0]
-    assert sorted(begun(log)) == sorted(["exact", *map(str, range(1, 41))])
-    assert len(rows_of(directory)) == 40
 
 
 @pytest.mark.parametrize("threads", [0, 2])
@@ -153,6 +137,7 @@ def test_frames_that_are_timed_never_run_side_by_side(tmp_path: Path) -> None:
         workers = [start(tmp_path / apart, log, 30, apart) for _ in range(3)]
         assert [w.wait(60) for w in workers] == [0, 0, 0]
         most[apart] = side_by_side(log)
+        assert sorted(begun(log)) == sorted(["exact", *map(str, range(1, 31))])  # each once
         told = {row["alone"] for row in rows_of(tmp_path / apart)}
         assert told == {"1" if apart == "yes" else "0"}
     assert most["yes"] == 1 < most["no"]
@@ -190,11 +175,9 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
         "        time.sleep(60)\n"
     )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     parent = subprocess.Popen(
-        [sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", code], env=environment(), stdout=subprocess.PIPE, text=True
     )
-    assert parent.stdout is not None
     worker = int(parent.stdout.readline())
     os.kill(worker, 0)
     parent.kill()
@@ -235,8 +218,7 @@ def test_where_the_time_went_is_told(fake_vc: Any, tmp_path: Path) -> None:
 
 
 def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import viscache as vc
 
@@ -284,7 +266,7 @@ def test_a_worker_loads_a_scene_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Here(ThreadPoolExecutor):
         """Takes scenes by name, as workers in other processes do."""
 
-        def submit(self, function: Any, task: Any, scene: Any) -> Any:  # type: ignore[override]
+        def submit(self, function: Any, task: Any, scene: Any) -> Any:
             return super().submit(function, task, None)
 
     with Here(2) as pool:

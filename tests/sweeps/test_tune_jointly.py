@@ -1,7 +1,5 @@
 """`vc.tune` over several parameters, by FLIP, by time and over passes."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -157,8 +155,6 @@ def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
     assert 0.03 / 1.6 < error(found) < 0.03 * 1.3
     again = vc.tune(room, WHITTED, rel_l1_reflected=0.03, passes=True, size=size, threads=1)
     assert (again.passes, again.is_exact) == (found.passes, found.is_exact)
-    hard = vc.tune(room, WHITTED, rel_l1_reflected=0.01, passes=True, size=size)
-    assert hard.outcome != "missed" and 0.01 / 1.6 < error(hard) < 0.01 * 1.3
     timed = vc.tune(room, WHITTED, seconds=1, passes=True, size=size)
     assert timed.wanted == "seconds" and timed.passes is not None and timed.passes >= 1
 
@@ -209,5 +205,3 @@ def test_the_command_takes_every_target(capsys: pytest.CaptureFixture[str]) -> N
         assert cli.main([*words, *more]) == 0
         got = json.loads(capsys.readouterr().out)
         assert {name: got[name] for name in wanted} == wanted
-    assert cli.main([*words[:-1], "--error", "0.2", "--passes"]) == 0
-    assert "passes" in capsys.readouterr().out

@@ -1,7 +1,5 @@
 """`assert_close` passes what is within its limits, and says of the rest what is wrong."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path
@@ -158,7 +156,7 @@ def test_limits_that_nothing_or_everything_meets_are_refused(limits: Any, says: 
     with pytest.raises(ValueError, match=says.replace("(", r"\(")):
         assert_close(picture(), picture(), **limits)
     with pytest.raises(TypeError, match="did you mean 'rel_l1'"):
-        assert_close(picture(), picture(), rell1=0.1)  # type: ignore[call-arg]
+        assert_close(picture(), picture(), rell1=0.1)
 
 
 def test_the_page_shows_both_pictures_and_the_numbers(tmp_path: Path) -> None:

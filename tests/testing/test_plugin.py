@@ -1,7 +1,5 @@
 """The pytest plugin: it costs other tests nothing, keeps exact frames, and leaves pages."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys
@@ -85,7 +83,7 @@ def test_something_else():
 
 
 @pytest.fixture
-def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
+def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
     """Run pytest in a process of its own, which finds the plugin by its entry point."""
     package = Path(viscache.__file__).parents[1]
     info = pytester.mkdir("site") / "made_up-1.0.dist-info"
@@ -120,7 +118,7 @@ def test_the_entry_point_is_the_one_of_the_project() -> None:
     assert '"python/pytest_viscache"' in project
 
 
-def test_other_tests_are_neither_slowed_nor_changed(pytester: pytest.Pytester, run) -> None:  # type: ignore[no-untyped-def]
+def test_other_tests_are_neither_slowed_nor_changed(pytester: pytest.Pytester, run) -> None:
     pytester.makepyfile(
         """
         import sys
@@ -150,7 +148,7 @@ def test_other_tests_are_neither_slowed_nor_changed(pytester: pytest.Pytester, r
     assert not (pytester.path / ".pytest_cache/d").exists()
 
 
-def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(  # type: ignore[no-untyped-def]
+def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(
     pytester: pytest.Pytester, run
 ) -> None:
     pytester.makeconftest(CONFTEST)
@@ -162,7 +160,7 @@ def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(  # type:
 
 
 @pytest.mark.slow
-def test_exact_frames_are_kept_where_they_should_be(pytester: pytest.Pytester, run) -> None:  # type: ignore[no-untyped-def]
+def test_exact_frames_are_kept_where_they_should_be(pytester: pytest.Pytester, run) -> None:
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(SHARED)
     for count, arguments in ((2, []), (4, ["--cache-clear"]), (6, ["--viscache-exact", "here"])):
@@ -177,9 +175,7 @@ def test_exact_frames_are_kept_where_they_should_be(pytester: pytest.Pytester, r
     assert rendered(pytester) == 10
 
 
-def test_a_failing_test_leaves_a_page_and_prints_its_path(  # type: ignore[no-untyped-def]
-    pytester: pytest.Pytester, run
-) -> None:
+def test_a_failing_test_leaves_a_page_and_prints_its_path(pytester: pytest.Pytester, run) -> None:
     pytester.makepyfile(FAILING)
     result = run()
     result.assert_outcomes(failed=4, errors=1, passed=1, xfailed=1)
@@ -189,7 +185,7 @@ def test_a_failing_test_leaves_a_page_and_prints_its_path(  # type: ignore[no-un
     assert all(p.is_relative_to(pytester.path / ".pytest_cache") for p in found)
     text = next(p for p in found if "test_fails" in str(p)).read_text("utf-8")
     assert "<title>test_fails − exact</title>" in text and "rel_l1" in text and "must be" in text
-    data = json.loads(re.search(r'id="data" type="application/json">(.*?)</script>', text)[1])  # type: ignore[index]
+    data = json.loads(re.search(r'id="data" type="application/json">(.*?)</script>', text)[1])
     assert data["pictures"]["reference"] and data["settings"][0]["difference"]
     assert data["settings"][0]["flip"]
     result.stdout.fnmatch_lines(
@@ -199,14 +195,14 @@ def test_a_failing_test_leaves_a_page_and_prints_its_path(  # type: ignore[no-un
             "E         rel_l1 *must be <= 0.02, * times",
             "E       Try:",
             "E         - it leaves all shadows out",
-        ],
+        ]
     )
     assert "could not be written" not in result.stdout.str()
     biased = next(p for p in found if "test_biased" in str(p)).read_text("utf-8")
     assert "worst block" in biased and "with probability 0.99" in biased
 
 
-def test_pages_go_where_the_option_says(pytester: pytest.Pytester, run) -> None:  # type: ignore[no-untyped-def]
+def test_pages_go_where_the_option_says(pytester: pytest.Pytester, run) -> None:
     pytester.makepyfile(FAILING)
     run("-k", "test_fails", "--viscache-pages", "shown").assert_outcomes(failed=1, deselected=6)
     assert [p.is_relative_to(pytester.path / "shown") for p in pages(pytester.path)] == [True]

@@ -1,7 +1,5 @@
 """`assert_unbiased`: its size, its power, and what it says of both."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 
@@ -108,7 +106,7 @@ def test_too_little_power_fails_and_says_how_many_frames_it_takes() -> None:
     with pytest.raises(PictureError, match="the test is too weak") as caught:
         assert_unbiased(stack(6), picture(), energy=0.01)
     text = str(caught.value)
-    need = int(re.search(r"about (\d+) frames", text)[1])  # type: ignore[index]
+    need = int(re.search(r"about (\d+) frames", text)[1])
     assert 60 < need < 500
     enough = assert_unbiased(stack(2 * need), picture(), energy=0.01)
     assert enough.detectable <= 0.01
@@ -176,7 +174,7 @@ def test_frames_that_are_not_independent_are_refused() -> None:
         assert_unbiased(frames, frames[:3], paired=True)
     for name, bad in (("energy", 0), ("alpha", 0.7), ("power", 0.2)):
         with pytest.raises(ValueError, match=f"{name} must be in"):
-            assert_unbiased(frames, picture(), **{name: bad})  # type: ignore[arg-type]
+            assert_unbiased(frames, picture(), **{name: bad})
 
 
 def test_broken_pictures_fail() -> None:

@@ -158,8 +158,10 @@ VISCACHE_TARGET_AVX512 uint64_t and_popcount_add_avx512(size_t steps) {
     for (size_t i = 0; i < steps; i += kSums)
 #pragma GCC unroll 16
         for (size_t j = 0; j < kSums; ++j) {
+#ifndef __clang__  // clang 14 knows no such operands
             // Keep the compiler from assuming that the operands stay the same
             __asm__("" : "+v"(a), "+v"(b));
+#endif
             sum[j] = _mm512_add_epi64(sum[j], _mm512_popcnt_epi64(_mm512_and_si512(a, b)));
         }
     for (size_t j = 1; j < kSums; ++j) sum[0] = _mm512_add_epi64(sum[0], sum[j]);

@@ -284,8 +284,9 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         integrator.n_environment > 0) {
         // The pyramid of the environment is only built for product sampling
         light.emplace(*scene.environment());
-        product.emplace(*light, integrator, frame.seed, frame.width, maps ? &maps->source : nullptr,
-                        maps ? maps->settings : VisMapSettings{});
+        product.emplace(ProductContext{*light, integrator, frame.seed, frame.width,
+                                       maps ? &maps->source : nullptr,
+                                       maps ? maps->settings : VisMapSettings{}});
         context.product = &*product;
     }
     FrameResult out = empty_result(context, source.corrects());

@@ -1,0 +1,32 @@
+"""The frame of all fuzzers."""
+
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fuzz import campaign
+
+
+@pytest.fixture
+def fuzz(
+    pytestconfig: pytest.Config, tmp_path: Path
+) -> Callable[[campaign.Target, str], Counter[str]]:
+    """Runs a target as the options say, and fails with what no user may meet."""
+    option = pytestconfig.getoption
+
+    def run(target: campaign.Target, name: str) -> Counter[str]:
+        counts, bad = campaign.run(
+            target,
+            name,
+            tmp_path,
+            seconds=option("--fuzz-seconds"),
+            cases=option("--fuzz-cases"),
+            first=option("--fuzz-seed"),
+        )
+        print(f"{name}: {sum(counts.values())} cases, {dict(counts)}")
+        assert not bad, "\n".join(bad)
+        return counts
+
+    return run
