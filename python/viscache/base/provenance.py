@@ -66,11 +66,12 @@ def code_hash(more: Path | None = None) -> str:
     Parameters
     ----------
     more : path, optional
-        A folder whose sources count, too.
+        A folder whose sources and tables (`.csv`) count, too.
     """
     package = Path(__file__).parents[1]
     files = [Path(_core.__file__), *sorted(package.rglob("*.py"))]
-    files += sorted(more.rglob("*.py")) if more is not None else []
+    if more is not None:
+        files += sorted(file for file in more.rglob("*") if file.suffix in (".py", ".csv"))
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())

@@ -8,9 +8,9 @@ from typing import Any
 import viscache as vc
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import Row
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_errors import Interval, bias, mean_interval
 from viscache_lab.figures.aqvc_runs import Shot
+from viscache_lab.figures.bands import aqvc as bands
 
 C_E = 16.0
 GRIDS, QUICK_GRIDS = 32, 3

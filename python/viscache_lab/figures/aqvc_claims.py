@@ -10,11 +10,11 @@ import viscache as vc
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_flicker import flicker_rows
 from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 Size = tuple[int, int] | None
 

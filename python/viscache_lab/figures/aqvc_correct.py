@@ -11,9 +11,9 @@ from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import FIGURES, Trial
 from viscache_lab.experiment.amounts import student_t
 from viscache_lab.experiment.drawing import lines as panels_of
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 SIZE, QUICK_SIZE = (192, 120), (64, 40)
 #: q, the share of the queries that are also traced; None: no correction.

@@ -10,9 +10,9 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache.metrics.temporal import mean_temporal_variance, seen
 from viscache_lab.experiment import Row
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 #: C_E, and the number of frames of the path.
 C_E = 16.0

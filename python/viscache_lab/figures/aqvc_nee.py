@@ -14,9 +14,9 @@ import viscache as vc
 from viscache.settings.visibility import Visibility
 from viscache_lab.experiment import FIGURES, Row, Trial, references
 from viscache_lab.experiment.drawing import lines as drawn
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
 #: C_E of the cache: points of its curve of error over rays.

@@ -13,10 +13,10 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 
 @dataclass(frozen=True, slots=True)

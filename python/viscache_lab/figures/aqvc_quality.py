@@ -12,11 +12,11 @@ import viscache as vc
 from viscache.aqvc import eye_keys
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_bias import bias_rows
 from viscache_lab.figures.aqvc_errors import bias, stray_light
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 Size = tuple[int, int] | None
 

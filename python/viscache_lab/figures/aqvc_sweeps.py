@@ -14,10 +14,10 @@ from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scenes.sources import scene_file
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series, draw
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, group_rows
 from viscache_lab.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
+from viscache_lab.figures.bands import aqvc as bands
 from viscache_lab.figures.vismap_living_room import SKIES
 
 #: C_E over the paper's range. The paper's preset runs at both ends and at one value between.

@@ -14,9 +14,9 @@ from viscache.metrics.temporal import flicker
 from viscache.scenes.shapes import bumpy_sphere
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_flicker import cameras
 from viscache_lab.figures.aqvc_setups import delta
+from viscache_lab.figures.bands import aqvc as bands
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4

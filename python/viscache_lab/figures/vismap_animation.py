@@ -29,7 +29,7 @@ from viscache.scenes.shapes import place, soft_box
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 
 #: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
 FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256

@@ -9,8 +9,8 @@ from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.scenes.garage import sky_image
 from viscache_lab.experiment import FIGURES, Trial, references
 from viscache_lab.experiment.drawing import images
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_records import VIEWS
 
 #: The reference has four eye samples per pixel with this many light samples each.

@@ -16,8 +16,8 @@ from viscache.scenes import build
 from viscache.vismap import UpdateReport
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, draw_records
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_density import (
     equal_cells,
     per_cell_angle,

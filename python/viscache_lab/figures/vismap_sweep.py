@@ -15,7 +15,7 @@ from viscache.scenes import build
 from viscache.vismap.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 
 SCENE, QUICK_SCENE = "garage", "garage?triangles=60000"
 SIZE, QUICK_SIZE = (640, 480), (160, 120)

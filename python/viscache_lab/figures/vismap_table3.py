@@ -13,8 +13,8 @@ from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 from viscache_lab.cases.map_renders import Picture, images, paper_maps
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
 from viscache_lab.figures.vismap_records import VIEWS
 

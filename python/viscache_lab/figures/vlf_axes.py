@@ -13,7 +13,7 @@ import viscache as vc
 from viscache.scene.about import offset_extent
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import images, lines
-from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_occlusion import OFFSET
 from viscache_lab.figures.vlf_tracers import first_hits, in_turns
 

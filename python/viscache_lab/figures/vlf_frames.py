@@ -14,8 +14,8 @@ from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panels, images, lines
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     MAX_BYTES,

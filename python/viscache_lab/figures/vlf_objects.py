@@ -13,7 +13,7 @@ from viscache_lab.cases.beams import chords
 from viscache_lab.cases.moving_object import STOPS, ball, with_object
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import lines as drawn
-from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds
 
 Mode: TypeAlias = Literal["overlay", "in_place"]

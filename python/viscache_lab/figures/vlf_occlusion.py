@@ -16,8 +16,8 @@ from viscache.scene.about import offset_extent
 from viscache_lab.cases.beams import Beams
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import images
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     QUICK_DIRECTIONS,

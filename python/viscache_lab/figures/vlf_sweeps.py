@@ -14,7 +14,7 @@ from viscache.vlf.tiles import expected_references
 from viscache_lab.cases.beams import Beams, chords
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
-from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree
 
 #: X1: one parameter at a time, around the paper's settings.

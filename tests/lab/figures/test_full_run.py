@@ -16,7 +16,8 @@ from viscache_lab.experiment import Band, Row, claims_pages
 from viscache_lab.experiment.claim_rules import Claim, interval
 from viscache_lab.experiment.claims_pages import PAGES, filled
 from viscache_lab.experiment.full_run import RUNS, FullRun, Judged, kept, read, written
-from viscache_lab.figures import FIGURES, aqvc_bands, vismap_bands, vlf_bands
+from viscache_lab.figures import FIGURES
+from viscache_lab.figures.bands import aqvc, vismap, vlf
 
 #: A claim that no full run here found, so far.
 FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith("H8"))
@@ -25,8 +26,8 @@ FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith(
 def judged_bands() -> dict[str, Band]:
     """Bands of full runs that state a claim."""
     found: dict[str, Band] = {}
-    for bands in (aqvc_bands, vlf_bands, vismap_bands):
-        found |= {f"{bands.__name__}.{name}": band for name, band in all_bands(bands).items()}
+    for paper, bands in (("aqvc", aqvc), ("vlf", vlf), ("vismap", vismap)):
+        found |= {f"{paper}.{name}": band for name, band in all_bands(bands).items()}
     return {n: b for n, b in found.items() if b.claim is not None and ".QUICK_" not in n}
 
 
@@ -60,7 +61,7 @@ def test_every_claim_is_judged_by_a_full_run() -> None:
     declared = {name: claim_of(band) for name, band in judged_bands().items()}
     assert [name for name, claim in declared.items() if claim not in judged] == []
     assert judged <= set(declared.values())
-    assert FLICKER.claim == claim_of(aqvc_bands.H8_FLICKER)
+    assert FLICKER.claim == claim_of(aqvc.H8_FLICKER)
 
 
 @pytest.mark.parametrize("name", [name for name, run in RUNS.items() if run.judged])
@@ -82,7 +83,7 @@ def result(*rows: Row, **others: Any) -> dict[str, Any]:
     }
 
 
-WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.more())
+WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.by("more"))
 
 
 def test_a_run_is_kept_with_its_bands_and_claims() -> None:

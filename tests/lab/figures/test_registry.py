@@ -104,7 +104,7 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
 def test_a_figure_prints_and_records_two_verdicts(
     made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.at_least(8.0))
+    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.by("at_least", 8.0))
     made_up.append(Row(what="speed", measured=3.0, band=band))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
     line = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)."

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 
 
 @pytest.mark.parametrize("scene", printed.CACHES)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.bands import vlf as bands
 
 
 @pytest.mark.parametrize("scene", printed.OCCLUSION)
