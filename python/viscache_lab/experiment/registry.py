@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -42,11 +42,19 @@ class Registry(dict[str, Experiment]):
         All its modules but those named `peer_…` are imported by `load`.
     papers : tuple of str
         The first words of all names, in their order; names without such words are in theirs.
+    left : mapping, optional
+        Names that are no more to what to use instead.
     """
 
-    def __init__(self, kind: str, package: str, papers: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        kind: str,
+        package: str,
+        papers: tuple[str, ...] = (),
+        left: Mapping[str, str] | None = None,
+    ) -> None:
         super().__init__()
-        self.kind, self.package, self.papers = kind, package, papers
+        self.kind, self.package, self.papers, self.left = kind, package, papers, left or {}
 
     def add(self, name: str, description: str, **about: Any) -> Callable[[Function], Function]:
         """Declare a function as an experiment; `about` are further fields of `Experiment`."""
@@ -68,8 +76,10 @@ class Registry(dict[str, Experiment]):
         Raises
         ------
         ValueError
-            The name is unknown; the message gives the nearest known one.
+            The name is unknown; the message gives the nearest known one, or what to use instead.
         """
+        if name in self.left:
+            raise ValueError(f"there is no {self.kind} {name!r} any more: use {self.left[name]}")
         if name not in self:
             raise ValueError(f"unknown {self.kind} {name!r}{nearest(name, self)}")
         return self[name]
@@ -110,6 +120,16 @@ def _modules(package: str) -> Iterator[str]:
 
 
 #: Figures and tables in the order of the papers; the trade of all methods and their extremes.
-FIGURES = Registry("figure", "viscache_lab.figures", ("aqvc", "vlf", "vismap", "trade", "extremes"))
+FIGURES = Registry(
+    "figure",
+    "viscache_lab.figures",
+    ("aqvc", "vlf", "vismap", "trade", "extremes"),
+    left={
+        "aqvc-correct": "viscache reproduce trade",
+        "vlf-x3": "viscache.VisibilityField.memory_estimate",
+        "vlf-x4": "viscache bench vlf-ao",
+        "vlf-x5": "viscache bench vlf-build",
+    },
+)
 BENCHES = Registry("bench", "viscache_lab.bench")
 FAMILIES = Registry("family", "viscache_lab.extremes.families")

@@ -20,7 +20,7 @@ SOURCES = ("Eq. ", "Fig. ", "Sec. ", "Tab. ", "expected: ")
     ("bands", "some"),
     [
         (aqvc, {"SAMPLES_PER_CELL", "REFINEMENT_GAIN[paper]", "H8_FLICKER"}),
-        (vlf, {"OCCLUSION_SPEEDUP", "CHORD_TILES[513]", "UPDATE_PAYS"}),
+        (vlf, {"OCCLUSION_SPEEDUP", "CHORD_TILES[513]", "FINER_IS_FASTER"}),
         (vismap, {"GARAGE_GUIDED[10]", "GARAGE_GUIDED[30]", "LEAST_WEIGHT"}),
     ],
 )

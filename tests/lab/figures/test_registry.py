@@ -166,3 +166,12 @@ def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
     assert sizes == [(64, 40), None, (8, 4)]
     assert cli.main(["reproduce", "fixed", "--size", "8x4", *out]) == 2
     assert "size must be left out for fixed; it is for sized" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "instead"), figures.FIGURES.left.items())
+def test_a_figure_that_is_no_more_names_what_to_use(
+    name: str, instead: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert name not in figures.FIGURES
+    assert cli.main(["reproduce", name, "-o", str(tmp_path)]) == 2
+    assert f"there is no figure '{name}' any more: use {instead}" in capsys.readouterr().err

@@ -12,10 +12,10 @@ import pytest
 
 import viscache as vc
 from viscache_lab.cases.beams import Beams
+from viscache_lab.cases.moving_object import ball
 from viscache_lab.experiment import Trial
 from viscache_lab.figures import vlf_drawings, vlf_tracers
 from viscache_lab.figures.vlf_frames import local_shading
-from viscache_lab.figures.vlf_objects import ball
 from viscache_lab.figures.vlf_occlusion import place
 from viscache_lab.figures.vlf_tracers import camera_rays, first_hits
 

@@ -23,9 +23,8 @@ aqvc
 vlf
     *VLF-RT* is `VisibilityField`, *CRT* is `Bsp`, both with the fastest parameters of a grid search
     on the same rays. A *speed-up* of A over B is the time of B over the time of A, on the same
-    rays, in CPU seconds on one thread. `UPDATE_DIFFERS`, `RANDOM_STEPS`, `WHITTED_RAYS`,
-    `CLOSED_IS_DARKER` and `POINTS_PAY` were written after a quick run: they hold the order that the
-    paper claims, or what must be so.
+    rays, in CPU seconds on one thread. `RANDOM_STEPS`, `WHITTED_RAYS` and
+    `CLOSED_IS_DARKER` were written after a quick run: they hold the order that the paper claims.
 vismap
     Figures 3 and 4 are pictures without numbers; their bands turn the paper's sentences into
     numbers. A scene's *slices* are ρ̄ over θ for d < 0.2 units and ρ̄ over d for θ < 2°, with 64 bins
