@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache.metrics.variance import VarianceRatio, variance_ratio
+from viscache.vismap.simulation import PixelEstimates, Way
 
 #: The time of product sampling is measured at these numbers of samples.
 CALIBRATED = (20, 80)
@@ -73,6 +75,12 @@ def paper_maps(cache: vc.VisibilityMapCache | None) -> vc.VisMaps:
 def images(make: Callable[[int], vc.Frame], seeds: Sequence[int]) -> Images:
     """Independent renders."""
     return [make(seed).image for seed in seeds]
+
+
+def variance_left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
+    """The variance of simulated pixels with n samples, of one way over another."""
+    ours, theirs = ([r[None, :, None] for r in found.estimates[w, n]] for w in (way, base))
+    return variance_ratio(ours, theirs)
 
 
 def cpu_median(frames: list[vc.Frame]) -> float:

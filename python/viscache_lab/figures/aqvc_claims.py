@@ -12,7 +12,7 @@ from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_flicker import flicker_rows
-from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
+from viscache_lab.figures.aqvc_runs import Shot, Trade, error_row, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
 from viscache_lab.figures.bands import aqvc as bands
 
@@ -71,11 +71,7 @@ def rays_left(quick: bool, size: Size) -> Iterator[Row]:
             band=None if quick else bands.H1_RAYS_LEFT,
             note=trade.note,
         )
-        yield Row(
-            f"{label}: rel_l1",
-            trade.rel_l1,
-            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-        )
+        yield error_row(label, trade)
     yield Row(
         f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
         largest_reduction(trades.values()),

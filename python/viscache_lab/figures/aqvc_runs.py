@@ -13,7 +13,7 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
-from viscache_lab.experiment import Row
+from viscache_lab.experiment import Band, Row
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -171,6 +171,12 @@ def group_rows(label: str, trade: Trade) -> list[Row]:
         )
         for group in trade.groups
     ]
+
+
+def error_row(label: str, trade: Trade, band: Band | None = None) -> Row:
+    """The error of the picture, and beside it that of reflected light and SSIM."""
+    note = f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"
+    return Row(f"{label}: rel_l1", trade.rel_l1, band=band, note=note)
 
 
 def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]:

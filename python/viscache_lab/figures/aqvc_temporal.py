@@ -15,6 +15,7 @@ from viscache.scenes.shapes import bumpy_sphere
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
 from viscache_lab.figures.aqvc_flicker import cameras
+from viscache_lab.figures.aqvc_runs import Trade
 from viscache_lab.figures.aqvc_setups import delta
 from viscache_lab.figures.bands import aqvc as bands
 
@@ -139,13 +140,14 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.F
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
         f = variance[way]
+        rel_l1 = np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)])
         rows.append(Row(f"{label}, {way}: RR over the path", s.ray_reduction))
         rows.append(
             Row(
                 f"{label}, {way}: deviation of the error over time, of white",
                 float(np.sqrt(f.error)),
                 note=f"pictures' variance {f.above:+.2e} above the exact one's "
-                f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}",
+                f"{f.exact:.2e}; rel_l1 {rel_l1:.4f}",
             )
         )
         if s.total("checked_kept"):
@@ -189,13 +191,8 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.F
     return rows
 
 
-def _mean_error(s: Sequence, exact: list[vc.Frame]) -> float:
-    return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
-
-
 def _error(frame: vc.Frame, exact: vc.Frame) -> float:
-    cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
-    return vc.metrics.rel_l1(cached, truth) or 0.0
+    return Trade(frame=frame, exact=exact).rel_l1
 
 
 def _table(

@@ -11,7 +11,7 @@ import numpy as np
 import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
-from viscache_lab.cases.map_renders import Picture, images, paper_maps
+from viscache_lab.cases.map_renders import Picture, images, paper_maps, variance_left
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.figures import vismap_printed as printed
 from viscache_lab.figures.bands import vismap as bands
@@ -194,7 +194,7 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
         if way == base:
             continue
         for n in samples:
-            left = _left(found, way, base, n)
+            left = variance_left(found, way, base, n)
             ratios[way, n] = left.ratio
             label = NAMES[way if way == LOO else replace(way, points="rqmc")]
             yield Row(
@@ -220,13 +220,6 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
         rising,
         printed=printed_rise,
         band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
-    )
-
-
-def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
-    return variance_ratio(
-        [r[None, :, None] for r in found.estimates[way, n]],
-        [r[None, :, None] for r in found.estimates[base, n]],
     )
 
 

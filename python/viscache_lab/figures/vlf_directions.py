@@ -8,12 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.scene.about import offset_extent
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import images, lines
 from viscache_lab.figures.bands import vlf as bands
-from viscache_lab.figures.vlf_occlusion import OFFSET
-from viscache_lab.figures.vlf_tracers import first_hits
+from viscache_lab.figures.vlf_tracers import first_hits, free_bits, starts
 
 COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
 #: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
@@ -35,7 +33,7 @@ def x2(trial: Trial) -> None:
     counts = QUICK_COUNTS if trial.quick else COUNTS
     errors: dict[str, dict[int, npt.NDArray[np.float64]]] = {"equal": {}, "solid angle": {}}
     for count in counts:
-        free = bits_of(scene, points, normals, count)
+        free = free_bits(scene, points, normals, count)
         weights = vc.vlf.direction_weights(count).astype(float)
         errors["equal"][count] = free.mean(axis=1) - reference
         errors["solid angle"][count] = free @ weights / weights.sum() - reference
@@ -72,25 +70,14 @@ def hemisphere_reference(
 ) -> npt.NDArray[np.float64]:
     """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
-    extent = np.float32(offset_extent(scene))
-    size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
-    starts = (points + normals * (np.float32(OFFSET) * size)).astype(np.float32)
     share = np.zeros(len(points))
-    for i, (start, n) in enumerate(zip(starts, normals, strict=True)):
+    for i, (start, n) in enumerate(zip(starts(scene, points, normals), normals, strict=True)):
         d = rng.normal(size=(rays, 3))
         d /= np.linalg.norm(d, axis=1, keepdims=True)
         d *= np.where(d @ n >= 0, 1, -1)[:, None]
         o = np.broadcast_to(start, d.shape)
         share[i] = 1 - scene.occluded(o, d.astype(np.float32)).mean()
     return share
-
-
-def bits_of(
-    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
-) -> npt.NDArray[np.bool_]:
-    """(N, l): which directions are unoccluded."""
-    words = vc.vlf.aligned_occlusion(scene, points, normals, count)
-    return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
 
 def _rms(errors: npt.NDArray[np.float64]) -> float:

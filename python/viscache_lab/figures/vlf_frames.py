@@ -27,6 +27,7 @@ from viscache_lab.figures.vlf_tracers import (
     camera_rays,
     embree,
     in_turns,
+    tracers,
 )
 
 #: Numbers of random triangles, and the largest for which a full field is built.
@@ -78,12 +79,7 @@ def figure5(trial: Trial) -> None:
     for count in counts:
         scene = _random(count)
         beams = _stations(size)
-        tuned = {
-            "CRT": best_bsp(scene, beams, trial.quick),
-            "VLF-RT": best_field(scene, beams, trial.quick, lazy=True),
-            "Embree": embree(scene),
-            FAST_EMBREE: embree(scene, robust=False),
-        }
+        tuned = tracers(scene, beams, trial.quick, lazy=True)
         runs: dict[str, Callable[[], Any]] = {
             name: partial(beams.trace, t.caster) for name, t in tuned.items()
         }

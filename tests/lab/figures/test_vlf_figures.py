@@ -82,7 +82,6 @@ def test_a_grid_search_takes_the_fastest(monkeypatch: pytest.MonkeyPatch) -> Non
     beams = camera_rays(scene.cameras[0], (16, 16))
     best = vlf_tracers.best_bsp(scene, beams, quick=True)
     assert (best.settings.max_depth, best.settings.leaf_size) == (14, 16)  # type: ignore[union-attr]
-    assert [row["seconds"] for row in best.grid] == [3.0, 1.0, 2.0, 4.0]
     assert best.nbytes == best.caster.stats["bytes"]
 
 
