@@ -53,13 +53,10 @@ class Picture:
             seed=seed,
         )
 
-    def _direct(self, samples: int) -> vc.Direct:
-        return vc.Direct(environment="product", n_environment=samples, centred=True)
-
     def _frame(self, samples: int, seed: int, visibility: vc.VisMaps | None) -> vc.Frame:
         return vc.render(
             self.scene,
-            self._direct(samples),
+            vc.Direct(environment="product", n_environment=samples, centred=True),
             visibility=visibility,
             camera=self.camera,
             size=self.size,

@@ -14,7 +14,7 @@ from typing import Any
 
 from viscache.base import provenance
 from viscache.base.files import finite, named, write_whole
-from viscache_lab.experiment import page, references
+from viscache_lab.experiment import page
 from viscache_lab.experiment.amounts import machine
 from viscache_lab.experiment.registry import BENCHES, FIGURES, Registry
 from viscache_lab.experiment.rows import text
@@ -127,8 +127,7 @@ def reproduce(
     folder.mkdir(parents=True, exist_ok=True)
     trial = Trial(folder=folder, quick=quick, progress=progress, size=size)
     try:
-        with references.kept_in(folder / "references"):
-            about = _perform(FIGURES, name, trial)
+        about = _perform(FIGURES, name, trial)
     except OSError as error:
         if error.filename is not None:
             raise

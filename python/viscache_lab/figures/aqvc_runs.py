@@ -127,18 +127,13 @@ class Trade:
 
     def record(self) -> dict[str, Any]:
         """A row of a table."""
-        groups = {f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups}
-        reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
+        names = ("ray_reduction", "speedup", "rel_l1", "reflected_rel_l1", "ssim")
         return {
-            "ray_reduction": self.ray_reduction,
-            "speedup": self.speedup,
-            "rel_l1": self.rel_l1,
-            "reflected_rel_l1": self.reflected_rel_l1,
-            "ssim": self.ssim,
+            **{name: getattr(self, name) for name in names},
             "exact_cpu_s": self.exact.timings["cpu_s"],
             "cpu_s": self.frame.timings["cpu_s"],
-            **groups,
-            **reductions,
+            **{f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups},
+            **{f"rr_{g}": self.group_reduction(g) for g in self.groups},
         }
 
 
@@ -185,9 +180,3 @@ def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]
     cached, exact = (tonemap.luminance(f.image) for f in (trade.frame, trade.exact))
     error: npt.NDArray[np.float64] = np.clip(gain * exposure * np.abs(cached - exact), 0, 1)
     return error[:, :, None]
-
-
-def best(trades: Mapping[Any, Trade], what: str) -> tuple[Any, Trade]:
-    """The key and the trade with the largest attribute `what`."""
-    key = max(trades, key=lambda k: getattr(trades[k], what))
-    return key, trades[key]

@@ -145,14 +145,13 @@ def _sweep_rows(sweep: Sweep, quick: bool) -> Iterator[Row]:
 
 
 def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> Iterator[Row]:
-    def of(name: str) -> list[Sweep]:
-        return [s for s in sweeps if s.setup.name == name]
-
     plain = {s.setup.name: s.last.reflected_rel_l1 for s in sweeps if not s.antialiased}
     others = float(np.mean([v for name, v in plain.items() if name != "hairball"]))
     gains = {s.label: s.largest("speedup", "default") for s in sweeps}
-    conference = max(s.largest("speedup", "default") for s in of("conference"))
-    apartment = max(s.largest("speedup", "default") for s in of("apartment"))
+    conference, apartment = (
+        max(s.largest("speedup", "default") for s in sweeps if s.setup.name == name)
+        for name in ("conference", "apartment")
+    )
     greatest = max(gains, key=lambda label: gains[label])
     yield Row(
         "largest RR",

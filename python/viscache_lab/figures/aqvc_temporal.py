@@ -14,7 +14,7 @@ from viscache.metrics.temporal import flicker
 from viscache.scenes.shapes import bumpy_sphere
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
-from viscache_lab.figures.aqvc_flicker import cameras
+from viscache_lab.figures.aqvc_claims import cameras
 from viscache_lab.figures.aqvc_runs import Trade
 from viscache_lab.figures.aqvc_setups import delta
 from viscache_lab.figures.bands import aqvc as bands
@@ -28,6 +28,7 @@ BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
 #: Shares of the reused bits that are traced: for counting, and for repair.
 CHECK, REPAIR = 0.1, 0.1
 WAYS = ("dropped", "kept", "epochs", "repaired")
+CHECKED = ("checked_kept", "wrong_kept", "checked_fresh", "wrong_fresh")
 
 
 @dataclass(slots=True)
@@ -198,22 +199,16 @@ def _error(frame: vc.Frame, exact: vc.Frame) -> float:
 def _table(
     path: str, refinement: str, found: Mapping[str, Sequence], exact: list[vc.Frame]
 ) -> list[dict[str, Any]]:
-    names = (
-        "queries",
-        "rays",
-        "reused_kept",
-        "checked_kept",
-        "wrong_kept",
-        "checked_fresh",
-        "wrong_fresh",
-    )
     return [
         {
             "path": path,
             "refinement": refinement,
             "table": way,
             "frame": i,
-            **{name: frame.counters.get(name, 0) for name in names},
+            **{
+                name: frame.counters.get(name, 0)
+                for name in ("queries", "rays", "reused_kept", *CHECKED)
+            },
             "rel_l1": _error(frame, exact[i]),
         }
         for way, s in found.items()

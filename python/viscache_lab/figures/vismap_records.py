@@ -12,9 +12,9 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.correlation import measure
 from viscache.scene.cameras import find_camera
-from viscache.scenes import build
 from viscache.vismap import UpdateReport
 from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.amounts import build_scene
 from viscache_lab.experiment.drawing import Panel, Panels, draw_records
 from viscache_lab.figures import vismap_printed as printed
 from viscache_lab.figures.bands import vismap as bands
@@ -35,9 +35,7 @@ class View:
 
     def open(self, quick: bool) -> vc.Scene:
         """The scene, smaller for quick runs."""
-        made = build(self.quick_scene if quick else self.scene)
-        assert isinstance(made, vc.Scene)
-        return made
+        return build_scene(self.quick_scene if quick else self.scene)
 
 
 VIEWS = {

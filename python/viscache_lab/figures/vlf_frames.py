@@ -13,6 +13,7 @@ import viscache as vc
 from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.amounts import build_scene
 from viscache_lab.experiment.drawing import Panels, images, lines
 from viscache_lab.figures import vlf_printed as printed
 from viscache_lab.figures.bands import vlf as bands
@@ -44,8 +45,7 @@ QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
 
 def _random(count: int) -> vc.Scene:
-    made: vc.Scene = vc.scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
-    return made
+    return build_scene(f"random_triangles?triangles={count}&edge_factor={EDGE_FACTOR:g}")
 
 
 @FIGURES.add("vlf-fig4", "the scenes of random triangles")
@@ -218,10 +218,8 @@ def figure6(trial: Trial) -> None:
 
 
 def _classroom(quick: bool) -> vc.Scene:
-    made: vc.Scene = vc.scenes.classroom_like(
-        triangles=5000 if quick else printed.CLASSROOM_TRIANGLES
-    )
-    return made
+    triangles = 5000 if quick else printed.CLASSROOM_TRIANGLES
+    return build_scene(f"classroom_like?triangles={triangles}")
 
 
 def _whitted(scene: vc.Scene, rays: Rays, view: vc.Camera, size: tuple[int, int]) -> vc.Frame:

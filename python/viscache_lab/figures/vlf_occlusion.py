@@ -20,6 +20,7 @@ from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     QUICK_DIRECTIONS,
+    Floats,
     Tuned,
     first_hits,
     free_bits,
@@ -39,10 +40,15 @@ class Place:
 
     name: str
     scene: vc.Scene
-    positions: npt.NDArray[np.float32]
-    normals: npt.NDArray[np.float32]
+    positions: Floats
+    normals: Floats
     seen: npt.NDArray[np.bool_]
     n_directions: int
+
+    @property
+    def points(self) -> tuple[vc.Scene, Floats, Floats, int]:
+        """What aligned rays start from."""
+        return self.scene, self.positions, self.normals, self.n_directions
 
     def beams(self, n_points: int) -> tuple[Beams, Beams]:
         """The rays of some points, ordered by point and ordered by direction."""
@@ -163,16 +169,8 @@ def _blocked(beams: Beams, tuned: Tuned) -> npt.NDArray[Any]:
 def _rows_of_bits(spot: Place, quick: bool) -> dict[str, float]:
     """The aligned batch and Embree's rows, all points at once."""
     engines: dict[str, Any] = {"aligned batch": "batch", "Embree's rows": "embree"}
-    runs: dict[str, Callable[[], Any]] = {
-        name: partial(
-            vc.vlf.trace_aligned,
-            spot.scene,
-            spot.positions,
-            spot.normals,
-            spot.n_directions,
-            engine=engine,
-            threads=1,
-        )
+    runs = {
+        name: partial(vc.vlf.trace_aligned, *spot.points, engine=engine, threads=1)
         for name, engine in engines.items()
     }
     spot.scene.aligned_batch()
@@ -259,8 +257,7 @@ def figure8(trial: Trial) -> None:
     shown, free = {}, {}
     for name in names:
         spot = place(name, trial.quick)
-        of = (spot.scene, spot.positions, spot.normals, spot.n_directions)
-        bits = {engine: free_bits(*of, engine) for engine in ("batch", "embree")}
+        bits = {engine: free_bits(*spot.points, engine) for engine in ("batch", "embree")}
         weights = vc.vlf.direction_weights(spot.n_directions).astype(float)
         image = np.zeros((*spot.seen.shape, 1))
         image[spot.seen, 0] = bits["batch"] @ weights / weights.sum()

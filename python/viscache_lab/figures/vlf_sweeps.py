@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 import viscache as vc
+from viscache.settings.by_name import replaced
 from viscache_lab.cases.beams import Beams, chords
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
@@ -26,11 +26,7 @@ SWEPT: dict[str, tuple[int, ...]] = {
     "n_tiles": (32, 64, 128, 256),
     "bsp_depth": (0, 1, 2, 3, 4, 5, 6),
 }
-QUICK_SWEPT: dict[str, tuple[int, ...]] = {
-    "n_directions": (33, 129),
-    "n_tiles": (32, 64),
-    "bsp_depth": (0, 5),
-}
+QUICK_SWEPT = {"n_directions": (33, 129), "n_tiles": (32, 64), "bsp_depth": (0, 5)}
 TRIANGLES, QUICK_TRIANGLES = 10_000, 2_000
 CHORDS, QUICK_CHORDS = 100_000, 3_000
 
@@ -39,15 +35,14 @@ CHORDS, QUICK_CHORDS = 100_000, 3_000
 def x1(trial: Trial) -> None:
     """Tiles and tests per ray, speed, bytes and build time over l, n and depth."""
     base = QUICK_BASE if trial.quick else BASE
-    swept = QUICK_SWEPT if trial.quick else SWEPT
+    swept: Mapping[str, tuple[int, ...]] = QUICK_SWEPT if trial.quick else SWEPT
     triangles = QUICK_TRIANGLES if trial.quick else TRIANGLES
     scene: vc.Scene = vc.scenes.random_triangles(triangles=triangles, edge_factor=1.0)
     beams = chords(scene, QUICK_CHORDS if trial.quick else CHORDS)
     table = []
     for name, values in swept.items():
         for value in values:
-            changed: dict[str, Any] = {name: value}
-            settings = replace(base, **changed)
+            settings = replaced(base, {name: value}, "rays")
             table.append({"swept": name, **_measure(scene, beams, settings)})
     rival = embree(scene)
     seconds = cpu_seconds(lambda: beams.trace(rival.caster))
@@ -79,12 +74,8 @@ def _measure(scene: vc.Scene, beams: Beams, settings: vc.Vlf) -> dict[str, Any]:
     seconds = cpu_seconds(lambda: beams.trace(field))
     n = len(beams)
     return {
-        "n_directions": settings.n_directions,
-        "n_tiles": settings.n_tiles,
-        "bsp_depth": settings.bsp_depth,
-        "tiles": steps["tiles"] / n,
-        "leaves": steps["leaves"] / n,
-        "tests": steps["tests"] / n,
+        **{name: getattr(settings, name) for name in SWEPT},
+        **{name: steps[name] / n for name in ("tiles", "leaves", "tests")},
         "mrays_s": n / seconds / 1e6,
         "bytes": field.stats["bytes"],
         "build_s": build_s,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeAlias
 
@@ -89,32 +89,16 @@ def tracers(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -
 def best_bsp(scene: vc.Scene, beams: Beams, quick: bool) -> Tuned:
     """The fastest BSP for some rays, from the paper's pre-test over depth and leaf size."""
     depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
-    return _best(
-        scene,
-        beams,
-        (vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves),
-    )
+    grid = (vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
+    return _best(scene, beams, grid)
 
 
 def best_field(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
     """The fastest field over tile depths, with the paper's directions and tiles."""
     axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
     depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
-    return _best(
-        scene,
-        beams,
-        (
-            vc.Vlf(
-                n_directions=axes,
-                n_tiles=n,
-                bsp_depth=d,
-                kernel="wald",
-                lazy=lazy,
-                max_bytes=MAX_BYTES,
-            )
-            for d in depths
-        ),
-    )
+    base = vc.Vlf(n_directions=axes, n_tiles=n, kernel="wald", lazy=lazy, max_bytes=MAX_BYTES)
+    return _best(scene, beams, (replace(base, bsp_depth=d) for d in depths))
 
 
 def _best(scene: vc.Scene, beams: Beams, candidates: Iterable[vc.Bsp | vc.Vlf]) -> Tuned:
@@ -169,12 +153,7 @@ def camera_rays(camera: vc.Camera, size: tuple[int, int]) -> Beams:
 def first_hits(
     scene: vc.Scene, camera: vc.Camera, size: tuple[int, int]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
-    """Surface points that the pixels see.
-
-    Returns
-    -------
-    positions (N, 3), normals (N, 3) towards the camera, and which pixels (H, W) see a surface.
-    """
+    """Points that pixels see (N, 3), normals towards the camera, and which pixels see one (H, W)."""
     beams = camera_rays(camera, size)
     hit = scene.intersect(beams.origins, beams.directions)
     seen = hit.triangle >= 0
