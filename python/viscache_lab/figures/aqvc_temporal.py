@@ -28,7 +28,9 @@ BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
 #: Shares of the reused bits that are traced: for counting, and for repair.
 CHECK, REPAIR = 0.1, 0.1
 WAYS = ("dropped", "kept", "epochs", "repaired")
+#: Counters of the table.
 CHECKED = ("checked_kept", "wrong_kept", "checked_fresh", "wrong_fresh")
+COUNTED = ("queries", "rays", "reused_kept", *CHECKED)
 
 
 @dataclass(slots=True)
@@ -205,10 +207,7 @@ def _table(
             "refinement": refinement,
             "table": way,
             "frame": i,
-            **{
-                name: frame.counters.get(name, 0)
-                for name in ("queries", "rays", "reused_kept", *CHECKED)
-            },
+            **{name: frame.counters.get(name, 0) for name in COUNTED},
             "rel_l1": _error(frame, exact[i]),
         }
         for way, s in found.items()

@@ -153,7 +153,7 @@ def camera_rays(camera: vc.Camera, size: tuple[int, int]) -> Beams:
 def first_hits(
     scene: vc.Scene, camera: vc.Camera, size: tuple[int, int]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
-    """Points that pixels see (N, 3), normals towards the camera, and which pixels see one (H, W)."""
+    """Points (N, 3) that pixels see, normals towards the camera, which pixels (H, W) see one."""
     beams = camera_rays(camera, size)
     hit = scene.intersect(beams.origins, beams.directions)
     seen = hit.triangle >= 0

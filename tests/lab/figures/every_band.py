@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from viscache_lab.experiment import Band
+from viscache_lab.figures.bands import aqvc, vismap, vlf
 
 
 def all_bands(bands: SimpleNamespace) -> dict[str, Band]:
@@ -16,3 +17,11 @@ def all_bands(bands: SimpleNamespace) -> dict[str, Band]:
         else:
             found |= {f"{name}[{key}]": band for key, band in value.items()}
     return found
+
+
+#: Bands of the papers' figures, by paper, name and key.
+EVERY = {
+    f"{paper}.{name}": band
+    for paper, bands in (("aqvc", aqvc), ("vlf", vlf), ("vismap", vismap))
+    for name, band in all_bands(bands).items()
+}

@@ -1,4 +1,7 @@
-"""The interval of a claim follows from what the paper prints, by a rule that has a name."""
+"""The interval of a claim follows from what the paper prints, by a rule that has a name.
+
+The numbers of the papers about the field and the maps are consistent.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,13 @@ import re
 
 import pytest
 
-from lab.figures.every_band import all_bands
+from lab.figures.every_band import EVERY
 from viscache_lab.experiment import Band
 from viscache_lab.experiment.claim_rules import RULES, Claim
 from viscache_lab.figures import vismap_printed as maps
 from viscache_lab.figures import vlf_printed as field
-from viscache_lab.figures.bands import aqvc, vismap, vlf
+from viscache_lab.figures.bands import vismap, vlf
 
-EVERY = {
-    f"{paper}.{name}": band
-    for paper, bands in (("aqvc", aqvc), ("vlf", vlf), ("vismap", vismap))
-    for name, band in all_bands(bands).items()
-}
 PLACE = re.compile(r"(Sec|Fig|Tab|Eq)\. [\d.]+")
 #: Rules whose interval has nothing but the number that the paper prints.
 OF_A_NUMBER = ("at_least", "at_most", "about", "exact")
@@ -145,3 +143,70 @@ def test_printed_numbers_lie_where_their_claims_are_found() -> None:
     assert all(found(vlf.OCCLUSION_SPEEDUP, value) for value in speedups.values())
     assert found(vlf.OCCLUSION_DECLINE, speedups["tugboat"] / speedups["cow"])
     assert found(vlf.CLASSROOM_TRIANGLES, field.CLASSROOM_TRIANGLES)
+
+
+@pytest.mark.parametrize("scene", field.OCCLUSION)
+def test_speedups_of_table_1_are_ratios_of_its_seconds(scene: str) -> None:
+    row = field.OCCLUSION[scene]
+    assert row.crt_s / row.field_s == pytest.approx(row.speedup, abs=0.0051)
+    assert row.speedup in vlf.OCCLUSION_SPEEDUP
+
+
+def test_the_churchs_rays_per_second_follow_from_its_seconds() -> None:
+    """So 513 rays were traced from every pixel."""
+    rays = field.OCCLUSION_PIXELS * field.OCCLUSION_RAYS / 1e6
+    church = field.OCCLUSION["church"]
+    assert rays / church.crt_s == pytest.approx(field.CHURCH_CRT, abs=0.05)
+    assert rays / church.field_s == pytest.approx(field.CHURCH_FIELD, abs=0.05)
+
+
+def test_the_papers_gain_falls_with_the_triangles() -> None:
+    rows = field.OCCLUSION
+    assert rows["tugboat"].speedup / rows["cow"].speedup in vlf.OCCLUSION_DECLINE
+
+
+@pytest.mark.parametrize("scene", maps.CACHES)
+def test_rays_per_pixel_of_table_2_follow_from_its_records(scene: str) -> None:
+    cache = maps.CACHES[scene]
+    rays = cache.records * cache.map_size**2 / 2
+    assert cache.rays_per_pixel * maps.PIXELS / rays in vismap.RAYS_OF_RECORDS
+    whole_sphere = cache.rays_per_pixel * maps.PIXELS / (2 * rays)
+    assert whole_sphere not in vismap.RAYS_OF_RECORDS
+
+
+@pytest.mark.parametrize("scene", maps.COSTS)
+def test_overheads_of_table_3_are_differences_of_its_times(scene: str) -> None:
+    for cost in maps.COSTS[scene]:
+        assert cost.cache_s - cost.product_s == pytest.approx(cost.overhead_s, abs=0.051)
+        percent = 100 * cost.overhead_s / cost.product_s
+        assert cost.overhead_percent == pytest.approx(percent, abs=0.1), "rounded or cut"
+    overheads = [cost.overhead_s for cost in maps.COSTS[scene]]
+    assert max(overheads) / min(overheads) in vismap.OVERHEAD_IS_CONSTANT
+
+
+def test_the_papers_own_results_lie_in_the_bands() -> None:
+    ratios = {
+        scene: {cost.samples: cost.variance_ratio for cost in costs}
+        for scene, costs in maps.COSTS.items()
+    }
+    assert ratios["garage"][10] in vismap.GARAGE_CONTROL_VARIATE
+    assert ratios["garden1"][300] in vismap.GARDEN_ONE
+    assert ratios["garden1"][300] not in vismap.GARDEN_PREVIOUS_PASS
+    for scene in ("garage", "dynamics"):
+        assert ratios[scene][300] / ratios[scene][10] in vismap.RQMC_RISES
+        assert ratios[scene][300] / ratios[scene][10] not in vismap.IID_IS_FLAT
+    assert maps.EQUAL_TIME_RATIO in vismap.EQUAL_TIME
+    assert maps.AO_SECONDS / maps.AO_CACHE_SECONDS in vismap.AO_TIME
+    assert maps.RECORD_BYTES in vismap.RECORD_BYTES
+    megabytes = maps.CACHES["garage"].records * maps.RECORD_BYTES / 1e6
+    assert megabytes == pytest.approx(maps.CACHE_MEGABYTES, abs=0.1)
+
+
+def test_the_weighting_function_of_figure_5_has_the_values_of_its_bands() -> None:
+    def weight(distance: float, theta_deg: float) -> float:
+        return (1 - theta_deg / 180) * (1 - distance / (1 + maps.STEEPNESS * distance))
+
+    assert weight(1, maps.THETA_MAX_DEG) in vismap.LEAST_WEIGHT
+    assert weight(1, 0) in vismap.EDGE_WEIGHT
+    assert weight(0, maps.THETA_MAX_DEG) in vismap.EDGE_WEIGHT
+    assert (weight(1e-4, 0) - 1) / 1e-4 in vismap.FIRST_SLOPE
