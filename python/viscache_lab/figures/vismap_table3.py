@@ -217,5 +217,5 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
 def _band(name: str, way: Way, n: int) -> Any:
     if name == "garage" and way == GUIDED:
         return bands.GARAGE_GUIDED.get(n)
-    steady = replace(way, points="rqmc") == STEADY or (way == LOO and n >= 30)
+    steady = way in (STEADY, replace(STEADY, points="iid")) or (way == LOO and n >= 30)
     return bands.GARDEN_PREVIOUS_PASS if name.startswith("garden") and steady else None
