@@ -61,10 +61,14 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
 
 @cache
 def code_hash(more: Path | None = None) -> str:
-    """Hash of the code that determines a frame: the package's sources and core, and a folder's."""
+    """Hash of the code that determines a frame: the package's sources and core, and a folder's.
+
+    Of the folder, tables (`.csv`) count, too.
+    """
     package = Path(__file__).parents[1]
     files = [Path(_core.__file__), *sorted(package.rglob("*.py"))]
-    files += sorted(more.rglob("*.py")) if more is not None else []
+    if more is not None:
+        files += sorted(file for file in more.rglob("*") if file.suffix in (".py", ".csv"))
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())

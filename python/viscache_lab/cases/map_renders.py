@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache.metrics.variance import VarianceRatio, variance_ratio
+from viscache_lab.cases.simulation import PixelEstimates, Way
 
 #: The time of product sampling is measured at these numbers of samples.
 CALIBRATED = (20, 80)
@@ -51,13 +53,10 @@ class Picture:
             seed=seed,
         )
 
-    def _direct(self, samples: int) -> vc.Direct:
-        return vc.Direct(environment="product", n_environment=samples, centred=True)
-
     def _frame(self, samples: int, seed: int, visibility: vc.VisMaps | None) -> vc.Frame:
         return vc.render(
             self.scene,
-            self._direct(samples),
+            vc.Direct(environment="product", n_environment=samples, centred=True),
             visibility=visibility,
             camera=self.camera,
             size=self.size,
@@ -73,6 +72,12 @@ def paper_maps(cache: vc.VisibilityMapCache | None) -> vc.VisMaps:
 def images(make: Callable[[int], vc.Frame], seeds: Sequence[int]) -> Images:
     """Independent renders."""
     return [make(seed).image for seed in seeds]
+
+
+def variance_left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
+    """The variance of simulated pixels with n samples, of one way over another."""
+    ours, theirs = ([r[None, :, None] for r in found.estimates[w, n]] for w in (way, base))
+    return variance_ratio(ours, theirs)
 
 
 def cpu_median(frames: list[vc.Frame]) -> float:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
-#: Rule to what it says. `Claim` has a method for each, which makes the interval.
+#: Rule to what it says.
 RULES = {
     "at_least": "A printed advantage: the printed value or more.",
     "at_most": "A printed bound or advantage where less is better: the printed value or less.",
@@ -24,6 +25,25 @@ RULES = {
     "most": "What is alike mostly falls together: half or more.",
     "words": "A quality in words alone: a limit of ours, with its reason.",
 }
+#: Rule to its interval: both ends, or a function of the printed number or numbers.
+_INTERVALS: dict[str, tuple[float, float] | Callable[..., tuple[float, float]]] = {
+    "at_least": lambda printed: (printed, math.inf),
+    "at_most": lambda printed: (0.0, printed),
+    "about": lambda low, high=None: (0.9 * low, 1.1 * (low if high is None else high)),
+    "exact": lambda printed: (printed, printed),
+    "computed": lambda low, high: (low, high),
+    "more": lambda other=1.0: (other, math.inf),
+    "less": (0.0, 1.0),
+    "much_more": (2.0, math.inf),
+    "much_less": (0.0, 0.5),
+    "little_gain": (0.5, math.inf),
+    "none": (0.0, 1.1),
+    "nearly_all": (0.9, 1.0),
+    "nearly_none": (0.0, 0.1),
+    "some": (0.01, 0.99),
+    "most": (0.5, 1.0),
+    "words": lambda low, high: (low, high),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,84 +57,11 @@ class Claim:
     """The reason of a limit for words."""
 
     @classmethod
-    def at_least(cls, printed: float) -> Claim:
-        """An advantage: the printed value or more."""
-        return cls(printed, math.inf, "at_least")
-
-    @classmethod
-    def at_most(cls, printed: float) -> Claim:
-        """A bound, or an advantage where less is better."""
-        return cls(0.0, printed, "at_most")
-
-    @classmethod
-    def about(cls, printed: float, to: float | None = None) -> Claim:
-        """Within a tenth of the printed value, or of the ends of a printed interval."""
-        return cls(0.9 * printed, 1.1 * (printed if to is None else to), "about")
-
-    @classmethod
-    def exact(cls, printed: float) -> Claim:
-        """This value alone."""
-        return cls(printed, printed, "exact")
-
-    @classmethod
-    def computed(cls, low: float, high: float) -> Claim:
-        """What an equation gives, between its rounded ends."""
-        return cls(low, high, "computed")
-
-    @classmethod
-    def more(cls, other: float = 1.0) -> Claim:
-        """No less than on the other side; of a ratio this is 1."""
-        return cls(other, math.inf, "more")
-
-    @classmethod
-    def less(cls) -> Claim:
-        """A ratio of at most 1."""
-        return cls(0.0, 1.0, "less")
-
-    @classmethod
-    def much_more(cls) -> Claim:
-        """A ratio of 2 or more."""
-        return cls(2.0, math.inf, "much_more")
-
-    @classmethod
-    def much_less(cls) -> Claim:
-        """A ratio of 1/2 or less."""
-        return cls(0.0, 0.5, "much_less")
-
-    @classmethod
-    def little_gain(cls) -> Claim:
-        """A ratio of what remains, above 1/2."""
-        return cls(0.5, math.inf, "little_gain")
-
-    @classmethod
-    def none(cls) -> Claim:
-        """A ratio of at most 1.1: no gain, no growth."""
-        return cls(0.0, 1.1, "none")
-
-    @classmethod
-    def nearly_all(cls) -> Claim:
-        """Nine tenths or more of 1."""
-        return cls(0.9, 1.0, "nearly_all")
-
-    @classmethod
-    def nearly_none(cls) -> Claim:
-        """A tenth or less."""
-        return cls(0.0, 0.1, "nearly_none")
-
-    @classmethod
-    def some(cls) -> Claim:
-        """A share that is neither none nor all."""
-        return cls(0.01, 0.99, "some")
-
-    @classmethod
-    def most(cls) -> Claim:
-        """A share of half or more."""
-        return cls(0.5, 1.0, "most")
-
-    @classmethod
-    def words(cls, low: float, high: float, *, because: str) -> Claim:
-        """Our limit for a quality that the paper has in words, and its reason."""
-        return cls(low, high, "words", because)
+    def by(cls, rule: str, *numbers: float, because: str = "") -> Claim:
+        """The claim by one of `RULES`, of the printed number or the ends of an interval."""
+        found = _INTERVALS[rule]
+        low, high = found(*numbers) if callable(found) else found
+        return cls(low, high, rule, because)
 
 
 def interval(low: float, high: float) -> str:

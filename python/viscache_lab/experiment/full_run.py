@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from viscache.base.files import finite
+
 FILE = Path(__file__).with_name("full_run.json")
 
 
@@ -80,6 +82,7 @@ def kept(result: Mapping[str, Any], machine: str) -> FullRun:
             f"runs must be full, in their own size and without an error; {result['figure']} is not"
         )
     rows = result["rows"]
+    names = ("what", "measured", "said", "rule", "because")
     return FullRun(
         date=result["provenance"]["date"][:10],
         machine=machine,
@@ -87,51 +90,34 @@ def kept(result: Mapping[str, Any], machine: str) -> FullRun:
         cpu_s=round(result["cpu_s"], 1),
         bands=sum(row["holds"] is not None for row in rows),
         failing=tuple(
-            Failing(row["what"], row["measured"], *_ends(row["band"]))
+            Failing(row["what"], row["measured"], **_ends(row["band"]))
             for row in rows
             if row["holds"] is False
         ),
         judged=tuple(
-            Judged(
-                row["what"],
-                row["measured"],
-                row["said"],
-                row["rule"],
-                row["because"],
-                *_ends(row["claim"]),
-            )
+            Judged(**{name: row[name] for name in names}, **_ends(row["claim"]))
             for row in rows
             if row["claim"] is not None
         ),
     )
 
 
-def _ends(interval: tuple[float | None, float | None]) -> tuple[float, float]:
+def _ends(interval: tuple[float | None, float | None]) -> dict[str, Any]:
     """Both ends; an open one is null in JSON."""
     low, high = interval
-    return -math.inf if low is None else low, math.inf if high is None else high
+    return {"low": -math.inf if low is None else low, "high": math.inf if high is None else high}
 
 
 def written(runs: Mapping[str, FullRun]) -> str:
     """The text of the file."""
-
-    def closed(value: Any) -> Any:
-        """Without infinities, which JSON does not know."""
-        if isinstance(value, dict):
-            return {key: closed(one) for key, one in value.items()}
-        if isinstance(value, (list, tuple)):
-            return [closed(one) for one in value]
-        return None if isinstance(value, float) and math.isinf(value) else value
-
-    return json.dumps(closed({name: asdict(run) for name, run in runs.items()}), indent=1) + "\n"
+    return json.dumps(finite({name: asdict(run) for name, run in runs.items()}), indent=1) + "\n"
 
 
 def read(text: str) -> dict[str, FullRun]:
     """Figure to its last full run, from the text of the file."""
 
     def opened(row: dict[str, Any]) -> dict[str, Any]:
-        low, high = _ends((row["low"], row["high"]))
-        return {**row, "low": low, "high": high}
+        return row | _ends((row["low"], row["high"]))
 
     return {
         name: FullRun(

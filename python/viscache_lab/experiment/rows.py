@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from viscache_lab.experiment.claim_rules import Claim
@@ -34,6 +37,22 @@ class Band:
 
     def __contains__(self, value: object) -> bool:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
+
+
+def read_bands(path: Path) -> SimpleNamespace:
+    """The bands of a CSV file, by their names; those with keys as a dict."""
+    found: dict[str, Any] = {}
+    with path.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            rule, *numbers = row["claim"].split() or [""]
+            claimed = Claim.by(rule, *map(float, numbers), because=row["because"]) if rule else None
+            band = Band(float(row["low"]), float(row["high"]), row["source"], claimed=claimed)
+            if row["key"]:
+                key = int(row["key"]) if row["key"].isdigit() else row["key"]
+                found.setdefault(row["name"], {})[key] = band
+            else:
+                found[row["name"]] = band
+    return SimpleNamespace(**found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from typing import Any
 
 from viscache.base import provenance
 from viscache.base.files import finite, named, write_whole
-from viscache_lab.experiment import page, references
+from viscache_lab.experiment import page
 from viscache_lab.experiment.amounts import machine
 from viscache_lab.experiment.registry import BENCHES, FIGURES, Registry
 from viscache_lab.experiment.rows import text
@@ -127,31 +127,37 @@ def reproduce(
     folder.mkdir(parents=True, exist_ok=True)
     trial = Trial(folder=folder, quick=quick, progress=progress, size=size)
     try:
-        with references.kept_in(folder / "references"):
-            about = _perform(FIGURES, name, trial)
+        about = _perform(FIGURES, name, trial)
     except OSError as error:
         if error.filename is not None:
             raise
         raise named(error, folder) from error
-    table, record = folder / f"{name}.md", folder / f"{name}.json"
+    table = folder / f"{name}.md"
     rows = [row.as_dict() for row in trial.rows]
     write_whole(table, f"{text(name, trial.rows)}\n{sentence(rows, quick=quick, figure=name)}\n")
-    result = {
-        "figure": name,
-        "rows": rows,
-        "files": [str(path) for path in [*trial.files, table, record]],
-        "drawn": trial.drawn,
-        "holds": all(row.holds is not False for row in trial.rows),
-        "verdicts": verdicts(rows, quick=quick, figure=name),
-        "skipped": trial.skipped,
-        "notes": trial.notes,
-        "quick": quick,
-        "size": None if size is None else list(size),
-        "machine": machine(),
-        "code": code_hash(),
+    return _recorded(
+        folder,
+        figure=name,
+        rows=rows,
+        files=[str(path) for path in [*trial.files, table, folder / f"{name}.json"]],
+        drawn=trial.drawn,
+        holds=all(row.holds is not False for row in trial.rows),
+        verdicts=verdicts(rows, quick=quick, figure=name),
+        skipped=trial.skipped,
+        notes=trial.notes,
+        quick=quick,
+        size=size,
+        machine=machine(),
         **about,
-    }
-    write_whole(record, json.dumps(finite(result), indent=2))
+    )
+
+
+def _recorded(folder: Path, **found: Any) -> Result:
+    """A figure's result, written into the folder; one that raised has nothing but its error."""
+    nothing: Result = {"rows": [], "files": [], "drawn": {}, "skipped": [], "notes": []}
+    result: Result = {**nothing, "holds": False, "verdicts": None, **found, "code": code_hash()}
+    result["size"] = None if found["size"] is None else list(found["size"])
+    write_whole(folder / f"{found['figure']}.json", json.dumps(finite(result), indent=2))
     return result
 
 
@@ -231,25 +237,16 @@ def _reproduced(
     except Exception as error:
         if isinstance(error, OSError) and error.errno in NO_ROOM:
             raise  # the other figures would end in the same way
-        result: Result = {
-            "figure": name,
-            "rows": [],
-            "files": [],
-            "drawn": {},
-            "holds": False,
-            "verdicts": None,
-            "skipped": [],
-            "notes": [],
-            "quick": quick,
-            "size": None if size is None else list(size),
-            "provenance": provenance.provenance(),
-            "code": code_hash(),
-            "seconds": time.perf_counter() - began,
-            "error": f"{type(error).__name__}: {error}",
-            "traceback": traceback.format_exc(),
-        }
-        write_whole(folder / f"{name}.json", json.dumps(finite(result), indent=2))
-        return result
+        return _recorded(
+            folder,
+            figure=name,
+            quick=quick,
+            size=size,
+            provenance=provenance.provenance(),
+            seconds=time.perf_counter() - began,
+            error=f"{type(error).__name__}: {error}",
+            traceback=traceback.format_exc(),
+        )
 
 
 def _write(folder: Path, results: list[Result]) -> Result:

@@ -10,6 +10,7 @@ from typing import Any, Protocol, TypeVar
 
 import viscache as vc
 from viscache.scenes.sources import is_builtin, made_by_others
+from viscache.sweeps.exact_frames import ExactFrames
 from viscache_lab.experiment import amounts, drawing
 from viscache_lab.experiment.amounts import Sample
 from viscache_lab.experiment.rows import Band, Row
@@ -66,6 +67,10 @@ class Trial:
     def repeats(self, full: int, quick: int = 1) -> int:
         """Turns of what is timed."""
         return quick if self.quick else full
+
+    def exact_frames(self) -> ExactFrames:
+        """Converged pictures, which the figures of a folder share; do not use them for timings."""
+        return ExactFrames(self.folder / "references")
 
     def row(
         self,

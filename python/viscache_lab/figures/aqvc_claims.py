@@ -6,15 +6,18 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 import viscache as vc
+from viscache.base import tonemap
+from viscache.metrics.temporal import mean_temporal_variance, seen
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
-from viscache_lab.figures.aqvc_flicker import flicker_rows
-from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
+from viscache_lab.figures.aqvc_runs import Shot, Trade, error_row, presets
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 Size = tuple[int, int] | None
 
@@ -37,6 +40,13 @@ PARAMETERS: dict[str, tuple[float, ...]] = {
 PARAMETERS_C_E = 12.0
 ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
+#: H8: C_E, the number of frames of the path, and the quick size.
+FLICKER_C_E = 16.0
+FRAMES, QUICK_FRAMES = 32, 5
+QUICK_FLICKER = (200, 125)
+#: The camera moves from the first place to the second and looks at the living room's far corner.
+PATH = ((-0.1, 1.65, 0.35), (-0.4, 1.6, 0.15))
+TARGET, FOV_DEG = (-4.6, 0.85, -3.2), 56.0
 
 
 @FIGURES.add(
@@ -71,11 +81,7 @@ def rays_left(quick: bool, size: Size) -> Iterator[Row]:
             band=None if quick else bands.H1_RAYS_LEFT,
             note=trade.note,
         )
-        yield Row(
-            f"{label}: rel_l1",
-            trade.rel_l1,
-            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-        )
+        yield error_row(label, trade)
     yield Row(
         f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
         largest_reduction(trades.values()),
@@ -262,6 +268,42 @@ def frames_per_second(quick: bool, size: Size) -> Iterator[Row]:
             note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
             "threads; the paper's on a GPU, samples not told",
         )
+
+
+def flicker_rows(quick: bool, size: tuple[int, int] | None) -> Iterator[Row]:
+    """H8: refinement reduces flicker."""
+    scene = SETUPS["delta"].scene(quick)
+    pixels = size or (QUICK_FLICKER if quick else SMALL)
+    shots = [
+        Shot(scene=scene, integrator=vc.Direct(), size=pixels, camera=camera)
+        for camera in cameras(QUICK_FRAMES if quick else FRAMES)
+    ]
+    frames = [shot.frame() for shot in shots]
+    exposure = tonemap.auto_exposure(frames[0].image, 95.0)
+    exact = [seen(frame, exposure) for frame in frames]
+    for preset in ("default", "paper"):
+        found = {}
+        for refinement in ("off", "on"):
+            cache = presets(FLICKER_C_E, refinement=refinement)[preset]
+            off = [seen(s.frame(cache), exposure) - e for s, e in zip(shots, exact, strict=True)]
+            found[refinement] = mean_temporal_variance(off)
+        yield Row(
+            f"H8 {preset}: temporal variance of the error, refinement over none",
+            found["on"] / found["off"],
+            band=bands.H8_FLICKER,
+            note=f"deviation {np.sqrt(found['off']):.3f} to "
+            f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
+            f"FLICKER_C_E {FLICKER_C_E:g}",
+        )
+
+
+def cameras(frames: int) -> list[vc.Camera]:
+    """Views along the path."""
+    start, end = (np.array(place) for place in PATH)
+    return [
+        vc.look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
+        for t in np.linspace(0, 1, frames)
+    ]
 
 
 def _panels(table: list[dict[str, Any]]) -> list[Panel]:

@@ -13,8 +13,8 @@ from viscache.aqvc import eye_keys, hash_keys, resolution_eye
 from viscache.shot.connections import trace_eye_points
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panels, images
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, presets
+from viscache_lab.figures.bands import aqvc as bands
 
 C_E, FINER_C_E = 16.0, 4.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)

@@ -13,8 +13,8 @@ from viscache.base import tonemap
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panels, images
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, Trade, presets
+from viscache_lab.figures.bands import aqvc as bands
 
 C_E = 16.0
 SIZE = (640, 400)

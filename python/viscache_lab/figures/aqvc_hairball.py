@@ -8,10 +8,10 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panels, images
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Trade, difference, group_rows
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 #: C_E without and with anti-aliasing; the paper does not give its value.
 C_E = {False: 16.0, True: 36.0}

@@ -13,10 +13,10 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, images, lines
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import CLOSE_UP, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 #: Texels per edge; the small maps are for equal time.
 RESOLUTIONS = (64, 128, 256, 512, 1024, 2048, 4096)

@@ -12,11 +12,12 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache.settings.visibility import Visibility
-from viscache_lab.experiment import FIGURES, Row, Trial, references
+from viscache.sweeps.exact_frames import ExactFrames
+from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import lines as drawn
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
 #: C_E of the cache: points of its curve of error over rays.
@@ -32,7 +33,7 @@ def comparison(trial: Trial) -> None:
     """Rays and error at equal samples; variance against a converged picture."""
     table, lines = [], {}
     for name, shot in shots(trial.quick, trial.size).items():
-        found = same_samples(shot, trial.quick)
+        found = shot.trades(methods(trial.quick), trial.quick)
         table += [
             {"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
             for m, t in found.items()
@@ -42,7 +43,7 @@ def comparison(trial: Trial) -> None:
             mine = [t for m, t in found.items() if m.startswith(kind)]
             lines[f"{kind}, {name}"] = ([rays_left(t) for t in mine], [t.rel_l1 for t in mine])
         if not shot.integrator.n_vpls:  # type: ignore[union-attr]
-            trial.rows += _noise_rows(name, noise(shot, trial.quick))
+            trial.rows += _noise_rows(name, noise(shot, trial.quick, trial.exact_frames()))
     trial.draw("aqvc-nee.png", drawn(lines, x="rays per query", y="rel_l1"))
     trial.csv("aqvc-nee.csv", table)
     trial.notes.append(
@@ -69,11 +70,6 @@ def methods(quick: bool) -> dict[str, Visibility]:
     plain = vc.NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else vc.NeePlusPlus()
     roulette = {f"NEE++ p^{e:g}": replace(plain, exponent=e) for e in EXPONENTS}
     return {**roulette, **{f"AQVC C_E {c_e:g}": vc.Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
-
-
-def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
-    """Frames with the exact frame of the same seed."""
-    return shot.trades(methods(quick), quick)
 
 
 def rays_left(trade: Trade) -> float:
@@ -132,13 +128,11 @@ class Noise:
         return self.mse * self.cpu_s / (other.mse * other.cpu_s)
 
 
-def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
+def noise(shot: Shot, quick: bool, exact: ExactFrames) -> dict[str, Noise]:
     """Mean squared error and CPU seconds of each method, over independent frames."""
     spp = REFERENCE_SPP // 4 if quick else REFERENCE_SPP
     reference = _double(
-        references.exact_frames()(
-            shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
-        )
+        exact(shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera)
     )
     chosen: dict[str, Visibility] = {"exact": vc.Exact(engine="packets"), **methods(quick)}
     seeds = range(2 if quick else SEEDS)

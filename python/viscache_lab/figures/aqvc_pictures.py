@@ -13,10 +13,18 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
-from viscache_lab.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
+from viscache_lab.figures.aqvc_runs import (
+    AMPLIFIED,
+    Shot,
+    Trade,
+    difference,
+    error_row,
+    group_rows,
+    presets,
+)
 from viscache_lab.figures.aqvc_setups import PRESETS, SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,12 +125,7 @@ def _rows(
     label = f"{name}, {preset}"
     yield Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note)
     yield Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup)
-    yield Row(
-        f"{label}: rel_l1",
-        trade.rel_l1,
-        band=error,
-        note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-    )
+    yield error_row(label, trade, error)
     yield from group_rows(label, trade)
 
 

@@ -2,27 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 import viscache as vc
 from viscache.aqvc import eye_keys
 from viscache.settings.by_name import replaced
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import aqvc_bands as bands
-from viscache_lab.figures.aqvc_bias import bias_rows
-from viscache_lab.figures.aqvc_errors import bias, stray_light
 from viscache_lab.figures.aqvc_runs import Shot, Trade
 from viscache_lab.figures.aqvc_setups import SETUPS
+from viscache_lab.figures.bands import aqvc as bands
 
 Size = tuple[int, int] | None
 
 C_E = 12.0
 SIZE, QUICK_SIZE = (640, 400), (120, 75)
 GRIDS, QUICK_GRIDS = 4, 1
+#: Of the bias: C_E, the number of grids, the size, and forms: level waves; Alg. 2 with single
+#: queries, in the paper's order and in an order random per grid.
+BIAS_C_E = 16.0
+BIAS_GRIDS, QUICK_BIAS_GRIDS = 32, 3
+BIAS_SIZE, QUICK_BIAS_SIZE = (480, 320), (120, 80)
+FORMS: dict[str, dict[str, Any]] = {
+    "waves": {},
+    "pairs": {"preset": "paper"},
+    "pairs, random order": {"preset": "paper", "order": "random"},
+}
+VARIANTS = {"no refinement": "off", "refinement": "on"}
+MEASURES = ("rays", "ray_reduction", "rel_l1", "bias", "stray")
 MODES = ("round", "floor", "octahedral", "single")
 #: Kinds of lights, by setup.
 KINDS = {
@@ -77,25 +88,58 @@ def leaking_cells() -> Iterator[Row]:
         )
 
 
-def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
-    """Rays, RR, rel_l1 and bias, as means over grids. The given settings replace the preset's."""
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A mean, and half the width of its 95 % confidence interval."""
+
+    mean: float
+    half: float
+
+    def __str__(self) -> str:
+        return f"{100 * self.mean:+.3f} ± {100 * self.half:.3f} %"
+
+
+def mean_interval(values: Sequence[float]) -> Interval:
+    """By Student's t, for independent values."""
+    from scipy.stats import t
+
+    n = len(values)
+    spread = float(np.std(values, ddof=1) / np.sqrt(n))
+    return Interval(float(np.mean(values)), float(t.ppf(0.975, n - 1)) * spread)
+
+
+def bias(frame: vc.Frame, exact: vc.Frame) -> float:
+    """Relative error of the picture's energy, without emitted light."""
+    cached, truth = (
+        np.asarray(f.image, np.float64) - np.asarray(f.layers["emitted"], np.float64)
+        for f in (frame, exact)
+    )
+    return float((cached - truth).sum() / truth.sum())
+
+
+def stray_light(frame: vc.Frame, exact: vc.Frame) -> float:
+    """Light on pixels that are black in the exact picture, over that picture's total light."""
+    cached, truth = (np.asarray(f.image, np.float64).sum(axis=2) for f in (frame, exact))
+    return float(cached[truth == 0].sum() / truth.sum())
+
+
+def over_grids(shot: Shot, n: int, **given: Any) -> dict[str, npt.NDArray[np.float64]]:
+    """Each of `MEASURES` for n shifts of the grids. The given settings replace the preset's."""
     exact = shot.frame()
     found = []
-    for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
-        cache = vc.Aqvc(c_e=C_E, exact_groups=(), paper=vc.PaperForm(grid_seed=grid))
-        settings = replaced(cache, given, "visibility")
-        trade = Trade(frame=shot.frame(settings), exact=exact)
-        found.append(
-            [
-                trade.frame.counters["rays"],
-                trade.ray_reduction,
-                trade.rel_l1,
-                bias(trade.frame, exact),
-                stray_light(trade.frame, exact),
-            ]
-        )
-    names = ("rays", "ray_reduction", "rel_l1", "bias", "stray")
-    return dict(zip(names, np.mean(found, axis=0).tolist(), strict=True))
+    for grid in range(1, 1 + n):
+        chosen = {"c_e": C_E, "exact_groups": (), "grid_seed": grid, **given}
+        frame = shot.frame(replaced(vc.Aqvc(), chosen, "visibility"))
+        trade = Trade(frame=frame, exact=exact)
+        light = bias(frame, exact), stray_light(frame, exact)
+        found.append((frame.counters["rays"], trade.ray_reduction, trade.rel_l1, *light))
+    return dict(zip(MEASURES, np.transpose(found), strict=True))
+
+
+def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
+    """The means of `over_grids`."""
+    found = over_grids(shot, QUICK_GRIDS if quick else GRIDS, **given)
+    return {name: float(values.mean()) for name, values in found.items()}
 
 
 def _shot(quick: bool, size: Size) -> Shot:
@@ -195,4 +239,60 @@ def light_kinds(quick: bool, size: Size) -> Iterator[Row]:
                 on / off if off else None,
                 band=bands.REFINED_ERROR if shared and not quick else None,
                 note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
+            )
+
+
+def bias_rows(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
+    """Rows and a table of the energy's bias over many grids, by scene, form and refinement."""
+    rows: list[Row] = []
+    table = []
+    pixels = size or (QUICK_BIAS_SIZE if quick else BIAS_SIZE)
+    for name in bands.REFINED_BIAS:
+        shot = Shot(scene=getattr(vc.scenes, name)(), integrator=vc.Direct(), size=pixels)
+        for form in FORMS:
+            found = biases(shot, form, QUICK_BIAS_GRIDS if quick else BIAS_GRIDS)
+            rows += _bias_rows(name, form, found, quick)
+            table += [
+                {
+                    "scene": name,
+                    "form": form,
+                    "variant": variant,
+                    "bias": interval.mean,
+                    "half_of_95_percent": interval.half,
+                    "rel_l1": rel_l1,
+                    "ray_reduction": reduction,
+                }
+                for variant, (interval, rel_l1, reduction) in found.items()
+            ]
+    return rows, table
+
+
+def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float, float]]:
+    """Bias, mean rel_l1 and mean RR of a form, without and with refinement."""
+    found = {}
+    for variant, refinement in VARIANTS.items():
+        of = over_grids(shot, grids, c_e=BIAS_C_E, **FORMS[form], refinement=refinement)
+        rel_l1, reduction = (float(of[name].mean()) for name in ("rel_l1", "ray_reduction"))
+        found[variant] = mean_interval(of["bias"].tolist()), rel_l1, reduction
+    return found
+
+
+def _bias_rows(
+    name: str, form: str, found: Mapping[str, tuple[Interval, float, float]], quick: bool
+) -> Iterator[Row]:
+    for variant, (interval, rel_l1, reduction) in found.items():
+        what = f"{name}, {form}, {variant}: bias of the energy"
+        banded = not quick and variant == "refinement" and form != "waves"
+        yield Row(
+            what,
+            interval.mean,
+            band=bands.REFINED_BIAS[name] if banded else None,
+            note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
+        )
+        # The paper's order is the same for all grids, so it favours the same representatives
+        if variant == "no refinement" and form != "pairs":
+            yield Row(
+                f"{what} over half of its interval",
+                interval.mean / interval.half,
+                band=None if quick else bands.PLAIN_BIAS,
             )

@@ -13,7 +13,7 @@ import viscache as vc
 from viscache.base import tonemap
 from viscache.settings.integrators import Integrator
 from viscache.settings.visibility import Visibility
-from viscache_lab.experiment import Row
+from viscache_lab.experiment import Band, Row
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -127,18 +127,13 @@ class Trade:
 
     def record(self) -> dict[str, Any]:
         """A row of a table."""
-        groups = {f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups}
-        reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
+        names = ("ray_reduction", "speedup", "rel_l1", "reflected_rel_l1", "ssim")
         return {
-            "ray_reduction": self.ray_reduction,
-            "speedup": self.speedup,
-            "rel_l1": self.rel_l1,
-            "reflected_rel_l1": self.reflected_rel_l1,
-            "ssim": self.ssim,
+            **{name: getattr(self, name) for name in names},
             "exact_cpu_s": self.exact.timings["cpu_s"],
             "cpu_s": self.frame.timings["cpu_s"],
-            **groups,
-            **reductions,
+            **{f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups},
+            **{f"rr_{g}": self.group_reduction(g) for g in self.groups},
         }
 
 
@@ -173,15 +168,15 @@ def group_rows(label: str, trade: Trade) -> list[Row]:
     ]
 
 
+def error_row(label: str, trade: Trade, band: Band | None = None) -> Row:
+    """The error of the picture, and beside it that of reflected light and SSIM."""
+    note = f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"
+    return Row(f"{label}: rel_l1", trade.rel_l1, band=band, note=note)
+
+
 def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]:
     """(H, W, 1) in [0, 1]: the absolute luminance error, amplified and exposed like the picture."""
     exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
     cached, exact = (tonemap.luminance(f.image) for f in (trade.frame, trade.exact))
     error: npt.NDArray[np.float64] = np.clip(gain * exposure * np.abs(cached - exact), 0, 1)
     return error[:, :, None]
-
-
-def best(trades: Mapping[Any, Trade], what: str) -> tuple[Any, Trade]:
-    """The key and the trade with the largest attribute `what`."""
-    key = max(trades, key=lambda k: getattr(trades[k], what))
-    return key, trades[key]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
 import viscache as vc
+from viscache import scenes
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.aqvc_runs import Shot
 
@@ -22,7 +23,7 @@ SUN, SUNLIGHT = (-0.35, 0.45, -0.8), (4.0, 3.8, 3.4)
 CLOSE_UP = ((-1.89, 0.31, -1.18), (-2.29, 0.01, -1.52), 40.0)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Setup:
     """One of the paper's renderings, full or quick."""
 
@@ -39,9 +40,10 @@ class Setup:
     """Samples of the environment by its radiance; the same number by the BRDF."""
     antialiased: int = 16
     """Samples per pixel in the paper's anti-aliased frames."""
+    c_e_groups: Mapping[str, float] = field(default_factory=dict)
+    _: KW_ONLY
     delta_lights: bool = False
     square: bool = False
-    c_e_groups: Mapping[str, float] = field(default_factory=dict)
 
     def integrator(self, quick: bool) -> vc.Whitted:
         """The paper's numbers of samples; an eighth of them if quick."""
@@ -94,49 +96,33 @@ def delta(triangles: int) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
+LAMPS = {"point": printed.APARTMENT_POINT_C_E}
 SETUPS: dict[str, Setup] = {
     setup.name: setup
     for setup in (
+        Setup("delta", "delta", delta, (750_000, 20_000), delta_lights=True),
         Setup(
-            name="delta",
-            printed="delta",
-            make=delta,
-            triangles=(750_000, 20_000),
-            delta_lights=True,
+            "apartment",
+            "apartment",
+            scenes.apartment,
+            (750_000, 20_000),
+            1024,
+            0,
+            128,
+            16,
+            LAMPS,
         ),
+        Setup("conference", "conference", scenes.conference, (280_000, 20_000), n_area=64),
+        Setup("courtyard", "san miguel", scenes.courtyard, (2_200_000, 60_000), 1024, 0, 128, 9),
         Setup(
-            name="apartment",
-            printed="apartment",
-            make=vc.scenes.apartment,
-            triangles=(750_000, 20_000),
-            n_vpls=1024,
-            n_environment=128,
-            c_e_groups={"point": printed.APARTMENT_POINT_C_E},
-        ),
-        Setup(
-            name="conference",
-            printed="conference",
-            make=vc.scenes.conference,
-            triangles=(280_000, 20_000),
-            n_area=64,
-        ),
-        Setup(
-            name="courtyard",
-            printed="san miguel",
-            make=vc.scenes.courtyard,
-            triangles=(2_200_000, 60_000),
-            n_vpls=1024,
-            n_environment=128,
-            antialiased=9,
-        ),
-        Setup(
-            name="hairball",
-            printed="hairball",
-            make=vc.scenes.hairball,
-            triangles=(3_000_000, 30_000),
-            n_vpls=256,
-            n_environment=32,
-            antialiased=9,
+            "hairball",
+            "hairball",
+            scenes.hairball,
+            (3_000_000, 30_000),
+            256,
+            0,
+            32,
+            9,
             square=True,
         ),
     )

@@ -14,10 +14,10 @@ from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scenes.sources import scene_file
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series, draw
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
-from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, group_rows
+from viscache_lab.figures.aqvc_runs import TURNS, Shot, Trade, error_row, group_rows
 from viscache_lab.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
+from viscache_lab.figures.bands import aqvc as bands
 from viscache_lab.figures.vismap_living_room import SKIES
 
 #: C_E over the paper's range. The paper's preset runs at both ends and at one value between.
@@ -116,11 +116,7 @@ def _sweep_rows(sweep: Sweep, quick: bool) -> Iterator[Row]:
         label = f"{sweep.label}, {preset}"
         for c_e, trade in trades.items():
             yield Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note)
-            yield Row(
-                f"{label}, C_E {c_e:g}: rel_l1",
-                trade.rel_l1,
-                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
-            )
+            yield error_row(f"{label}, C_E {c_e:g}", trade)
         first, last = trades[min(trades)], trades[max(trades)]
         yield Row(
             f"{label}: RR, largest over smallest C_E",
@@ -149,14 +145,13 @@ def _sweep_rows(sweep: Sweep, quick: bool) -> Iterator[Row]:
 
 
 def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> Iterator[Row]:
-    def of(name: str) -> list[Sweep]:
-        return [s for s in sweeps if s.setup.name == name]
-
     plain = {s.setup.name: s.last.reflected_rel_l1 for s in sweeps if not s.antialiased}
     others = float(np.mean([v for name, v in plain.items() if name != "hairball"]))
     gains = {s.label: s.largest("speedup", "default") for s in sweeps}
-    conference = max(s.largest("speedup", "default") for s in of("conference"))
-    apartment = max(s.largest("speedup", "default") for s in of("apartment"))
+    conference, apartment = (
+        max(s.largest("speedup", "default") for s in sweeps if s.setup.name == name)
+        for name in ("conference", "apartment")
+    )
     greatest = max(gains, key=lambda label: gains[label])
     yield Row(
         "largest RR",

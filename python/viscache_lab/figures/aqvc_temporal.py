@@ -14,9 +14,10 @@ from viscache.metrics.temporal import flicker
 from viscache.scenes.shapes import bumpy_sphere
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
-from viscache_lab.figures import aqvc_bands as bands
-from viscache_lab.figures.aqvc_flicker import cameras
+from viscache_lab.figures.aqvc_claims import cameras
+from viscache_lab.figures.aqvc_runs import Trade
 from viscache_lab.figures.aqvc_setups import delta
+from viscache_lab.figures.bands import aqvc as bands
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4
@@ -27,6 +28,9 @@ BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
 #: Shares of the reused bits that are traced: for counting, and for repair.
 CHECK, REPAIR = 0.1, 0.1
 WAYS = ("dropped", "kept", "epochs", "repaired")
+#: Counters of the table.
+CHECKED = ("checked_kept", "wrong_kept", "checked_fresh", "wrong_fresh")
+COUNTED = ("queries", "rays", "reused_kept", *CHECKED)
 
 
 @dataclass(slots=True)
@@ -139,13 +143,14 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.F
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
         f = variance[way]
+        rel_l1 = np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)])
         rows.append(Row(f"{label}, {way}: RR over the path", s.ray_reduction))
         rows.append(
             Row(
                 f"{label}, {way}: deviation of the error over time, of white",
                 float(np.sqrt(f.error)),
                 note=f"pictures' variance {f.above:+.2e} above the exact one's "
-                f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}",
+                f"{f.exact:.2e}; rel_l1 {rel_l1:.4f}",
             )
         )
         if s.total("checked_kept"):
@@ -189,34 +194,20 @@ def _rows(path: str, label: str, found: Mapping[str, Sequence], exact: list[vc.F
     return rows
 
 
-def _mean_error(s: Sequence, exact: list[vc.Frame]) -> float:
-    return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
-
-
 def _error(frame: vc.Frame, exact: vc.Frame) -> float:
-    cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
-    return vc.metrics.rel_l1(cached, truth) or 0.0
+    return Trade(frame=frame, exact=exact).rel_l1
 
 
 def _table(
     path: str, refinement: str, found: Mapping[str, Sequence], exact: list[vc.Frame]
 ) -> list[dict[str, Any]]:
-    names = (
-        "queries",
-        "rays",
-        "reused_kept",
-        "checked_kept",
-        "wrong_kept",
-        "checked_fresh",
-        "wrong_fresh",
-    )
     return [
         {
             "path": path,
             "refinement": refinement,
             "table": way,
             "frame": i,
-            **{name: frame.counters.get(name, 0) for name in names},
+            **{name: frame.counters.get(name, 0) for name in COUNTED},
             "rel_l1": _error(frame, exact[i]),
         }
         for way, s in found.items()

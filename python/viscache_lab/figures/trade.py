@@ -11,13 +11,15 @@ from viscache.plots.drawing import new_figure
 from viscache.plots.over_time import draw_over_time
 from viscache_lab.experiment import FIGURES, Band, Row, Trial
 from viscache_lab.experiment.amounts import student_t
-from viscache_lab.figures import trade_bands as bands
+from viscache_lab.figures.bands import trade as bands
 
 if TYPE_CHECKING:
     import xarray
 
 #: C_E of the cache and number of picks, for all scenes.
 C_E, PICKS = 10, 16
+#: Scenes where corrected passes have a band over picks, and biased ones over corrected ones.
+ROOMS = ("room", "apartment", "conference")
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +98,7 @@ def _rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
         return None if quick else table
 
     picks = f"{PICKS} picks"
-    room = name in bands.ROOMS
+    room = name in ROOMS
     # Few pixels and passes: only the scene whose bias is largest is sure to show it
     stalls = bands.STALLS if name == "room" or (room and not quick) else None
     note = ", ".join(

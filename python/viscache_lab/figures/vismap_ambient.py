@@ -11,8 +11,8 @@ import viscache as vc
 from viscache.scenes import build
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, images
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 
 #: An outdoor scene with the triangle count of the paper's; its pictures take minutes.
 SCENE, QUICK_SCENE = f"courtyard?triangles={printed.AO_TRIANGLES}", "courtyard?triangles=30000"

@@ -15,7 +15,6 @@ import numpy as np
 
 import viscache as vc
 from viscache.base.progress import progress_bar
-from viscache.metrics.variance import variance_ratio
 from viscache.plots import COLORS
 from viscache.scenes import SCENES
 from viscache.scenes.shapes import place, soft_box
@@ -26,10 +25,11 @@ from viscache_lab.cases.light_product import (
     first_hits,
     reflected,
 )
+from viscache_lab.cases.map_renders import variance_left
 from viscache_lab.cases.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 
 #: Frames, size of the pictures, and numbers of pixels estimated and compared with exact rays.
 FRAMES, SIZE, PIXELS, COMPARED = 60, (320, 240), 64, 256
@@ -110,19 +110,16 @@ def _frame(
         n_pixels=pixels,
         replicates=32,
         seed=cache.frame,
-    ).estimates
+    )
     rays, misses = _compare(cache, view, size, compared)
     removed = cache.end_frame()
-    left = variance_ratio(
-        [r[None, :, None] for r in made[PAPER, 10]], [r[None, :, None] for r in made[PRODUCT, 10]]
-    )
     return Frame(
         records=len(cache),
         inserted=report.inserted,
         wrong=removed["wrong"],
         unused=removed["unused"],
         miss_share=misses / max(rays, 1),
-        ratio=left.ratio,
+        ratio=variance_left(made, PAPER, PRODUCT, 10).ratio,
     )
 
 

@@ -18,7 +18,7 @@ from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
 from viscache.plots.drawing import new_figure
 from viscache.scenes.sources import SCENES_VARIABLE, is_builtin, made_by_others
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 
 if TYPE_CHECKING:
     import xarray

@@ -17,8 +17,8 @@ from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_ma
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels
 from viscache_lab.experiment.drawing import images as panels_of
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_records import VIEWS
 
 RENDERS, SIZE = 8, (640, 480)

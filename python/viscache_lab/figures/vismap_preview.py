@@ -7,10 +7,10 @@ import numpy as np
 import viscache as vc
 from viscache.base.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.scenes.garage import sky_image
-from viscache_lab.experiment import FIGURES, Trial, references
+from viscache_lab.experiment import FIGURES, Trial
 from viscache_lab.experiment.drawing import images
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_records import VIEWS
 
 #: The reference has four eye samples per pixel with this many light samples each.
@@ -30,7 +30,7 @@ def figure11(trial: Trial) -> None:
     traced, sky = cache.rays, sky_image()
     previews = [design.under(sky, rotation_deg=turn) for turn in TURNS_DEG]
     rays = sum(frame.counters["rays"] for frame in previews) + cache.rays - traced
-    reference = references.exact_frames()(
+    reference = trial.exact_frames()(
         scene,
         vc.Direct(n_environment=samples, n_brdf=samples),
         size=size,

@@ -12,22 +12,16 @@ import numpy.typing as npt
 import viscache as vc
 from viscache.correlation import measure
 from viscache.scene.cameras import find_camera
-from viscache.scenes import build
 from viscache.vismap import UpdateReport
 from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.amounts import build_scene
 from viscache_lab.experiment.drawing import Panel, Panels, draw_records
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
-from viscache_lab.figures.vismap_density import (
-    equal_cells,
-    per_cell_angle,
-    per_cell_mean,
-    rank_correlation,
-    records_per_cell,
-)
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_living_room import living_rooms
 
 Floats = npt.NDArray[np.floating[Any]]
+Cells = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +35,7 @@ class View:
 
     def open(self, quick: bool) -> vc.Scene:
         """The scene, smaller for quick runs."""
-        made = build(self.quick_scene if quick else self.scene)
-        assert isinstance(made, vc.Scene)
-        return made
+        return build_scene(self.quick_scene if quick else self.scene)
 
 
 VIEWS = {
@@ -172,6 +164,61 @@ def _attraction_rows(scene: vc.Scene, by_weight: Floats, by_difference: Floats) 
                 band=band,
                 note=f"{len(records)} records, {1 << LEVELS} cells",
             )
+
+
+def equal_cells(positions: Floats, levels: int) -> Cells:
+    """(N,) cell in [0, 2^levels) of each point.
+
+    Each level halves the cells along their longest axis, at equal counts. Points are the pixels'
+    first hits, so cells are equal parts of the picture.
+    """
+    cell = np.zeros(len(positions), np.int64)
+    parts = [np.arange(len(positions))]
+    for _ in range(levels):
+        halves = []
+        for part in parts:
+            axis = int(np.ptp(positions[part], axis=0).argmax())
+            order = part[np.argsort(positions[part, axis], kind="stable")]
+            halves += [order[: len(order) // 2], order[len(order) // 2 :]]
+        parts = halves
+    for number, part in enumerate(parts):
+        cell[part] = number
+    return cell
+
+
+def records_per_cell(records: Floats, positions: Floats, cell: Cells) -> Floats:
+    """Number of records (R, 3) whose nearest point is in each cell."""
+    from scipy.spatial import cKDTree  # type: ignore[import-untyped,unused-ignore]
+
+    _, nearest = cKDTree(positions).query(records)
+    return np.bincount(cell[nearest], minlength=int(cell.max()) + 1).astype(float)
+
+
+def per_cell_mean(values: Floats, cell: Cells) -> Floats:
+    """Mean of the finite values of each cell; NaN without any."""
+    known = np.isfinite(values)
+    n = np.bincount(cell[known], minlength=int(cell.max()) + 1)
+    sums = np.bincount(cell[known], values[known], minlength=int(cell.max()) + 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(sums / n)
+
+
+def per_cell_angle(normals: Floats, cell: Cells) -> Floats:
+    """Mean angle between a cell's normals and their sum, in degrees: a measure of curvature."""
+    count = int(cell.max()) + 1
+    axes = [np.bincount(cell, normals[:, k], minlength=count) for k in range(3)]
+    sums: Floats = np.stack(axes, axis=-1).astype(float)
+    sums = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12)
+    cosine = (normals * sums[cell]).sum(axis=1)
+    return per_cell_mean(np.degrees(np.arccos(np.clip(cosine, -1, 1))), cell)
+
+
+def rank_correlation(a: Floats, b: Floats) -> float:
+    """Spearman's coefficient of two rows of values, without entries where either is not finite."""
+    from scipy.stats import spearmanr  # type: ignore[import-untyped,unused-ignore]
+
+    known = np.isfinite(a) & np.isfinite(b)
+    return float(spearmanr(a[known], b[known]).statistic)
 
 
 @FIGURES.add("vismap-fig12", "records in the garden scene")

@@ -9,13 +9,14 @@ from typing import Any
 
 import viscache as vc
 from viscache.base.progress import progress_bar
-from viscache.metrics.variance import VarianceRatio, variance_ratio
+from viscache.metrics.variance import VarianceRatio
 from viscache.plots import COLORS, pareto
 from viscache.scenes import build
+from viscache_lab.cases.map_renders import variance_left
 from viscache_lab.cases.simulation import Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Series
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 
 SCENE, QUICK_SCENE = "garage", "garage?triangles=60000"
 SIZE, QUICK_SIZE = (640, 480), (160, 120)
@@ -81,21 +82,15 @@ def measure(scene: vc.Scene, value: Mapping[str, Any], quick: bool) -> Setting:
     seconds = time.perf_counter() - start
     made = simulate(
         cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size, **(QUICK if quick else FULL)
-    ).estimates
-
-    def left(way: Way) -> VarianceRatio:
-        return variance_ratio(
-            [r[None, :, None] for r in made[way, SAMPLES]],
-            [r[None, :, None] for r in made[PRODUCT, SAMPLES]],
-        )
+    )
 
     return Setting(
         records=len(cache),
         rays_per_pixel=report.rays / (size[0] * size[1]),
         nbytes=cache.nbytes,
         seconds=seconds,
-        variate=left(VARIATE),
-        guided=left(GUIDED),
+        variate=variance_left(made, VARIATE, PRODUCT, SAMPLES),
+        guided=variance_left(made, GUIDED, PRODUCT, SAMPLES),
     )
 
 

@@ -10,11 +10,11 @@ import numpy as np
 
 import viscache as vc
 from viscache.metrics.variance import VarianceRatio, variance_ratio
-from viscache_lab.cases.map_renders import Picture, images, paper_maps
+from viscache_lab.cases.map_renders import Picture, images, paper_maps, variance_left
 from viscache_lab.cases.simulation import PixelEstimates, Way, simulate
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_printed as printed
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
 from viscache_lab.figures.vismap_records import VIEWS
 
@@ -24,15 +24,11 @@ QUICK_RENDERS, QUICK_SIZE, QUICK_PIXELS, QUICK_REPLICATES = 3, (40, 30), 16, 8
 QUICK_SAMPLES = (10, 30)
 
 PRODUCT, ONE = Way(), Way(alpha=1.0)
-STEADY, GUIDED = (
-    Way(alpha="previous_pass", passes=6),
-    Way(alpha="previous_pass", passes=6, eta=0.25),
-)
+STEADY = Way(alpha="previous_pass", passes=6)
+GUIDED = Way(alpha="previous_pass", passes=6, eta=0.25)
 LOO = Way(alpha="loo", points="iid")
-ONE_SHOT, ONE_SHOT_PAPER = (
-    Way(alpha="previous_pass", one_shot=True, first="pilot"),
-    Way(alpha="previous_pass", one_shot=True),
-)
+ONE_SHOT = Way(alpha="previous_pass", one_shot=True, first="pilot")
+ONE_SHOT_PAPER = Way(alpha="previous_pass", one_shot=True)
 EVERY = (PRODUCT, ONE, STEADY, GUIDED, ONE_SHOT, ONE_SHOT_PAPER)
 NAMES = {
     ONE: "alpha one",
@@ -109,18 +105,14 @@ def _rendered_rows(
     cache = picture.build_cache(settings)
     left = {n: _rendered(picture, cache, n, QUICK_RENDERS if quick else RENDERS) for n in samples}
     said = {c.samples: c for c in printed.COSTS.get(name, ())}
+    variate = bands.QUICK_GARAGE_CONTROL_VARIATE if quick else bands.GARAGE_CONTROL_VARIATE
+    judged = {("garage", 10): variate, ("garden1", 300): bands.GARDEN_ONE}
     for n, found in left.items():
-        band = None
-        if (name, n) == ("garage", 10):
-            of_quick = bands.QUICK_GARAGE_CONTROL_VARIATE
-            band = of_quick if quick else bands.GARAGE_CONTROL_VARIATE
-        elif (name, n) == ("garden1", 300):
-            band = bands.GARDEN_ONE
         yield Row(
             f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
             found.ratio,
             printed=said[n].variance_ratio if n in said else None,
-            band=band,
+            band=judged.get((name, n)),
             note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
             f"z of the means {found.energy_z:.1f}",
         )
@@ -194,7 +186,7 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
         if way == base:
             continue
         for n in samples:
-            left = _left(found, way, base, n)
+            left = variance_left(found, way, base, n)
             ratios[way, n] = left.ratio
             label = NAMES[way if way == LOO else replace(way, points="rqmc")]
             yield Row(
@@ -212,9 +204,8 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
     rising = ratios[ONE, samples[-1]] / ratios[ONE, samples[0]]
     printed_rise = None
     if name in printed.COSTS and samples == printed.SAMPLES:
-        printed_rise = (
-            printed.COSTS[name][-1].variance_ratio / printed.COSTS[name][0].variance_ratio
-        )
+        first, *_, last = printed.COSTS[name]
+        printed_rise = last.variance_ratio / first.variance_ratio
     yield Row(
         f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
         rising,
@@ -223,19 +214,8 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
     )
 
 
-def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
-    return variance_ratio(
-        [r[None, :, None] for r in found.estimates[way, n]],
-        [r[None, :, None] for r in found.estimates[base, n]],
-    )
-
-
 def _band(name: str, way: Way, n: int) -> Any:
     if name == "garage" and way == GUIDED:
         return bands.GARAGE_GUIDED.get(n)
-    steady = way in (STEADY, replace(STEADY, points="iid"))
-    if name.startswith("garden") and steady and n >= 10:
-        return bands.GARDEN_PREVIOUS_PASS
-    if name.startswith("garden") and way == LOO and n >= 30:
-        return bands.GARDEN_PREVIOUS_PASS
-    return None
+    steady = way in (STEADY, replace(STEADY, points="iid")) or (way == LOO and n >= 30)
+    return bands.GARDEN_PREVIOUS_PASS if name.startswith("garden") and steady else None

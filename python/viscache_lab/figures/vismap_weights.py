@@ -10,7 +10,7 @@ import numpy as np
 from viscache.plots.drawing import new_figure
 from viscache.vismap.equations import record_weight
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import vismap_bands as bands
+from viscache_lab.figures.bands import vismap as bands
 from viscache_lab.figures.vismap_printed import STEEPNESS, THETA_MAX_DEG
 
 #: Share of d_max at which the slope is taken.

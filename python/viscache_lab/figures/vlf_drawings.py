@@ -11,7 +11,7 @@ import viscache as vc
 from viscache.plots.drawing import new_figure
 from viscache.vlf.tiles import cover_tiles, walk_leaves, walk_tiles
 from viscache_lab.experiment import FIGURES, Row, Trial
-from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.bands import vlf as bands
 
 Array = npt.NDArray[Any]
 TILES = 16

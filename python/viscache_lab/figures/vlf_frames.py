@@ -13,9 +13,10 @@ import viscache as vc
 from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
 from viscache_lab.experiment import FIGURES, Row, Trial
+from viscache_lab.experiment.amounts import build_scene
 from viscache_lab.experiment.drawing import Panels, images, lines
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     MAX_BYTES,
@@ -27,6 +28,7 @@ from viscache_lab.figures.vlf_tracers import (
     camera_rays,
     embree,
     in_turns,
+    tracers,
 )
 
 #: Numbers of random triangles, and the largest for which a full field is built.
@@ -43,8 +45,7 @@ QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
 
 def _random(count: int) -> vc.Scene:
-    made: vc.Scene = vc.scenes.random_triangles(triangles=count, edge_factor=EDGE_FACTOR)
-    return made
+    return build_scene(f"random_triangles?triangles={count}&edge_factor={EDGE_FACTOR:g}")
 
 
 @FIGURES.add("vlf-fig4", "the scenes of random triangles")
@@ -78,12 +79,7 @@ def figure5(trial: Trial) -> None:
     for count in counts:
         scene = _random(count)
         beams = _stations(size)
-        tuned = {
-            "CRT": best_bsp(scene, beams, trial.quick),
-            "VLF-RT": best_field(scene, beams, trial.quick, lazy=True),
-            "Embree": embree(scene),
-            FAST_EMBREE: embree(scene, robust=False),
-        }
+        tuned = tracers(scene, beams, trial.quick, lazy=True)
         runs: dict[str, Callable[[], Any]] = {
             name: partial(beams.trace, t.caster) for name, t in tuned.items()
         }
@@ -222,10 +218,8 @@ def figure6(trial: Trial) -> None:
 
 
 def _classroom(quick: bool) -> vc.Scene:
-    made: vc.Scene = vc.scenes.classroom_like(
-        triangles=5000 if quick else printed.CLASSROOM_TRIANGLES
-    )
-    return made
+    triangles = 5000 if quick else printed.CLASSROOM_TRIANGLES
+    return build_scene(f"classroom_like?triangles={triangles}")
 
 
 def _whitted(scene: vc.Scene, rays: Rays, view: vc.Camera, size: tuple[int, int]) -> vc.Frame:

@@ -12,28 +12,26 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.scene.about import offset_extent
 from viscache_lab.cases.beams import Beams
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import images
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures import vlf_printed as printed
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import (
     FAST_EMBREE,
     QUICK_DIRECTIONS,
+    Floats,
     Tuned,
-    best_bsp,
-    best_field,
-    embree,
     first_hits,
+    free_bits,
     in_turns,
+    starts,
+    tracers,
 )
 
 SIZE, QUICK_SIZE = (256, 256), (48, 48)
 #: Number of points for the single-ray tracers; the batch gets all points.
 POINTS, QUICK_POINTS = 4096, 128
-#: Offset of ray origins from a surface, as in visibility/query.h: units in the last place.
-OFFSET = 8 * 2.0**-23
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,18 +40,21 @@ class Place:
 
     name: str
     scene: vc.Scene
-    positions: npt.NDArray[np.float32]
-    normals: npt.NDArray[np.float32]
+    positions: Floats
+    normals: Floats
     seen: npt.NDArray[np.bool_]
     n_directions: int
+
+    @property
+    def points(self) -> tuple[vc.Scene, Floats, Floats, int]:
+        """What aligned rays start from."""
+        return self.scene, self.positions, self.normals, self.n_directions
 
     def beams(self, n_points: int) -> tuple[Beams, Beams]:
         """The rays of some points, ordered by point and ordered by direction."""
         pick = np.unique(np.linspace(0, len(self.positions) - 1, n_points).astype(np.int64))
         p, n = self.positions[pick], self.normals[pick]
-        extent = np.float32(offset_extent(self.scene))
-        size = np.maximum(np.abs(p).max(axis=1, keepdims=True), extent)
-        o = (p + n * (np.float32(OFFSET) * size)).astype(np.float32)
+        o = starts(self.scene, p, n)
         axes = vc.vlf.directions(self.n_directions)
         sign = np.where(n @ axes.T >= 0, 1, -1).astype(np.float32)
         d = sign[:, :, None] * axes
@@ -113,18 +114,14 @@ def _decline_row(gains: dict[str, float], quick: bool) -> Row:
 
 def _measure(spot: Place, quick: bool) -> tuple[list[Row], list[dict[str, Any]], float]:
     by_point, by_direction = spot.beams(QUICK_POINTS if quick else POINTS)
-    tuned = {
-        "CRT": best_bsp(spot.scene, by_point, quick),
-        "VLF-RT": best_field(spot.scene, by_point, quick),
-        "Embree": embree(spot.scene),
-        FAST_EMBREE: embree(spot.scene, robust=False),
+    tuned = tracers(spot.scene, by_point, quick)
+    answers: dict[str, npt.NDArray[Any]] = {}
+    runs: dict[str, Callable[[], Any]] = {
+        f"{name}, {order}": partial(_blocked, beams, t)
+        for order, beams in (("by point", by_point), ("by direction", by_direction))
+        for name, t in tuned.items()
     }
-    answers: dict[str, npt.NDArray[np.bool_]] = {}
-    runs: dict[str, Callable[[], Any]] = {}
-    for order, beams in (("by point", by_point), ("by direction", by_direction)):
-        for name, t in tuned.items():
-            runs[f"{name}, {order}"] = _run(answers, f"{name}, {order}", beams, t)
-    found = in_turns(runs, 1 if quick else 2)
+    found = in_turns(runs, 1 if quick else 2, answers)
     whole = printed.OCCLUSION_PIXELS * printed.OCCLUSION_RAYS / len(by_point)
     seconds = {name: s * whole for name, s in found.items()}
     seconds |= _rows_of_bits(spot, quick)
@@ -160,34 +157,20 @@ def _measure(spot: Place, quick: bool) -> tuple[list[Row], list[dict[str, Any]],
     return rows, table, gain
 
 
-def _run(
-    answers: dict[str, npt.NDArray[np.bool_]], name: str, beams: Beams, tuned: Tuned
-) -> Callable[[], None]:
-    def run() -> None:
-        if isinstance(tuned.settings, vc.Embree):
-            found = tuned.caster.bare_occluded(
-                beams.origins, beams.directions, math.inf, 16, threads=1
-            )
-        else:
-            found = beams.trace(tuned.caster)
-        answers[name] = np.asarray(found, bool)
-
-    return run
+def _blocked(beams: Beams, tuned: Tuned) -> npt.NDArray[Any]:
+    """Which rays are; Embree traces rays that lie side by side in packets."""
+    if isinstance(tuned.settings, vc.Embree):
+        return np.asarray(
+            tuned.caster.bare_occluded(beams.origins, beams.directions, math.inf, 16, threads=1)
+        )
+    return beams.trace(tuned.caster)
 
 
 def _rows_of_bits(spot: Place, quick: bool) -> dict[str, float]:
     """The aligned batch and Embree's rows, all points at once."""
     engines: dict[str, Any] = {"aligned batch": "batch", "Embree's rows": "embree"}
-    runs: dict[str, Callable[[], Any]] = {
-        name: partial(
-            vc.vlf.trace_aligned,
-            spot.scene,
-            spot.positions,
-            spot.normals,
-            spot.n_directions,
-            engine=engine,
-            threads=1,
-        )
+    runs = {
+        name: partial(vc.vlf.trace_aligned, *spot.points, engine=engine, threads=1)
         for name, engine in engines.items()
     }
     spot.scene.aligned_batch()
@@ -274,7 +257,7 @@ def figure8(trial: Trial) -> None:
     shown, free = {}, {}
     for name in names:
         spot = place(name, trial.quick)
-        bits = {engine: _bits(spot, engine) for engine in ("batch", "embree")}
+        bits = {engine: free_bits(*spot.points, engine) for engine in ("batch", "embree")}
         weights = vc.vlf.direction_weights(spot.n_directions).astype(float)
         image = np.zeros((*spot.seen.shape, 1))
         image[spot.seen, 0] = bits["batch"] @ weights / weights.sum()
@@ -293,11 +276,3 @@ def figure8(trial: Trial) -> None:
         band=bands.CLOSED_IS_DARKER,
     )
     trial.draw("vlf-fig8.png", [images(shown, 1.0)], (3.2 * len(names), 3.4))
-
-
-def _bits(spot: Place, engine: Any) -> npt.NDArray[np.bool_]:
-    words = vc.vlf.aligned_occlusion(
-        spot.scene, spot.positions, spot.normals, spot.n_directions, engine=engine
-    )
-    unpacked = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")
-    return unpacked[:, : spot.n_directions].astype(bool)

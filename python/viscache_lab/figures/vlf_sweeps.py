@@ -1,23 +1,22 @@
-"""Beyond the visibility field's paper: sweeps of its parameters (X1), predicted memory (X3)."""
+"""Beyond the visibility field's paper: sweeps of its parameters (X1)."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 import viscache as vc
-from viscache.vlf.tiles import expected_references
+from viscache.settings.by_name import replaced
 from viscache_lab.cases.beams import Beams, chords
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import Panel, Panels, Series
-from viscache_lab.figures import vlf_bands as bands
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree
 
-#: X1: one parameter at a time, around the paper's settings.
+#: One parameter at a time, around the paper's settings.
 BASE, QUICK_BASE = (
     vc.Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
     vc.Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
@@ -27,43 +26,23 @@ SWEPT: dict[str, tuple[int, ...]] = {
     "n_tiles": (32, 64, 128, 256),
     "bsp_depth": (0, 1, 2, 3, 4, 5, 6),
 }
-QUICK_SWEPT: dict[str, tuple[int, ...]] = {
-    "n_directions": (33, 129),
-    "n_tiles": (32, 64),
-    "bsp_depth": (0, 5),
-}
+QUICK_SWEPT = {"n_directions": (33, 129), "n_tiles": (32, 64), "bsp_depth": (0, 5)}
 TRIANGLES, QUICK_TRIANGLES = 10_000, 2_000
 CHORDS, QUICK_CHORDS = 100_000, 3_000
-
-#: X3: scene, tiles and depth.
-FIELDS = (
-    ("random_triangles?triangles=10000&edge_factor=1", 128, 0),
-    ("random_triangles?triangles=10000&edge_factor=1", 128, 5),
-    ("random_triangles?triangles=100000&edge_factor=1", 128, 3),
-    ("random_triangles?triangles=100000&edge_factor=1", 256, 0),
-    ("bumpy_spheres?triangles=34000", 128, 4),
-    ("classroom_like", 128, 5),
-)
-QUICK_FIELDS = (
-    ("random_triangles?triangles=2000&edge_factor=1", 64, 0),
-    ("bumpy_spheres?triangles=5800", 64, 3),
-)
-X3_DIRECTIONS, QUICK_X3_DIRECTIONS = 129, 33
 
 
 @FIGURES.add("vlf-x1", "speed, tests and memory over directions, tiles and depth")
 def x1(trial: Trial) -> None:
     """Tiles and tests per ray, speed, bytes and build time over l, n and depth."""
     base = QUICK_BASE if trial.quick else BASE
-    swept = QUICK_SWEPT if trial.quick else SWEPT
+    swept: Mapping[str, tuple[int, ...]] = QUICK_SWEPT if trial.quick else SWEPT
     triangles = QUICK_TRIANGLES if trial.quick else TRIANGLES
     scene: vc.Scene = vc.scenes.random_triangles(triangles=triangles, edge_factor=1.0)
     beams = chords(scene, QUICK_CHORDS if trial.quick else CHORDS)
     table = []
     for name, values in swept.items():
         for value in values:
-            changed: dict[str, Any] = {name: value}
-            settings = replace(base, **changed)
+            settings = replaced(base, {name: value}, "rays")
             table.append({"swept": name, **_measure(scene, beams, settings)})
     rival = embree(scene)
     seconds = cpu_seconds(lambda: beams.trace(rival.caster))
@@ -95,12 +74,8 @@ def _measure(scene: vc.Scene, beams: Beams, settings: vc.Vlf) -> dict[str, Any]:
     seconds = cpu_seconds(lambda: beams.trace(field))
     n = len(beams)
     return {
-        "n_directions": settings.n_directions,
-        "n_tiles": settings.n_tiles,
-        "bsp_depth": settings.bsp_depth,
-        "tiles": steps["tiles"] / n,
-        "leaves": steps["leaves"] / n,
-        "tests": steps["tests"] / n,
+        **{name: getattr(settings, name) for name in SWEPT},
+        **{name: steps[name] / n for name in ("tiles", "leaves", "tests")},
         "mrays_s": n / seconds / 1e6,
         "bytes": field.stats["bytes"],
         "build_s": build_s,
@@ -155,51 +130,3 @@ def _panels(table: list[dict[str, Any]]) -> Panels:
 
     measures = {"mrays_s": "Mray/s", "tests": "tests per ray"}
     return [[panel(name, *measure) for name in SWEPT] for measure in measures.items()]
-
-
-@FIGURES.add("vlf-x3", "memory of a field, predicted and used")
-def x3(trial: Trial) -> None:
-    """Predicted bytes and list entries over the counted ones."""
-    table = []
-    directions = QUICK_X3_DIRECTIONS if trial.quick else X3_DIRECTIONS
-    for spec, n_tiles, depth in QUICK_FIELDS if trial.quick else FIELDS:
-        scene: vc.Scene = vc.scenes.build(spec)
-        settings = vc.Vlf(
-            n_directions=directions, n_tiles=n_tiles, bsp_depth=depth, max_bytes=MAX_BYTES
-        )
-        predicted = vc.VisibilityField.memory_estimate(scene, settings)
-        start = time.process_time()
-        stats = settings.build(scene).stats
-        build_s = time.process_time() - start
-        label = f"{spec.partition('&')[0]}, n {n_tiles}, depth {depth}"
-        trial.row(
-            f"{label}: bytes predicted over used",
-            predicted / stats["bytes"],
-            band=bands.MEMORY_PREDICTED,
-            note=f"{stats['bytes'] / 1e6:.1f} MB, {build_s:.2f} CPU s to build",
-        )
-        table.append(
-            {
-                "scene": spec,
-                "n_tiles": n_tiles,
-                "bsp_depth": depth,
-                "predicted": predicted,
-                "bytes": stats["bytes"],
-                "build_s": build_s,
-            }
-        )
-        if depth == 0 and spec.startswith("random"):
-            formula = expected_references(scene, n_tiles)
-            counted = stats["references"] / directions
-            trial.row(
-                f"{label}: entries by formula over counted",
-                formula / counted,
-                band=bands.REFERENCES_PREDICTED,
-                note=f"{counted / scene.triangles:.2f} entries a triangle",
-            )
-    mb, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
-    ends = [min(mb) / 2, max(mb) * 2]
-    series = [Series("", mb, foretold, "o"), Series("", ends, ends, "k-")]
-    panel = Panel(series=series, x="MB used", y="MB predicted", logarithmic="xy")
-    trial.draw("vlf-x3.png", [[panel]], (4.6, 4.6))
-    trial.csv("vlf-x3.csv", table)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeAlias
 
@@ -13,8 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
+from viscache.scene.about import offset_extent
 from viscache.settings.rays import Rays
 from viscache_lab.cases.beams import Beams
+from viscache_lab.experiment.amounts import turns
 from viscache_lab.figures import vlf_printed as printed
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -27,6 +29,8 @@ QUICK_DIRECTIONS, QUICK_TILES = 129, 64
 #: Rays that a grid search traces.
 TRIAL_RAYS = 20_000
 MAX_BYTES = 6 << 30
+#: Offset of ray origins from a surface, as in visibility/query.h: units in the last place.
+OFFSET = 8 * 2.0**-23
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,8 +42,6 @@ class Tuned:
     build_s: float
     """CPU seconds of all threads."""
     nbytes: int
-    grid: tuple[dict[str, Any], ...] = ()
-    """All grid points: parameters, CPU seconds, bytes."""
 
     @property
     def text(self) -> str:
@@ -64,74 +66,56 @@ def cpu_seconds(run: Callable[[], Any], repeats: int = 2) -> float:
     return best
 
 
-def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, float]:
+def in_turns(
+    runs: Mapping[str, Callable[[], Any]], repeats: int = 3, answers: dict[str, Any] | None = None
+) -> dict[str, float]:
     """The smallest CPU seconds of each; they take turns, so a busy machine slows all of them."""
-    best = dict.fromkeys(runs, math.inf)
-    for _ in range(repeats):
-        for name, run in runs.items():
-            best[name] = min(best[name], cpu_seconds(run, 1))
-    return best
+    taken = turns(runs, repeats, warm_up=False)
+    if answers is not None:
+        answers |= taken.answers
+    return {name: min(s.cpu_s for s in some) for name, some in taken.samples.items()}
+
+
+def tracers(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> dict[str, Tuned]:
+    """The paper's two tracers, tuned for some rays, and Embree's two."""
+    return {
+        "CRT": best_bsp(scene, beams, quick),
+        "VLF-RT": best_field(scene, beams, quick, lazy=lazy),
+        "Embree": embree(scene),
+        FAST_EMBREE: embree(scene, robust=False),
+    }
 
 
 def best_bsp(scene: vc.Scene, beams: Beams, quick: bool) -> Tuned:
     """The fastest BSP for some rays, from the paper's pre-test over depth and leaf size."""
     depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
-    return _best(
-        scene,
-        beams,
-        (vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves),
-    )
+    grid = (vc.Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
+    return _best(scene, beams, grid)
 
 
 def best_field(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
     """The fastest field over tile depths, with the paper's directions and tiles."""
     axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
     depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
-    return _best(
-        scene,
-        beams,
-        (
-            vc.Vlf(
-                n_directions=axes,
-                n_tiles=n,
-                bsp_depth=d,
-                kernel="wald",
-                lazy=lazy,
-                max_bytes=MAX_BYTES,
-            )
-            for d in depths
-        ),
-    )
+    base = vc.Vlf(n_directions=axes, n_tiles=n, kernel="wald", lazy=lazy, max_bytes=MAX_BYTES)
+    return _best(scene, beams, (replace(base, bsp_depth=d) for d in depths))
 
 
 def _best(scene: vc.Scene, beams: Beams, candidates: Iterable[vc.Bsp | vc.Vlf]) -> Tuned:
     trial = beams.some(TRIAL_RAYS)
-    grid: list[dict[str, Any]] = []
-    best: tuple[float, Rays] | None = None
-    for settings in candidates:
-        caster: Any = settings.build(scene)
+
+    def seconds(settings: vc.Bsp | vc.Vlf) -> float:
+        caster = settings.build(scene)
         trial.trace(caster)  # the first rays build a lazy field
-        seconds = cpu_seconds(partial(trial.trace, caster))
-        row = {"seconds": seconds, "bytes": caster.stats["bytes"]}
-        names = ("max_depth", "leaf_size", "n_directions", "n_tiles", "bsp_depth")
-        grid.append({n: getattr(settings, n) for n in names if hasattr(settings, n)} | row)
-        if best is None or seconds < best[0]:
-            best = seconds, settings
-        del caster
-    assert best is not None
-    chosen = best[1]
+        return cpu_seconds(partial(trial.trace, caster))
+
+    chosen = min(candidates, key=seconds)
     start = time.process_time()
-    caster = chosen.build(scene)
+    caster: Any = chosen.build(scene)
     if isinstance(chosen, vc.Vlf) and chosen.lazy:
         beams.trace(caster)
     built = time.process_time() - start
-    return Tuned(
-        settings=chosen,
-        caster=caster,
-        build_s=built,
-        nbytes=caster.stats["bytes"],
-        grid=tuple(grid),
-    )
+    return Tuned(settings=chosen, caster=caster, build_s=built, nbytes=caster.stats["bytes"])
 
 
 #: Embree without its robust flag: it leaks at edges, as Wald's test of the others does.
@@ -169,12 +153,7 @@ def camera_rays(camera: vc.Camera, size: tuple[int, int]) -> Beams:
 def first_hits(
     scene: vc.Scene, camera: vc.Camera, size: tuple[int, int]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
-    """Surface points that the pixels see.
-
-    Returns
-    -------
-    positions (N, 3), normals (N, 3) towards the camera, and which pixels (H, W) see a surface.
-    """
+    """Points (N, 3) that pixels see, normals towards the camera, which pixels (H, W) see one."""
     beams = camera_rays(camera, size)
     hit = scene.intersect(beams.origins, beams.directions)
     seen = hit.triangle >= 0
@@ -192,3 +171,18 @@ def first_hits(
         normals.astype(np.float32),
         seen.reshape(size[1], size[0]),
     )
+
+
+def starts(scene: vc.Scene, points: Floats, normals: Floats) -> Floats:
+    """Origins of rays that leave the points' surfaces."""
+    extent = np.float32(offset_extent(scene))
+    size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
+    return np.asarray(points + normals * (np.float32(OFFSET) * size), np.float32)
+
+
+def free_bits(
+    scene: vc.Scene, points: Floats, normals: Floats, count: int, engine: Any = "auto"
+) -> npt.NDArray[np.bool_]:
+    """(N, l): which of l directions are unoccluded."""
+    words = vc.vlf.aligned_occlusion(scene, points, normals, count, engine=engine)
+    return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from viscache_lab.figures import aqvc_bands as bands
 from viscache_lab.figures import aqvc_printed as printed
+from viscache_lab.figures.bands import aqvc as bands
 
 
 def test_the_papers_speedups_are_its_ratios_and_lie_in_the_bands() -> None:

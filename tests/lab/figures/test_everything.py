@@ -15,7 +15,7 @@ from PIL import Image
 from viscache import cli
 from viscache.base import provenance
 from viscache_lab import figures
-from viscache_lab.experiment import Band, Experiment, Trial, references
+from viscache_lab.experiment import Band, Experiment, Trial
 from viscache_lab.experiment import run as everything
 from viscache_lab.experiment.claim_rules import Claim
 
@@ -152,7 +152,6 @@ def test_the_code_hash_is_of_the_sources() -> None:
 
 
 def test_figures_of_one_folder_share_their_references(tmp_path: Path) -> None:
-    assert references.exact_frames().directory is None
-    with references.kept_in(tmp_path):
-        assert references.exact_frames().directory == tmp_path
-    assert references.exact_frames().directory is None
+    for name in ("one", "other"):
+        frames = Trial(folder=tmp_path, options={"name": name}).exact_frames()
+        assert frames.directory == tmp_path / "references"

@@ -11,23 +11,16 @@ from typing import Any
 import pytest
 
 from codebase.repository import text
-from lab.figures.every_band import all_bands
+from lab.figures.every_band import EVERY
 from viscache_lab.experiment import Band, Row, claims_pages
 from viscache_lab.experiment.claim_rules import Claim, interval
 from viscache_lab.experiment.claims_pages import PAGES, filled
 from viscache_lab.experiment.full_run import RUNS, FullRun, Judged, kept, read, written
-from viscache_lab.figures import FIGURES, aqvc_bands, vismap_bands, vlf_bands
+from viscache_lab.figures import FIGURES
+from viscache_lab.figures.bands import aqvc
 
 #: A claim that no full run here found, so far.
 FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith("H8"))
-
-
-def judged_bands() -> dict[str, Band]:
-    """Bands of full runs that state a claim."""
-    found: dict[str, Band] = {}
-    for bands in (aqvc_bands, vlf_bands, vismap_bands):
-        found |= {f"{bands.__name__}.{name}": band for name, band in all_bands(bands).items()}
-    return {n: b for n, b in found.items() if b.claim is not None and ".QUICK_" not in n}
 
 
 def claim_of(band: Band) -> tuple[str, str, str, float, float]:
@@ -57,10 +50,11 @@ def test_every_figure_has_a_full_run_in_order() -> None:
 
 def test_every_claim_is_judged_by_a_full_run() -> None:
     judged = {row.claim for run in RUNS.values() for row in run.judged}
-    declared = {name: claim_of(band) for name, band in judged_bands().items()}
+    of_full_runs = {n: b for n, b in EVERY.items() if b.claim is not None and ".QUICK_" not in n}
+    declared = {name: claim_of(band) for name, band in of_full_runs.items()}
     assert [name for name, claim in declared.items() if claim not in judged] == []
     assert judged <= set(declared.values())
-    assert FLICKER.claim == claim_of(aqvc_bands.H8_FLICKER)
+    assert FLICKER.claim == claim_of(aqvc.H8_FLICKER)
 
 
 @pytest.mark.parametrize("name", [name for name, run in RUNS.items() if run.judged])
@@ -82,7 +76,7 @@ def result(*rows: Row, **others: Any) -> dict[str, Any]:
     }
 
 
-WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.more())
+WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.by("more"))
 
 
 def test_a_run_is_kept_with_its_bands_and_claims() -> None:

@@ -21,8 +21,8 @@ from viscache_lab.figures import (
     vlf_frames,
     vlf_occlusion,
 )
-from viscache_lab.figures import vlf_bands as bands
 from viscache_lab.figures.aqvc_runs import Trade
+from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import FAST_EMBREE, Tuned
 
 

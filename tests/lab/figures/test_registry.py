@@ -104,7 +104,7 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
 def test_a_figure_prints_and_records_two_verdicts(
     made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.at_least(8.0))
+    band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.by("at_least", 8.0))
     made_up.append(Row(what="speed", measured=3.0, band=band))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
     line = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)."
@@ -166,3 +166,12 @@ def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
     assert sizes == [(64, 40), None, (8, 4)]
     assert cli.main(["reproduce", "fixed", "--size", "8x4", *out]) == 2
     assert "size must be left out for fixed; it is for sized" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "instead"), figures.FIGURES.gone.items())
+def test_a_figure_that_is_no_more_names_what_to_use(
+    name: str, instead: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert name not in figures.FIGURES
+    assert cli.main(["reproduce", name, "-o", str(tmp_path)]) == 2
+    assert f"the figure {name!r} is gone: use {instead}" in capsys.readouterr().err

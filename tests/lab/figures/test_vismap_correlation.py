@@ -10,8 +10,8 @@ import xarray
 
 from viscache.correlation import correlate
 from viscache.scenes.sources import SCENES_VARIABLE
-from viscache_lab.figures import vismap_bands as bands
 from viscache_lab.figures import vismap_correlation as figure
+from viscache_lab.figures.bands import vismap as bands
 
 
 def slices(over_theta: np.ndarray, over_d: np.ndarray) -> xarray.Dataset:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscache_lab.figures import vismap_bands as bands
-from viscache_lab.figures.vismap_density import (
+from viscache_lab.figures.bands import vismap as bands
+from viscache_lab.figures.vismap_records import (
     equal_cells,
     per_cell_angle,
     per_cell_mean,

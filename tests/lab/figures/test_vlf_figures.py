@@ -12,10 +12,10 @@ import pytest
 
 import viscache as vc
 from viscache_lab.cases.beams import Beams
+from viscache_lab.cases.moving_object import ball
 from viscache_lab.experiment import Trial
 from viscache_lab.figures import vlf_drawings, vlf_tracers
 from viscache_lab.figures.vlf_frames import local_shading
-from viscache_lab.figures.vlf_objects import ball
 from viscache_lab.figures.vlf_occlusion import place
 from viscache_lab.figures.vlf_tracers import camera_rays, first_hits
 
@@ -82,7 +82,6 @@ def test_a_grid_search_takes_the_fastest(monkeypatch: pytest.MonkeyPatch) -> Non
     beams = camera_rays(scene.cameras[0], (16, 16))
     best = vlf_tracers.best_bsp(scene, beams, quick=True)
     assert (best.settings.max_depth, best.settings.leaf_size) == (14, 16)  # type: ignore[union-attr]
-    assert [row["seconds"] for row in best.grid] == [3.0, 1.0, 2.0, 4.0]
     assert best.nbytes == best.caster.stats["bytes"]
 
 

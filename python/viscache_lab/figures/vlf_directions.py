@@ -1,33 +1,23 @@
-"""Beyond the visibility field's paper: occlusion directions (X2), the aligned batch's gain (X4)."""
+"""Beyond the visibility field's paper: ambient occlusion over the number of directions (X2)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache.scene.about import offset_extent
 from viscache_lab.experiment import FIGURES, Row, Trial
 from viscache_lab.experiment.drawing import images, lines
-from viscache_lab.figures import vlf_bands as bands
-from viscache_lab.figures.vlf_occlusion import OFFSET
-from viscache_lab.figures.vlf_tracers import first_hits, in_turns
+from viscache_lab.figures.bands import vlf as bands
+from viscache_lab.figures.vlf_tracers import first_hits, free_bits, starts
 
 COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
 #: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
 REFERENCE, QUICK_REFERENCE = 16_384, 512
 X2_SIZE, QUICK_X2_SIZE = (48, 48), (20, 20)
 X2_TRIANGLES, QUICK_X2_TRIANGLES = 15_000, 3_000
-
-#: X4: points per triangle.
-SHARES, QUICK_SHARES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0), (0.05, 0.5, 5.0)
-X4_SCENES = ("bumpy_spheres?triangles=15000", "random_triangles?triangles=15000&edge_factor=1")
-QUICK_X4_SCENES = ("bumpy_spheres?triangles=3000",)
-X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 
 @FIGURES.add("vlf-x2", "error of ambient occlusion over the number of directions")
@@ -43,7 +33,7 @@ def x2(trial: Trial) -> None:
     counts = QUICK_COUNTS if trial.quick else COUNTS
     errors: dict[str, dict[int, npt.NDArray[np.float64]]] = {"equal": {}, "solid angle": {}}
     for count in counts:
-        free = bits_of(scene, points, normals, count)
+        free = free_bits(scene, points, normals, count)
         weights = vc.vlf.direction_weights(count).astype(float)
         errors["equal"][count] = free.mean(axis=1) - reference
         errors["solid angle"][count] = free @ weights / weights.sum() - reference
@@ -80,25 +70,14 @@ def hemisphere_reference(
 ) -> npt.NDArray[np.float64]:
     """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
-    extent = np.float32(offset_extent(scene))
-    size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
-    starts = (points + normals * (np.float32(OFFSET) * size)).astype(np.float32)
     share = np.zeros(len(points))
-    for i, (start, n) in enumerate(zip(starts, normals, strict=True)):
+    for i, (start, n) in enumerate(zip(starts(scene, points, normals), normals, strict=True)):
         d = rng.normal(size=(rays, 3))
         d /= np.linalg.norm(d, axis=1, keepdims=True)
         d *= np.where(d @ n >= 0, 1, -1)[:, None]
         o = np.broadcast_to(start, d.shape)
         share[i] = 1 - scene.occluded(o, d.astype(np.float32)).mean()
     return share
-
-
-def bits_of(
-    scene: vc.Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
-) -> npt.NDArray[np.bool_]:
-    """(N, l): which directions are unoccluded."""
-    words = vc.vlf.aligned_occlusion(scene, points, normals, count)
-    return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
 
 def _rms(errors: npt.NDArray[np.float64]) -> float:
@@ -142,82 +121,3 @@ def _image(values: npt.NDArray[np.float64], seen: npt.NDArray[np.bool_]) -> npt.
     image = np.zeros((*seen.shape, 1))
     image[seen, 0] = values
     return image
-
-
-@FIGURES.add("vlf-x4", "the aligned batch against Embree over points per triangle")
-def x4(trial: Trial) -> None:
-    """The aligned batch against Embree, by points per triangle, and the engine chosen by "auto"."""
-    table = []
-    gained: dict[str, tuple[list[float], list[float]]] = {}
-    directions = QUICK_X4_DIRECTIONS if trial.quick else X4_DIRECTIONS
-    for spec in QUICK_X4_SCENES if trial.quick else X4_SCENES:
-        scene: vc.Scene = vc.scenes.build(spec)
-        name = spec.partition("?")[0]
-        gains, chosen = [], []
-        shares = QUICK_SHARES if trial.quick else SHARES
-        for share in shares:
-            seconds, engine = _engines(scene, share, directions)
-            gains.append(seconds["embree"] / seconds["batch"])
-            chosen.append(min(seconds["embree"], seconds["batch"]) / seconds["auto"])
-            table.append(
-                {
-                    "scene": spec,
-                    "points per triangle": share,
-                    "gain": gains[-1],
-                    "auto": engine,
-                    "auto over best": chosen[-1],
-                }
-            )
-            trial.row(
-                f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
-                gains[-1],
-                band=_share_band(share, shares, trial.quick),
-                note=f"auto takes {engine}",
-            )
-        gained[name] = (list(shares), gains)
-        trial.row(
-            f"{name}: speed-up at the most points over that at the fewest",
-            gains[-1] / gains[0],
-            band=bands.POINTS_PAY,
-        )
-        trial.row(
-            f"{name}: speed of auto over the faster engine, at its worst",
-            min(chosen),
-            band=None if trial.quick else bands.CHOOSER,
-        )
-    y = "speed-up of the batch over Embree"
-    trial.draw("vlf-x4.png", lines(gained, x="points per triangle", y=y))
-    trial.csv("vlf-x4.csv", table)
-    trial.notes.append(
-        f"{directions} directions, one thread, CPU seconds; Embree by the faster of its orders"
-    )
-
-
-def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
-    if quick:
-        return None
-    return {shares[0]: bands.FEW_POINTS, shares[-1]: bands.MANY_POINTS}.get(share)
-
-
-def _engines(scene: vc.Scene, share: float, directions: int) -> tuple[dict[str, float], str]:
-    """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
-    wanted = max(16, round(share * scene.triangles))
-    side = math.ceil(math.sqrt(2.5 * wanted))
-    points, normals, _ = first_hits(scene, scene.cameras[0], (side, side))
-    points, normals = points[:wanted], normals[:wanted]
-    scene.aligned_batch()
-    taken = ""
-
-    def run(engine: Any) -> Callable[[], None]:
-        def trace() -> None:
-            nonlocal taken
-            rows = vc.vlf.trace_aligned(
-                scene, points, normals, directions, engine=engine, threads=1
-            )
-            if engine == "auto":
-                taken = rows.engine
-
-        return trace
-
-    names = ("batch", "embree", "auto")
-    return in_turns({name: run(name) for name in names}, 3), taken
