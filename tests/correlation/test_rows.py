@@ -43,7 +43,7 @@ def test_rows_say_what_single_rays_say(map_size: int) -> None:
     np.testing.assert_array_equal(unpacked(rows.bits, map_size**2), expected)
     assert not unpacked(rows.bits, 64 * rows.bits.shape[1])[:, map_size**2 :].any()
     assert rows.n_rays == wanted.sum()
-    assert rows.rays_per_second == rows.n_rays / rows.seconds > 0
+    assert rows.seconds > 0
     if map_size > 5:
         assert 0.1 < expected.sum() / wanted.sum() < 0.9
 

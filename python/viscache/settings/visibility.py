@@ -6,14 +6,24 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from viscache import _core
-from viscache.settings.aqvc import Aqvc as Aqvc
-from viscache.settings.aqvc import PaperForm as PaperForm
+from viscache.settings.aqvc import Aqvc, PaperForm
 from viscache.settings.checks import check_types
-from viscache.settings.nee_plus_plus import NeePlusPlus as NeePlusPlus
+from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.parameter_rows import ParameterRows, RowSettings
 from viscache.settings.registry import registered
 from viscache.settings.source_context import SourceContext
-from viscache.settings.vismaps import VisMaps as VisMaps
+from viscache.settings.vismaps import VisMaps
+
+#: The methods that `viscache` has; its own list and its stub take them from here.
+__all__ = [
+    "Aqvc",
+    "Exact",
+    "NeePlusPlus",
+    "PaperForm",
+    "ShadowMap",
+    "Unoccluded",
+    "VisMaps",
+]
 
 
 @registered("visibility", "exact", exact=True, unbiased=True, product=True, parts=True, audit=False)
