@@ -11,11 +11,11 @@ namespace viscache {
 /// of the triangle, offset along its normal, on the wrong side of it.
 ///
 /// Embree's robust test (v3.13, triangle_intersector_pluecker.h) takes the corners relative to the origin of
-/// the ray, v_k ≤ s_k along axis k, where s is the size of the triangle; the normal N as a cross product of two
-/// edges; and the sign of N·v. Half an ulp u of each step adds up, to first order, to
+/// the ray, v_k ≤ s_k along axis k, where s is the size of the triangle; the normal N as a cross product of
+/// two edges; and the sign of N·v. Half an ulp u of each step adds up, to first order, to
 ///     u Σ_k s_k (4 |n_k| + 4 A_k),   A_k = (|a_i b_j| + |a_j b_i|) / |N|
-/// with the unit normal n and the edges a, b that it takes for the k-th component. The position and the origin of
-/// the ray are rounded too: u Σ_k 2 |n_k| |p_k| < 4u |p|. So E = ½ Σ_k s_k (|n_k| + A_k) suffices:
+/// with the unit normal n and the edges a, b that it takes for the k-th component. The position and the
+/// origin of the ray are rounded too: u Σ_k 2 |n_k| |p_k| < 4u |p|. So E = ½ Σ_k s_k (|n_k| + A_k) suffices:
 /// 4u · 2E + 4u |p| ≤ 16u max(|p|, E), as 8 ulps are 16u, with room for the rounding of the offset.
 ///
 /// The normal of a needle that lies across the axes is all rounding: E stops at 4 times the longest edge, as
