@@ -98,7 +98,7 @@ WAYS: dict[str, Callable[[Any], Any]] = {
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("door", DOORS)
-def test_complex_numbers_are_refused(door: str, way: str) -> None:
+def test_complex_numbers_are_refused(door, way):
     given, call = DOORS[door]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as in most programs: no warning ends the call
@@ -107,7 +107,7 @@ def test_complex_numbers_are_refused(door: str, way: str) -> None:
             call(WAYS[way](given))
 
 
-def test_real_arrays_keep_their_type() -> None:
+def test_real_arrays_keep_their_type():
     for given in (np.arange(3), np.float32([1, 2]), [[1, 2.5]], np.array([1, None], object)):
         found = real_array(given, "x")
         assert found.dtype == np.asarray(given).dtype and found.tolist() == list(
@@ -115,7 +115,7 @@ def test_real_arrays_keep_their_type() -> None:
         )
 
 
-def test_bindings_have_no_other_conversion_of_numbers() -> None:
+def test_bindings_have_no_other_conversion_of_numbers():
     """Arrays of floats, colours and points go through cpp/bindings/real_numbers.h alone."""
     found = sources(".h", ".cpp", under="cpp/bindings/")
     of_tests = sources(".h", ".cpp", under="tests/core/")

@@ -36,7 +36,7 @@ def cells(path: Path) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("text", FORMULAS)
-def test_no_cell_begins_a_formula(text: str, tmp_path: Path) -> None:
+def test_no_cell_begins_a_formula(text, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, [{text: text, "other": 1}], [text, "other"])
     append_csv(path, {text: text}, [text, "other"])
@@ -44,7 +44,7 @@ def test_no_cell_begins_a_formula(text: str, tmp_path: Path) -> None:
 
 
 @given(st.one_of(st.sampled_from(FORMULAS + PLAIN), st.text(st.characters(codec="utf-8"))))
-def test_a_text_comes_back(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+def test_a_text_comes_back(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("csv") / "table.csv"
     write_csv(path, [{"a": text, "b": 0}], ["a", "b"])
     assert cells(path)[1][0].removeprefix("'") == text
@@ -54,12 +54,12 @@ def test_a_text_comes_back(tmp_path_factory: pytest.TempPathFactory, text: str) 
     "number",
     [-1, -0.5, 1e-300, -1e300, True, math.inf, np.float64(-2.5), np.int64(-3), -np.float32(0.1)],
 )
-def test_numbers_are_as_they_were(number: Any, tmp_path: Path) -> None:
+def test_numbers_are_as_they_were(number, tmp_path):
     write_csv(tmp_path / "t.csv", [{"a": number, "b": None}], ["a", "b"])
     assert cells(tmp_path / "t.csv") == [["a", "b"], [str(number), ""]]
 
 
-def test_a_strangers_names_are_no_formulas(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_strangers_names_are_no_formulas(fake_vc, tmp_path):
     given: dict[str, Any] = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
     sweep("room", "whitted", directory=tmp_path, **given)
     with Store(tmp_path) as store:
@@ -72,7 +72,7 @@ def test_a_strangers_names_are_no_formulas(fake_vc: Any, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("value", ["=1+1", [1], True])
-def test_a_metric_that_is_no_number_is_refused(value: Any, fake_vc: Any, tmp_path: Path) -> None:
+def test_a_metric_that_is_no_number_is_refused(value, fake_vc, tmp_path):
     given: dict[str, Any] = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
     sweep("room", "whitted", directory=tmp_path, **given)
     with Store(tmp_path) as store:

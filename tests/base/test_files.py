@@ -3,8 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,7 +11,7 @@ from viscache.base.files import inside, whole_file, write_whole
 from viscache.scene import environments
 
 
-def test_a_file_takes_its_place_at_the_end_alone(tmp_path: Path) -> None:
+def test_a_file_takes_its_place_at_the_end_alone(tmp_path):
     target = tmp_path / "table.csv"
     write_whole(target, "old")
     with whole_file(target) as partial:
@@ -23,7 +21,7 @@ def test_a_file_takes_its_place_at_the_end_alone(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_an_error_leaves_the_file_as_it_was_and_nothing_beside_it(tmp_path: Path) -> None:
+def test_an_error_leaves_the_file_as_it_was_and_nothing_beside_it(tmp_path):
     target = tmp_path / "table.csv"
     write_whole(target, "old")
     with pytest.raises(RuntimeError, match="half way"), whole_file(target) as partial:
@@ -45,7 +43,7 @@ for path in sys.argv[1:]:
 """
 
 
-def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path: Path) -> None:
+def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path):
     target, other = tmp_path / "state.npz", tmp_path / "state.npz2"
     subprocess.run([sys.executable, "-c", KILLED, target, other], check=True)
     assert len(list(tmp_path.iterdir())) == 2 and not target.exists()
@@ -54,7 +52,7 @@ def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path: Path) -> N
     assert len(left) == 1 and left[0].startswith(".state.npz2.")  # of another file
 
 
-def test_what_another_process_is_writing_stays(tmp_path: Path) -> None:
+def test_what_another_process_is_writing_stays(tmp_path):
     target = tmp_path / "a"
     with whole_file(target) as one:
         one.write_text("one")
@@ -64,7 +62,7 @@ def test_what_another_process_is_writing_stays(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("read", [vc.Frame.load, environments.read_exr])
-def test_a_picture_without_its_end_is_called_damaged(read: Any, tmp_path: Path) -> None:
+def test_a_picture_without_its_end_is_called_damaged(read, tmp_path):
     path = tmp_path / "picture.exr"
     vc.render("cube_on_plane", "direct", size=(8, 8)).save(path)
     path.write_bytes(path.read_bytes()[:-200])
@@ -72,9 +70,7 @@ def test_a_picture_without_its_end_is_called_damaged(read: Any, tmp_path: Path) 
         read(path)
 
 
-def test_a_link_in_the_place_of_a_partial_file_is_not_followed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_link_in_the_place_of_a_partial_file_is_not_followed(tmp_path, monkeypatch):
     target, victim = tmp_path / "table.csv", tmp_path / "victim"
     victim.write_text("precious")
     with whole_file(target) as partial:
@@ -85,7 +81,7 @@ def test_a_link_in_the_place_of_a_partial_file_is_not_followed(
     assert not target.is_symlink() and not partial.is_symlink()
 
 
-def test_a_path_inside_a_folder_passes_no_link(tmp_path: Path) -> None:
+def test_a_path_inside_a_folder_passes_no_link(tmp_path):
     (tmp_path / "real" / "a").mkdir(parents=True)
     (tmp_path / "real" / "a" / "link").symlink_to(tmp_path)
     (tmp_path / "folder").symlink_to(tmp_path / "real")

@@ -69,7 +69,7 @@ def fields_of(head: bytes) -> dict[str, Any]:
     return fields
 
 
-def test_the_table_has_every_format_and_no_reader_goes_around_it() -> None:
+def test_the_table_has_every_format_and_no_reader_goes_around_it():
     files = sources(".py", under="python/viscache/")
     made = {
         (path.removeprefix("python/viscache/"), name)
@@ -86,7 +86,7 @@ def test_the_table_has_every_format_and_no_reader_goes_around_it() -> None:
     assert loads == {f"python/viscache/{name}" for name in allowed}
 
 
-def test_what_was_written_is_read(case: tuple[Kept, Path]) -> None:
+def test_what_was_written_is_read(case):
     kept, path = case
     first = kept.read(path)
     head, arrays = kept.take(path)
@@ -105,9 +105,7 @@ def test_what_was_written_is_read(case: tuple[Kept, Path]) -> None:
         ({"version": 0}, "its version must be [0-9]+, got 0"),
     ],
 )
-def test_another_kind_or_version_is_refused(
-    change: dict[str, Any], says: str, case: tuple[Kept, Path]
-) -> None:
+def test_another_kind_or_version_is_refused(change, says, case):
     kept, path = case
     head, arrays = kept.take(path)
     other = replace(kept.form, **change)
@@ -116,7 +114,7 @@ def test_another_kind_or_version_is_refused(
 
 
 @pytest.mark.parametrize("lost", ["kind", "version", "fields", "sha256", "head", "all"])
-def test_a_head_that_lacks_something_is_refused(lost: str, case: tuple[Kept, Path]) -> None:
+def test_a_head_that_lacks_something_is_refused(lost, case):
     kept, path = case
     head, arrays = kept.take(path)
     cut = {name: value for name, value in json.loads(head).items() if name != lost}
@@ -125,7 +123,7 @@ def test_a_head_that_lacks_something_is_refused(lost: str, case: tuple[Kept, Pat
     refused(kept, path)
 
 
-def test_changed_fields_and_arrays_do_not_fit_the_hash(case: tuple[Kept, Path]) -> None:
+def test_changed_fields_and_arrays_do_not_fit_the_hash(case):
     kept, path = case
     head, arrays = kept.take(path)
     for name in list(arrays)[:8]:
@@ -141,7 +139,7 @@ def test_changed_fields_and_arrays_do_not_fit_the_hash(case: tuple[Kept, Path]) 
         refused(kept, path)
 
 
-def test_a_field_of_another_type_is_refused_though_the_hash_fits(case: tuple[Kept, Path]) -> None:
+def test_a_field_of_another_type_is_refused_though_the_hash_fits(case):
     kept, path = case
     head, arrays = kept.take(path)
     fields = fields_of(head)
@@ -163,9 +161,7 @@ def test_a_field_of_another_type_is_refused_though_the_hash_fits(case: tuple[Kep
             refused(kept, path)
 
 
-def test_an_array_of_another_type_or_shape_is_refused_though_the_hash_fits(
-    case: tuple[Kept, Path],
-) -> None:
+def test_an_array_of_another_type_or_shape_is_refused_though_the_hash_fits(case):
     kept, path = case
     head, arrays = kept.take(path)
     fields = fields_of(head)
@@ -195,7 +191,7 @@ def test_an_array_of_another_type_or_shape_is_refused_though_the_hash_fits(
         refused(kept, path)
 
 
-def test_a_changed_byte_is_refused_or_changes_nothing(case: tuple[Kept, Path]) -> None:
+def test_a_changed_byte_is_refused_or_changes_nothing(case):
     kept, path = case
     good, content = kept.read(path), kept.content(path)
     dice = random.Random(0)
@@ -212,7 +208,7 @@ def test_a_changed_byte_is_refused_or_changes_nothing(case: tuple[Kept, Path]) -
 
 
 @pytest.mark.parametrize("end", [0, 1, 100, 0.5, -1, -30])
-def test_a_file_that_is_cut_off_is_refused(end: float, case: tuple[Kept, Path]) -> None:
+def test_a_file_that_is_cut_off_is_refused(end, case):
     kept, path = case
     content = kept.content(path)
     kept.damage(path, content[: int(end * len(content)) if 0 < end < 1 else int(end)])
@@ -220,9 +216,7 @@ def test_a_file_that_is_cut_off_is_refused(end: float, case: tuple[Kept, Path]) 
 
 
 @pytest.mark.parametrize("change", ["dtype", "dims", "lost", "no NetCDF"])
-def test_a_dataset_without_statistics_is_refused_though_the_hash_fits(
-    change: str, tmp_path: Path
-) -> None:
+def test_a_dataset_without_statistics_is_refused_though_the_hash_fits(change, tmp_path):
     found = measured()
     changed = {
         "dtype": found.assign(mean=found["mean"].astype("f4")),
@@ -238,7 +232,7 @@ def test_a_dataset_without_statistics_is_refused_though_the_hash_fits(
         vc.correlation.load_dataset(path)
 
 
-def test_a_frame_of_other_numbers_is_refused(tmp_path: Path) -> None:
+def test_a_frame_of_other_numbers_is_refused(tmp_path):
     """Half the bits, but the same pixels and a hash that fits."""
     path = tmp_path / "frame.exr"
     vc.Frame(layers={"color": np.ones((4, 5, 3))}).save(path)
@@ -253,7 +247,7 @@ def test_a_frame_of_other_numbers_is_refused(tmp_path: Path) -> None:
     assert vc.Frame.load(path).image.max() == 1
 
 
-def test_stores_of_others_and_of_before_are_refused_before_they_change(tmp_path: Path) -> None:
+def test_stores_of_others_and_of_before_are_refused_before_they_change(tmp_path):
     def made(*statements: str) -> Path:
         path = tmp_path / "sweep.sqlite"
         path.unlink(missing_ok=True)
@@ -281,7 +275,7 @@ def test_stores_of_others_and_of_before_are_refused_before_they_change(tmp_path:
 
 
 @pytest.mark.parametrize("change", ["swapped", "index", "dims"])
-def test_rows_of_a_store_stand_where_they_belong(change: str, tmp_path: Path) -> None:
+def test_rows_of_a_store_stand_where_they_belong(change, tmp_path):
     make_sweep(tmp_path)
     with Store(tmp_path) as opened:
         if change == "swapped":

@@ -57,7 +57,7 @@ def disk(tmp_path: Path) -> Iterator[SmallDisk]:
             run("umount", "-l", folder)
 
 
-def test_in_a_namespace_where_this_user_may_mount(tmp_path: Path) -> None:
+def test_in_a_namespace_where_this_user_may_mount(tmp_path):
     """Runs this file again as the root of a user namespace, where mounting is refused here."""
     folder = tmp_path / "try"
     folder.mkdir()
@@ -80,7 +80,7 @@ def one_line(capsys: pytest.CaptureFixture[str], words: list[str]) -> str:
     return told
 
 
-def test_a_state_is_the_last_whole_one(disk: SmallDisk) -> None:
+def test_a_state_is_the_last_whole_one(disk):
     def picture() -> vc.Progressive:
         return vc.Progressive(SCENE, LIGHTS, size=(24, 16), threads=1)
 
@@ -103,9 +103,7 @@ def test_a_state_is_the_last_whole_one(disk: SmallDisk) -> None:
     assert third.n_passes == 2
 
 
-def test_a_sweep_goes_on_when_there_is_room(
-    disk: SmallDisk, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_goes_on_when_there_is_room(disk, tmp_path, capsys):
     toml = tmp_path / "s.toml"
     toml.write_text(
         f'scene = "{SCENE}"\nsize = [48, 32]\nmetrics = ["rel_l1"]\n'
@@ -135,9 +133,7 @@ def errors(table: list[str]) -> list[tuple[str, ...]]:
     return sorted(tuple(row.split(",")[i] for i in columns) for row in table[1:])
 
 
-def test_a_figure_is_drawn_when_there_is_room(
-    disk: SmallDisk, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_figure_is_drawn_when_there_is_room(disk, capsys):
     disk.fill(leave=4_096)
     command = ["reproduce", "vlf-fig1", "--quick", "-o", str(disk.folder)]
     told = one_line(capsys, command)
@@ -166,7 +162,7 @@ def with_room_from_the_start() -> Any:
 
 
 @pytest.mark.parametrize("leave", [0, 4_096, 100_000, 270_000])
-def test_a_correlation_goes_on_when_there_is_room(disk: SmallDisk, leave: int) -> None:
+def test_a_correlation_goes_on_when_there_is_room(disk, leave):
     """Its rows are mapped to memory: no page may be missing where they are written."""
     disk.fill(leave)
     store = disk.folder / "store"
@@ -218,7 +214,7 @@ for name, write in writers.items():
 """
 
 
-def test_a_netcdf_file_is_the_old_one_or_the_new_one(disk: SmallDisk) -> None:
+def test_a_netcdf_file_is_the_old_one_or_the_new_one(disk):
     """HDF5 would end the process some time after a write that its disk refused."""
     ended = run(sys.executable, "-c", WRITE_NETCDF, disk.folder)
     assert ended.returncode == 0, (ended.returncode, ended.stderr)

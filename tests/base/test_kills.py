@@ -65,7 +65,7 @@ def saved(folder: Path) -> int:
 
 
 @pytest.mark.slow
-def test_passes_that_are_killed_go_on_where_they_were(tmp_path: Path) -> None:
+def test_passes_that_are_killed_go_on_where_they_were(tmp_path):
     rng, kills, last = random.Random(3), 0, 0
     while kills < 6:
         process = start(PASSES, *in_passes(tmp_path, 100_000))
@@ -98,14 +98,8 @@ FULL = [
 @pytest.mark.parametrize(("number", "text", "says"), FULL, ids=["full", "read-only", "denied"])
 @pytest.mark.parametrize("out", ["x.exr", "x.png"])
 def test_a_disk_that_takes_nothing_is_one_line_that_says_what_to_do(
-    number: int,
-    text: str,
-    says: str,
-    out: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    number, text, says, out, tmp_path, monkeypatch, capsys
+):
     def refuse(self: Path, target: Any) -> None:
         raise OSError(number, text, str(target))
 
@@ -117,9 +111,7 @@ def test_a_disk_that_takes_nothing_is_one_line_that_says_what_to_do(
     assert told.count("\n") == 1 and list(tmp_path.iterdir()) == []
 
 
-def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(tmp_path, monkeypatch, capsys):
     def full(*given: Any, **more: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "x")
 
@@ -129,7 +121,7 @@ def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(
     assert not (tmp_path / "summary.json").exists()
 
 
-def test_a_limit_on_the_size_of_files_leaves_nothing_half_written(tmp_path: Path) -> None:
+def test_a_limit_on_the_size_of_files_leaves_nothing_half_written(tmp_path):
     """A real failure of writes, of an EXR and of a sweep."""
 
     def limited() -> None:

@@ -21,31 +21,31 @@ CALLS: dict[str, Callable[[object], object]] = {
 
 @pytest.mark.parametrize("bad", ["", "x", b"x", 1j, {}, object(), [[1, 2, 3], [1]]])
 @pytest.mark.parametrize("name", CALLS)
-def test_what_is_no_number_is_refused_by_name(name: str, bad: object) -> None:
+def test_what_is_no_number_is_refused_by_name(name, bad):
     with pytest.raises(ValueError, match=f"^{name} must be numbers, got "):
         CALLS[name](bad)
 
 
-def test_a_light_that_is_no_number_is_refused_by_name() -> None:
+def test_a_light_that_is_no_number_is_refused_by_name():
     maps = vc.VisibilityMapCache("cube_on_plane", vc.MapSettings(m=4, n_startup=10))
     image = vc.Relighting(maps, size=(8, 8), threads=1)
     with pytest.raises(ValueError, match=r"^env must be numbers, got b"):
         image.under(b"x")
 
 
-def test_numbers_become_floats_of_their_shape() -> None:
+def test_numbers_become_floats_of_their_shape():
     assert checked_floats(2, "x").shape == ()
     found = checked_floats([[1, 2], [3, 1e300]], "x")
     assert found.dtype == np.float32 and found.tolist() == [[1, 2], [3, np.inf]]
     assert checked_floats([1e300], "x", np.float64).tolist() == [1e300]
 
 
-def test_arrays_given_to_vpls_stay_writable() -> None:
+def test_arrays_given_to_vpls_stay_writable():
     given = np.float32(POINT)
     vc.Vpls(given, UP, POINT)
     given[0, 0] = 1  # a copy is frozen, not this one
 
 
-def test_pictures_that_are_no_numbers_are_refused_by_name() -> None:
+def test_pictures_that_are_no_numbers_are_refused_by_name():
     with pytest.raises(ValueError, match="must be numbers, got 'x'"):
         vc.metrics.compare("x", np.zeros((4, 4, 3)))

@@ -9,7 +9,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -50,7 +49,7 @@ def at_once(calls: list[Callable[[], Any]]) -> list[Any]:
 
 
 @pytest.mark.parametrize("kept", [MadeOnce, Newest])
-def test_threads_get_one_object(kept: type[MadeOnce]) -> None:
+def test_threads_get_one_object(kept):
     cache, calls = kept(), []
 
     def make() -> object:
@@ -62,7 +61,7 @@ def test_threads_get_one_object(kept: type[MadeOnce]) -> None:
     assert len(calls) == 1 and len(set(map(id, made))) == 1
 
 
-def test_what_is_made_may_ask_for_another_and_a_failure_leaves_nothing() -> None:
+def test_what_is_made_may_ask_for_another_and_a_failure_leaves_nothing():
     cache = MadeOnce()
     assert cache.get("a", lambda: cache.get("b", lambda: 1) + 1) == 2 and "b" in cache
     with pytest.raises(ZeroDivisionError):
@@ -70,7 +69,7 @@ def test_what_is_made_may_ask_for_another_and_a_failure_leaves_nothing() -> None
     assert "c" not in cache and cache.get("c", lambda: 3) == 3
 
 
-def test_the_newest_alone_is_kept() -> None:
+def test_the_newest_alone_is_kept():
     cache = Newest()
     assert (cache.get(1, lambda: 2), cache.get(2, lambda: 4)) == (2, 4)
     assert 1 not in cache and 2 in cache
@@ -89,13 +88,13 @@ LAZY: dict[str, Callable[[vc.Scene], Any]] = {
 
 
 @pytest.mark.parametrize("name", LAZY)
-def test_a_scene_makes_each_of_its_parts_once(name: str, quick_switches: None) -> None:
+def test_a_scene_makes_each_of_its_parts_once(name, quick_switches):
     scene = vc.scenes.cube_on_plane()
     made = at_once([lambda: LAZY[name](scene)] * 6)
     assert len(set(map(id, made))) == 1
 
 
-def test_casters_in_turns_are_the_ones_asked_for(quick_switches: None) -> None:
+def test_casters_in_turns_are_the_ones_asked_for(quick_switches):
     """The scene keeps one of them at a time."""
     scene = vc.scenes.cube_on_plane()
     kinds = {vc.Bsp(): _core.visibility.BspCaster, FIELD: _core.vlf.VisibilityField}
@@ -106,7 +105,7 @@ def test_casters_in_turns_are_the_ones_asked_for(quick_switches: None) -> None:
     assert all(at_once([ask(rays) for rays in kinds] * 2))
 
 
-def test_no_property_is_made_twice_by_two_threads() -> None:
+def test_no_property_is_made_twice_by_two_threads():
     """`functools.cached_property` has no lock from Python 3.12 on. The lab has one thread."""
     files = sources(".py", under="python/viscache/")
     assert [path for path, text in files.items() if LAZILY in text] == []
@@ -115,7 +114,7 @@ def test_no_property_is_made_twice_by_two_threads() -> None:
 # Whose turn it is
 
 
-def test_turns_are_taken_in_order() -> None:
+def test_turns_are_taken_in_order():
     """A thread that comes again at once does not keep out one that waits."""
     turn, order = Turn("it"), []
 
@@ -134,7 +133,7 @@ def test_turns_are_taken_in_order() -> None:
     assert order == ["other", "first", "first", "first"]
 
 
-def test_calls_within_a_call_are_let_in_or_refused() -> None:
+def test_calls_within_a_call_are_let_in_or_refused():
     with (again := Turn("it", again=True)), again:
         pass
     turn = Turn("it")
@@ -143,7 +142,7 @@ def test_calls_within_a_call_are_let_in_or_refused() -> None:
     at_once([turn.__enter__])  # it is free again
 
 
-def test_a_turn_that_does_not_wait_is_refused() -> None:
+def test_a_turn_that_does_not_wait_is_refused():
     turn = Turn("it", waits=False)
     with turn, pytest.raises(ValueError, match="it must not be in use by another call"):
         at_once([turn.__enter__])
@@ -176,7 +175,7 @@ def refusal(call: Callable[[], Any]) -> str:
     return "done"
 
 
-def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang() -> None:
+def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang():
     cache = vc.VisibilityMapCache(vc.scenes.cube_on_plane(), vc.MapSettings(m=4, n_startup=5))
     other = vc.VisibilityMapCache(cache.scene, cache.settings)
     began, end = threading.Event(), threading.Event()
@@ -198,7 +197,7 @@ def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang() -> Non
     assert len(cache) > 0 and in_child(lambda: refusal(cache.records)) == "done"
 
 
-def test_a_child_makes_what_another_thread_was_making() -> None:
+def test_a_child_makes_what_another_thread_was_making():
     cache, began, end = MadeOnce(), threading.Event(), threading.Event()
 
     def make() -> str:
@@ -221,7 +220,7 @@ def test_a_child_makes_what_another_thread_was_making() -> None:
 
 
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
-def test_objects_with_a_state_are_not_copied(copied: Callable[[Any], Any]) -> None:
+def test_objects_with_a_state_are_not_copied(copied):
     scene = vc.scenes.cube_on_plane()
     for one in (
         vc.Progressive(scene, "direct", **SMALL),
@@ -250,9 +249,7 @@ PICTURES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("kind", PICTURES)
-def test_a_picture_is_saved_whole_while_it_is_rendered(
-    kind: str, tmp_path: Path, quick_switches: None
-) -> None:
+def test_a_picture_is_saved_whole_while_it_is_rendered(kind, tmp_path, quick_switches):
     scene, path = vc.scenes.cube_on_plane(), tmp_path / "state.npz"
 
     def picture() -> vc.Progressive:
@@ -290,7 +287,7 @@ def test_a_picture_is_saved_whole_while_it_is_rendered(
     assert again.passes(shared.n_passes - again.n_passes).sha256 == shared.frame.sha256
 
 
-def test_threads_that_render_one_picture_render_each_pass_once() -> None:
+def test_threads_that_render_one_picture_render_each_pass_once():
     def picture() -> vc.Progressive:
         return vc.Progressive(vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=8), **SMALL)
 
@@ -299,7 +296,7 @@ def test_threads_that_render_one_picture_render_each_pass_once() -> None:
     assert shared.frame.sha256 == picture().passes(6).sha256
 
 
-def test_a_save_within_a_pass_is_refused(tmp_path: Path) -> None:
+def test_a_save_within_a_pass_is_refused(tmp_path):
     """As from a handler of a signal, which runs in the thread of the pass."""
     picture = vc.Progressive(vc.scenes.cube_on_plane(), vc.Direct(), **SMALL)
     picture.passes(1)
@@ -310,7 +307,7 @@ def test_a_save_within_a_pass_is_refused(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_all_objects_in_threads_give_the_same_bytes(quick_switches: None) -> None:
+def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
     scene, lights = vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=8)
     rng = np.random.default_rng(1)
     eyes = vc.EyePoints(rng.uniform(-2, 2, (50, 3)), np.tile([0, 1.0, 0], (50, 1)))
@@ -351,7 +348,7 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches: None) -> Non
         assert found == [one] * 4
 
 
-def test_a_kept_table_in_use_is_refused_to_all_others() -> None:
+def test_a_kept_table_in_use_is_refused_to_all_others():
     scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 16)
     told: list[str] = []
 

@@ -47,7 +47,7 @@ def opened(tab: Browser, tmp_path: Path) -> Browser:
 NAMES = "[...document.querySelectorAll('tbody:not([hidden])')].map(b => b.dataset.name)"
 
 
-def test_misses_come_first_and_pictures_appear_when_a_row_opens(opened: Browser) -> None:
+def test_misses_come_first_and_pictures_appear_when_a_row_opens(opened):
     names = opened.eval(NAMES)
     assert names == ["light/spot", "shape/odd", "material/bump", "shape/cube"]
     assert opened.eval("document.images.length") == 0
@@ -60,7 +60,7 @@ def test_misses_come_first_and_pictures_appear_when_a_row_opens(opened: Browser)
     assert opened.errors == []
 
 
-def test_headings_sort_and_filters_hide(opened: Browser) -> None:
+def test_headings_sort_and_filters_hide(opened):
     opened.eval("document.querySelectorAll('thead button')[4].click()")
     assert opened.eval(NAMES)[:2] == ["light/spot", "material/bump"]
     opened.eval("document.querySelectorAll('thead button')[4].click()")

@@ -1,7 +1,5 @@
 """The report in a real browser: Debian's chromium, headless, straight from disk."""
 
-from pathlib import Path
-
 import pytest
 from devtools import Browser
 from known_report import Report
@@ -14,9 +12,7 @@ def shown(tab: Browser, page: Report, fragment: str = "", setting: str = "s0") -
     tab.wait_for(f"document.documentElement.dataset.shown?.startsWith('{setting} ')")
 
 
-def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(
-    tab: Browser, page: Report
-) -> None:
+def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(tab, page):
     shown(tab, page, "select=s3", "s3")
     points = "[...document.querySelectorAll('#plot-{0} .point')].map(p => p.dataset.id)"
     for plot in ("total_s", "rays"):
@@ -27,7 +23,7 @@ def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(
     assert tab.text("chosen") == "C_E = 8, C_N = 8, seed 0"
 
 
-def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab: Browser, page: Report) -> None:
+def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab, page):
     shown(tab, page)
     tab.eval(
         "document.querySelector('#plot-rays .point[data-id=s2]')"
@@ -42,9 +38,7 @@ def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab: Browser, page: R
     tab.wait_for("location.hash.startsWith('#select=s5&')")
 
 
-def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(
-    tab: Browser, page: Report
-) -> None:
+def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(tab, page):
     shown(tab, page)
     cell = "document.querySelector('#heatmap-rays .cell[data-id=s3]')"
     tab.eval(f"{cell}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
@@ -55,7 +49,7 @@ def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(
     assert tab.text("hover") == "C_E = 8, C_N = 8"
 
 
-def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_path: Path) -> None:
+def test_two_pictures_have_a_page_of_their_own(tab, page, tmp_path):
     from viscache import report
 
     alone = report.write_difference(
@@ -68,9 +62,7 @@ def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_p
     assert tab.eval("document.querySelectorAll('#settings td').length") == 8  # the metrics
 
 
-def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(
-    tab: Browser, page: Report
-) -> None:
+def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(tab, page):
     old = tab.call("Page.addScriptToEvaluateOnNewDocument", source="delete DecompressionStream")
     tab.open(page.path, "select=s3")
     tab.call("Page.removeScriptToEvaluateOnNewDocument", **old)
@@ -78,7 +70,7 @@ def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(
     assert "too old" in tab.text("nopictures") and tab.text("chosen").startswith("C_E = 8")
 
 
-def test_a_sweep_without_pictures_has_a_page_that_works(tab: Browser, tmp_path: Path) -> None:
+def test_a_sweep_without_pictures_has_a_page_that_works(tab, tmp_path):
     import xarray
 
     from viscache import report
@@ -96,7 +88,7 @@ def test_a_sweep_without_pictures_has_a_page_that_works(tab: Browser, tmp_path: 
     assert tab.eval("[$('viewer').hidden, $('nopictures').hidden]") == [True, False]
 
 
-def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
+def test_the_table_sorts_by_a_column(tab, page):
     shown(tab, page)
     order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"
     assert tab.eval(order) == "s0s1s2s3s4s5"
@@ -111,9 +103,7 @@ PHONE = (390, 844)
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_a_phone_shows_all_without_scrolling_sideways(
-    tab: Browser, page: Report, dark: bool
-) -> None:
+def test_a_phone_shows_all_without_scrolling_sideways(tab, page, dark):
     tab.size(*PHONE, phone=True, dark=dark)
     shown(tab, page)
     assert tab.eval("document.documentElement.scrollWidth") <= PHONE[0]
@@ -123,7 +113,7 @@ def test_a_phone_shows_all_without_scrolling_sideways(
     assert tab.eval("getComputedStyle(document.body).backgroundColor") != paper
 
 
-def test_a_phone_shows_plots_in_letters_that_can_be_read(tab: Browser, page: Report) -> None:
+def test_a_phone_shows_plots_in_letters_that_can_be_read(tab, page):
     tab.size(*PHONE, phone=True)
     shown(tab, page)
     sizes = tab.eval("""[...document.querySelectorAll('svg.plot')].map(plot =>
@@ -138,7 +128,7 @@ def test_a_phone_shows_plots_in_letters_that_can_be_read(tab: Browser, page: Rep
     assert overlap and min(overlap) > 2
 
 
-def test_a_finger_beside_a_point_chooses_it(tab: Browser, page: Report) -> None:
+def test_a_finger_beside_a_point_chooses_it(tab, page):
     tab.size(*PHONE, phone=True)
     shown(tab, page)
     point = "document.querySelector('#plot-rays .point[data-id=s4]')"
@@ -172,16 +162,14 @@ CONTRAST = """(() => {
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_every_text_stands_out_from_its_ground(tab: Browser, page: Report, dark: bool) -> None:
+def test_every_text_stands_out_from_its_ground(tab, page, dark):
     tab.size(1200, 1000, dark=dark)
     shown(tab, page)
     found = tab.eval(CONTRAST)
     assert len(found) > 50 and found[0][0] >= 4.5, found[:5]
 
 
-def test_the_verdict_comes_first_and_its_settings_are_chosen_by_a_click(
-    tab: Browser, page: Report
-) -> None:
+def test_the_verdict_comes_first_and_its_settings_are_chosen_by_a_click(tab, page):
     shown(tab, page)
     assert tab.eval("document.querySelector('header').nextElementSibling.className") == "verdict"
     first = tab.eval("document.querySelector('.verdict .first').textContent")
@@ -197,7 +185,7 @@ def test_the_verdict_comes_first_and_its_settings_are_chosen_by_a_click(
     assert tab.eval(f"{last}.getAttribute('aria-pressed')") == "true"
 
 
-def test_provenance_is_folded_at_the_bottom(tab: Browser, page: Report) -> None:
+def test_provenance_is_folded_at_the_bottom(tab, page):
     shown(tab, page)
     facts = "document.querySelector('dl.facts').closest('details')"
     assert tab.eval(f"{facts}.open") is False
@@ -207,9 +195,7 @@ def test_provenance_is_folded_at_the_bottom(tab: Browser, page: Report) -> None:
     assert "Scene hash" in tab.eval(f"{facts}.textContent")
 
 
-def test_the_page_opens_on_the_setting_for_its_target(
-    tab: Browser, page: Report, tmp_path: Path
-) -> None:
+def test_the_page_opens_on_the_setting_for_its_target(tab, page, tmp_path):
     from viscache import report
 
     written = report.write(page.directory, tmp_path / "r.html", target=0.1, flip_maps=0)
@@ -227,9 +213,7 @@ def focused(tab: Browser) -> str:
     )
 
 
-def test_everything_that_acts_has_a_name_and_is_reached_by_few_tabs(
-    tab: Browser, page: Report
-) -> None:
+def test_everything_that_acts_has_a_name_and_is_reached_by_few_tabs(tab, page):
     shown(tab, page)
     nameless = tab.eval("""[
       ...document.querySelectorAll('button, input, select, [tabindex], [role=img], [role=radio]')]
@@ -251,7 +235,7 @@ def test_everything_that_acts_has_a_name_and_is_reached_by_few_tabs(
     assert stops[-1] == "BODY" and len(stops) <= 30
 
 
-def test_arrow_keys_move_within_plots_and_the_table(tab: Browser, page: Report) -> None:
+def test_arrow_keys_move_within_plots_and_the_table(tab, page):
     shown(tab, page, "select=s0")
     order = tab.eval("[...document.querySelectorAll('#plot-rays .point')].map(p => p.dataset.id)")
     tab.eval("document.querySelector('#plot-rays .point[tabindex=\"0\"]').focus()")
@@ -277,9 +261,7 @@ def test_arrow_keys_move_within_plots_and_the_table(tab: Browser, page: Report) 
     assert tab.eval("document.querySelectorAll('#settings th')[1].ariaSort") == "ascending"
 
 
-def test_errors_of_the_script_and_requests_are_noticed(
-    browser: Browser, page: Report, tmp_path: Path
-) -> None:
+def test_errors_of_the_script_and_requests_are_noticed(browser, page, tmp_path):
     """The other tests rely on this: errors of the page and network requests are detected."""
     text, last = page.path.read_text("utf-8"), "readFragment(); show();\n"
     assert text.count(last) == 1

@@ -30,7 +30,7 @@ def pair(tab: Browser, tmp_path: Path) -> dict[str, np.ndarray]:
     }
 
 
-def test_pictures_are_unpacked_bit_for_bit(tab: Browser, pair: dict[str, np.ndarray]) -> None:
+def test_pictures_are_unpacked_bit_for_bit(tab, pair):
     for name, codes in (("picture", pair["a"]), ("reference", pair["b"])):
         np.testing.assert_array_equal(tab.eval(f"[...shown.{name}]"), codes.ravel())
     values = tab.eval("[...shown.picture].map(valueOf)")
@@ -38,7 +38,7 @@ def test_pictures_are_unpacked_bit_for_bit(tab: Browser, pair: dict[str, np.ndar
     assert min(values) < 0 < max(values)
 
 
-def test_maps_are_computed_from_radiance(tab: Browser, pair: dict[str, np.ndarray]) -> None:
+def test_maps_are_computed_from_radiance(tab, pair):
     a, b = (packed.values(pair[k]) for k in "ab")
     error = np.abs(a - b).mean(2)
     expected = {
@@ -51,9 +51,7 @@ def test_maps_are_computed_from_radiance(tab: Browser, pair: dict[str, np.ndarra
         np.testing.assert_allclose(found, values.ravel(), rtol=1e-5, atol=1e-7)
 
 
-def test_each_channel_has_its_difference_around_grey(
-    tab: Browser, pair: dict[str, np.ndarray]
-) -> None:
+def test_each_channel_has_its_difference_around_grey(tab, pair):
     found = np.reshape(
         tab.eval(
             "(o => { paintChannels(o, shown.picture, shown.reference, 4); return [...o] })"
@@ -67,9 +65,7 @@ def test_each_channel_has_its_difference_around_grey(
     assert np.abs(np.diff(found[:, :, :3], axis=2)).max() > 50
 
 
-def test_coarse_pictures_are_unpacked_by_their_step(
-    tab: Browser, pair: dict[str, np.ndarray]
-) -> None:
+def test_coarse_pictures_are_unpacked_by_their_step(tab, pair):
     from viscache.report import pictures
 
     text = pictures.pack_difference(pair["a"].astype(np.int32), pair["b"].astype(np.int32), 16)

@@ -88,9 +88,7 @@ def check(
 
 
 @pytest.mark.parametrize("view", [(1.0, 0.5, 0.5), (4.0, 0.3, 0.6), (2.0, 0.75, 0.25)])
-def test_all_stages_show_the_region_that_the_address_says(
-    tab: Browser, page: Report, data: dict[str, Any], view: tuple[float, float, float]
-) -> None:
+def test_all_stages_show_the_region_that_the_address_says(tab, page, data, view):
     place = "zoom={}&x={}&y={}".format(*view)
     reference, picture = tones(page, page.reference), tones(page, page.pictures["s4"])
     shown(tab, page, f"wipe=0&{place}")
@@ -102,15 +100,13 @@ def test_all_stages_show_the_region_that_the_address_says(
         check(tab.screenshot("stage"), picture, 2, view[0], view[1] + 0.04, view[2])
 
 
-def test_zoomed_pixels_are_sharp(tab: Browser, page: Report) -> None:
+def test_zoomed_pixels_are_sharp(tab, page):
     shown(tab, page, "wipe=1&zoom=8&x=0.3&y=0.3")
     row = tab.screenshot("stage")[40, 90:190]  # some 68 screen pixels for one of the picture
     assert len(np.unique(row, axis=0)) <= 3
 
 
-def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(
-    tab: Browser, page: Report
-) -> None:
+def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(tab, page):
     reference, picture = tones(page, page.reference), tones(page, page.pictures["s4"])
     for share in (0.25, 0.75):
         shown(tab, page, f"wipe={share}")
@@ -124,7 +120,7 @@ def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(
         assert off_a[u > share].max() > 4 and off_b[u < share].max() > 4
 
 
-def test_the_grip_wipes_and_does_not_pan(tab: Browser, page: Report) -> None:
+def test_the_grip_wipes_and_does_not_pan(tab, page):
     shown(tab, page, "zoom=4&x=0.5&y=0.5&wipe=0.5")
     left, top, width, height = tab.box("stage")
     middle = top + height / 2
@@ -135,7 +131,7 @@ def test_the_grip_wipes_and_does_not_pan(tab: Browser, page: Report) -> None:
     assert tab.eval("state.wipe") > 0.25 - 0.01
 
 
-def test_the_flip_shows_the_reference_alone(tab: Browser, page: Report) -> None:
+def test_the_flip_shows_the_reference_alone(tab, page):
     reference, picture = tones(page, page.reference), tones(page, page.pictures["s4"])
     shown(tab, page, "wipe=1")
     tab.key("f")
@@ -146,7 +142,7 @@ def test_the_flip_shows_the_reference_alone(tab: Browser, page: Report) -> None:
     check(tab.screenshot("stage"), picture, 2)
 
 
-def test_the_wheel_zooms_about_the_pointer(tab: Browser, page: Report) -> None:
+def test_the_wheel_zooms_about_the_pointer(tab, page):
     shown(tab, page, "wipe=1")
     left, top, width, height = tab.box("mapstage")
     x, y = left + 0.25 * width, top + 0.7 * height
@@ -163,9 +159,7 @@ def test_the_wheel_zooms_about_the_pointer(tab: Browser, page: Report) -> None:
     check(tab.screenshot("stage"), tones(page, page.pictures["s4"]), 2, zoom, u, v)
 
 
-def test_the_page_scrolls_under_a_wheel_that_has_nothing_to_zoom_out_of(
-    tab: Browser, page: Report
-) -> None:
+def test_the_page_scrolls_under_a_wheel_that_has_nothing_to_zoom_out_of(tab, page):
     shown(tab, page)
     left, top, width, height = tab.box("stage")
     before = tab.eval("scrollY")
@@ -174,7 +168,7 @@ def test_the_page_scrolls_under_a_wheel_that_has_nothing_to_zoom_out_of(
     assert tab.eval("view.zoom") == 1
 
 
-def test_dragging_pans_all_stages_and_a_double_click_resets(tab: Browser, page: Report) -> None:
+def test_dragging_pans_all_stages_and_a_double_click_resets(tab, page):
     shown(tab, page, "zoom=4&x=0.5&y=0.5&wipe=1")
     left, top, width, height = tab.box("mapstage")
     tab.drag((left + 0.5 * width, top + 0.5 * height), (left + 0.75 * width, top + 0.25 * height))
@@ -188,7 +182,7 @@ def test_dragging_pans_all_stages_and_a_double_click_resets(tab: Browser, page: 
     assert tab.eval("[view.zoom, view.x, view.y]") == [1, 0.5, 0.5]
 
 
-def test_two_fingers_pinch(tab: Browser, page: Report) -> None:
+def test_two_fingers_pinch(tab, page):
     tab.size(390, 844, phone=True)
     shown(tab, page)
     left, top, width, height = tab.box("stage")
@@ -209,7 +203,7 @@ def test_two_fingers_pinch(tab: Browser, page: Report) -> None:
     assert tab.eval("view.x") == pytest.approx(0.5, abs=0.03)
 
 
-def test_keys_zoom_move_and_fit(tab: Browser, page: Report) -> None:
+def test_keys_zoom_move_and_fit(tab, page):
     shown(tab, page)
     tab.key("+")
     tab.key("+")
@@ -223,14 +217,14 @@ def test_keys_zoom_move_and_fit(tab: Browser, page: Report) -> None:
     assert tab.eval("document.getElementById('fit').disabled") is True
 
 
-def test_the_view_stays_inside_the_picture(tab: Browser, page: Report) -> None:
+def test_the_view_stays_inside_the_picture(tab, page):
     shown(tab, page, "zoom=4&x=0&y=1")
     assert tab.eval("[view.x, view.y]") == [0.125, 0.875]
     shown(tab, page, "zoom=9999&x=0.5&y=oops")
     assert tab.eval("[view.zoom, view.y]") == [WIDTH / 4, 0.5]
 
 
-def test_an_address_that_changes_is_followed(tab: Browser, page: Report) -> None:
+def test_an_address_that_changes_is_followed(tab, page):
     shown(tab, page, "zoom=4&x=0.3&y=0.6&flip=1&ev=2&map=absolute", kind="absolute")
     tab.eval("location.hash = '#select=s2&wipe=0.8&zoom=2&x=0.3&y=0.4'")
     wait(tab, "s2", "signed")  # values that a link omits keep their defaults
@@ -244,9 +238,7 @@ def test_an_address_that_changes_is_followed(tab: Browser, page: Report) -> None
     ]
 
 
-def test_maps_are_switched_by_menu_key_and_address(
-    tab: Browser, page: Report, data: dict[str, Any]
-) -> None:
+def test_maps_are_switched_by_menu_key_and_address(tab, page, data):
     shown(tab, page)
     check(tab.screenshot("mapstage"), signed_map(page, data, "s4", 16), 6)
     tab.eval("(k => { k.value = 'absolute'; k.dispatchEvent(new Event('change')) })(kind)")
@@ -268,9 +260,7 @@ def test_maps_are_switched_by_menu_key_and_address(
     tab.wait_for("location.hash.includes('map=relative') && location.hash.includes('gain=2')")
 
 
-def test_the_flip_map_is_the_evaluators_with_its_mean_in_the_caption(
-    tab: Browser, page: Report, data: dict[str, Any]
-) -> None:
+def test_the_flip_map_is_the_evaluators_with_its_mean_in_the_caption(tab, page, data):
     errors, mean = metrics.flip_map(page.pictures["s4"].astype(float), page.reference.astype(float))
     shown(tab, page, "map=flip", kind="flip")
     colors = packed.colors(data, "flip")[np.round(255 * errors).astype(int)]
@@ -283,9 +273,7 @@ def test_the_flip_map_is_the_evaluators_with_its_mean_in_the_caption(
     assert tab.eval("document.getElementById('nomap').hidden") is False
 
 
-def test_the_gain_sets_a_scale_symmetric_about_zero(
-    tab: Browser, page: Report, data: dict[str, Any]
-) -> None:
+def test_the_gain_sets_a_scale_symmetric_about_zero(tab, page, data):
     for gain in (16, 4):
         shown(tab, page, f"gain={gain}")
         texts = tab.eval("[...ticks.children].map(t => t.textContent.replace('−', '-'))")
@@ -294,7 +282,7 @@ def test_the_gain_sets_a_scale_symmetric_about_zero(
         check(tab.screenshot("mapstage"), signed_map(page, data, "s4", gain), 6)
 
 
-def test_the_read_out_is_the_stores_radiance_under_the_pointer(tab: Browser, page: Report) -> None:
+def test_the_read_out_is_the_stores_radiance_under_the_pointer(tab, page):
     shown(tab, page)
     left, top, width, height = tab.box("stage")
     column, row = 12, 33
@@ -308,7 +296,7 @@ def test_the_read_out_is_the_stores_radiance_under_the_pointer(tab: Browser, pag
         assert read == pytest.approx(true, rel=0.01 if name == "difference" else 0.0055)
 
 
-def test_exposure_scales_radiance_before_the_curve(tab: Browser, page: Report) -> None:
+def test_exposure_scales_radiance_before_the_curve(tab, page):
     shown(tab, page, "wipe=1&ev=-1")
     check(tab.screenshot("stage"), tones(page, page.pictures["s4"], -1), 2)
     tab.key("e")
@@ -316,9 +304,7 @@ def test_exposure_scales_radiance_before_the_curve(tab: Browser, page: Report) -
     check(tab.screenshot("stage"), tones(page, page.pictures["s4"], 0), 2)
 
 
-def test_a_picture_is_compared_with_another_setting(
-    tab: Browser, page: Report, data: dict[str, Any]
-) -> None:
+def test_a_picture_is_compared_with_another_setting(tab, page, data):
     shown(tab, page, "wipe=0&against=s0&gain=8")
     check(tab.screenshot("stage"), tones(page, page.pictures["s0"]), 2)
     assert tab.text("right") == "C_E = 4, C_N = 4"
@@ -328,7 +314,7 @@ def test_a_picture_is_compared_with_another_setting(
     check(tab.screenshot("mapstage"), colors, 6)
 
 
-def test_what_is_no_number_is_magenta(tab: Browser, page: Report) -> None:
+def test_what_is_no_number_is_magenta(tab, page):
     shown(tab, page)
     assert tab.eval(
         "(o => { paintPicture(o, [0x7e00, 0, 0, 15360, 15360, -15360], 0);"
@@ -340,9 +326,7 @@ def test_what_is_no_number_is_magenta(tab: Browser, page: Report) -> None:
     ) == [255, 0, 255, 255]
 
 
-def test_pixels_that_are_large_enough_have_their_values_written_into_them(
-    tab: Browser, page: Report
-) -> None:
+def test_pixels_that_are_large_enough_have_their_values_written_into_them(tab, page):
     shown(tab, page, "zoom=4")
     assert tab.eval("document.querySelector('#stage .numbers').width") == 0
     shown(tab, page, "zoom=16")

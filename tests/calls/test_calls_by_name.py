@@ -2,7 +2,6 @@
 
 import inspect
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ def scene() -> vc.Scene:
     return vc.scenes.build(SPEC)
 
 
-def test_render_takes_names_for_everything(scene: vc.Scene) -> None:
+def test_render_takes_names_for_everything(scene):
     named = vc.render(SPEC, "direct", visibility="aqvc", rays="bsp", size=SIZE)
     made = vc.render(scene, vc.Direct(), visibility=vc.Aqvc(), rays=vc.Bsp(), size=SIZE)
     assert named.sha256 == made.sha256
@@ -41,7 +40,7 @@ def test_render_takes_names_for_everything(scene: vc.Scene) -> None:
         assert shown == vc.render(scene, integrator, size=(8, 5)).sha256
 
 
-def test_scenes_are_files_too(tmp_path: Path) -> None:
+def test_scenes_are_files_too(tmp_path):
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     for given in (tmp_path / "one.obj", str(tmp_path / "one.obj")):
         frame = vc.render(given, "direct", env=1.0, size=(8, 8))
@@ -52,7 +51,7 @@ def test_scenes_are_files_too(tmp_path: Path) -> None:
         vc.tune(3, "direct")
 
 
-def test_queries_take_names_of_ray_casters(scene: vc.Scene) -> None:
+def test_queries_take_names_of_ray_casters(scene):
     rng = np.random.default_rng(1)
     low, high = scene.bounds
     x, y = rng.uniform(low, high, (2, 200, 3))
@@ -67,7 +66,7 @@ def test_queries_take_names_of_ray_casters(scene: vc.Scene) -> None:
         scene.visible(x, y, rays="bps")
 
 
-def test_tune_and_sweep_take_names() -> None:
+def test_tune_and_sweep_take_names():
     named = vc.tune("slits", "direct", visibility="aqvc", rel_l1_reflected=0.05, size=(48, 30))
     scene = vc.scenes.slits()
     made = vc.tune(scene, vc.Direct(), visibility=vc.Aqvc(), rel_l1_reflected=0.05, size=(48, 30))
@@ -78,7 +77,7 @@ def test_tune_and_sweep_take_names() -> None:
     assert float(table.rel_l1[0, 0]) == float(other.rel_l1[0, 0])
 
 
-def test_caches_and_fields_take_names() -> None:
+def test_caches_and_fields_take_names():
     scene = vc.scenes.cube_on_plane()
     cache = vc.VisibilityMapCache("cube_on_plane", "high", rays="bsp")
     assert cache.settings == vc.MapSettings(preset="high") and cache.rays_by == vc.Bsp()
@@ -100,7 +99,7 @@ def test_caches_and_fields_take_names() -> None:
     np.testing.assert_array_equal(rows, vc.aligned_occlusion(scene, at.positions, at.normals, 33))
 
 
-def test_settings_of_a_field_win_where_they_are_given() -> None:
+def test_settings_of_a_field_win_where_they_are_given():
     scene = vc.scenes.cube_on_plane()
     field = vc.VisibilityField(scene, settings=vc.Vlf(n_directions=33, n_tiles=8, lazy=True))
     assert (field.n_directions, field.n_tiles, field.settings.lazy) == (33, 8, True)
@@ -119,9 +118,7 @@ def test_settings_of_a_field_win_where_they_are_given() -> None:
         ({"max_bytes": 1 << 20}, "max_bytes must be left out beside settings"),
     ],
 )
-def test_a_keyword_that_contradicts_the_settings_is_refused_by_name(
-    given: dict[str, int], says: str
-) -> None:
+def test_a_keyword_that_contradicts_the_settings_is_refused_by_name(given, says):
     settings = vc.Vlf(n_directions=33, n_tiles=8)
     with pytest.raises(ValueError, match=says):
         vc.VisibilityField("cube_on_plane", settings=settings, **given)
@@ -139,14 +136,14 @@ SIZED = (
 
 
 @pytest.mark.parametrize("name", SIZED)
-def test_the_size_is_the_cameras_own_everywhere(name: str) -> None:
+def test_the_size_is_the_cameras_own_everywhere(name):
     value: Any = vc
     for part in name.split(".")[1:]:
         value = getattr(value, part)
     assert inspect.signature(value).parameters["size"].default is None
 
 
-def test_the_cameras_own_size_is_what_is_rendered_tuned_and_swept() -> None:
+def test_the_cameras_own_size_is_what_is_rendered_tuned_and_swept():
     d = vc.SceneDescription()
     grey = d.add_material()
     corners = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], dtype=float)
@@ -166,7 +163,7 @@ def test_the_cameras_own_size_is_what_is_rendered_tuned_and_swept() -> None:
     assert own.pilots == same.pilots
 
 
-def test_dir_is_what_is_public() -> None:
+def test_dir_is_what_is_public():
     assert dir(vc) == sorted(vc.__all__)
     assert {"vlf", "vismap", "correlation", "metrics"} <= set(dir(vc))
     assert not {"scene", "frame", "provenance", "settings", "cameras"} & set(dir(vc))
@@ -175,7 +172,7 @@ def test_dir_is_what_is_public() -> None:
         assert all(hasattr(vc, name) for name in dir(vc))
 
 
-def test_what_saves_loads_and_the_reverse() -> None:
+def test_what_saves_loads_and_the_reverse():
     classes = [v for v in (getattr(vc, n) for n in vc.__all__) if inspect.isclass(v)]
     uneven = [c.__name__ for c in classes if hasattr(c, "save") != hasattr(c, "load")]
     assert uneven == [] and hasattr(vc.Frame, "save") and hasattr(vc.VisibilityMapCache, "load")

@@ -99,7 +99,7 @@ def everything() -> list[tuple[str, Any]]:
 
 
 @pytest.mark.parametrize("name", ["viscache", *MODULES])
-def test_every_public_name_is_on_a_page(name: str, everything: list[tuple[str, Any]]) -> None:
+def test_every_public_name_is_on_a_page(name, everything):
     missing = [
         n
         for n, value in public(name).items()
@@ -109,13 +109,13 @@ def test_every_public_name_is_on_a_page(name: str, everything: list[tuple[str, A
     assert missing == []
 
 
-def test_every_public_module_of_the_package_is_among_those_looked_at() -> None:
+def test_every_public_module_of_the_package_is_among_those_looked_at():
     names = {v.__name__ for v in vars(viscache).values() if inspect.ismodule(v)}
     listed = {v.__name__ for n, v in public("viscache").items() if inspect.ismodule(v)}
     assert listed <= names and listed <= set(MODULES)
 
 
-def test_a_name_that_no_page_shows_is_found() -> None:
+def test_a_name_that_no_page_shows_is_found():
     page = ".. currentmodule:: viscache\n\n.. autofunction:: render\n"
     assert shown({"page": page}) == [("render", viscache.render)]
     with pytest.raises(AssertionError, match="there is not"):
@@ -154,12 +154,12 @@ def is_documented(name: str, value: Any) -> bool:
     return doc != "" and not doc.startswith(f"{name}(")
 
 
-def test_public_names_methods_and_properties_have_docstrings() -> None:
+def test_public_names_methods_and_properties_have_docstrings():
     assert [name for name, value in api() if not is_documented(name, value)] == []
     assert is_documented("render", viscache.render) and not is_documented("f", lambda: None)
 
 
-def test_docstrings_tell_of_parameters_that_there_are() -> None:
+def test_docstrings_tell_of_parameters_that_there_are():
     found, wrong = 0, []
     for name, value in api():
         told = parameters(inspect.getdoc(value) or "")
@@ -170,7 +170,7 @@ def test_docstrings_tell_of_parameters_that_there_are() -> None:
     assert found > 60 and wrong == []
 
 
-def test_functions_with_told_parameters_tell_of_all() -> None:
+def test_functions_with_told_parameters_tell_of_all():
     wrong = []
     for name, value in api():
         told = parameters(inspect.getdoc(value) or "")
@@ -180,7 +180,7 @@ def test_functions_with_told_parameters_tell_of_all() -> None:
     assert wrong == []
 
 
-def test_a_wrong_parameter_is_found() -> None:
+def test_a_wrong_parameter_is_found():
     assert parameters(
         "Do.\n\nParameters\n----------\na, b : int\n    Both.\n**c\n\nReturns\n-------\nint\n"
     ) == ["a", "b", "c"]

@@ -41,13 +41,13 @@ def offences(files: dict[str, str], pattern: str) -> list[str]:
     ]
 
 
-def test_files_have_at_most_500_lines() -> None:
+def test_files_have_at_most_500_lines():
     files = {path: source for path, source in code().items() if "_core/" not in path}
     assert [path for path, source in files.items() if source.count("\n") > MAX_LINES] == []
 
 
 @pytest.mark.parametrize("what", FORBIDDEN)
-def test_nothing_forbidden_is_committed(what: str) -> None:
+def test_nothing_forbidden_is_committed(what):
     files = code() | sources(".md", ".cff", ".yaml", ".yml", ".json", ".ipynb", ".pyi")
     assert len(files) > 10
     assert offences(files, FORBIDDEN[what]) == []
@@ -63,18 +63,18 @@ def test_nothing_forbidden_is_committed(what: str) -> None:
         ("work left for later", "// TO" + "DO: later"),
     ],
 )
-def test_a_forbidden_line_is_found(what: str, line: str) -> None:
+def test_a_forbidden_line_is_found(what, line):
     assert offences({"made_up": line}, FORBIDDEN[what])
 
 
-def test_the_lock_of_the_interpreter_has_one_home() -> None:
+def test_the_lock_of_the_interpreter_has_one_home():
     # A call that asks for it by other means aborts the process if the interpreter ends meanwhile.
     others = {path: source for path, source in sources(".h", ".cpp").items() if "/gil." not in path}
     assert any("WithoutGil" in source for source in others.values())
     assert offences(others, r"gil_scoped_|PyGILState_|PyEval_(?:Save|Restore)Thread") == []
 
 
-def test_nothing_binds_wheels_to_glibc_2_35() -> None:
+def test_nothing_binds_wheels_to_glibc_2_35():
     # Debian 12's Embree needs 2.34, as RHEL 9 has it. This function alone would ask for more.
     files = sources(".h", ".cpp", under="cpp")
     assert len(files) > 100
@@ -82,7 +82,7 @@ def test_nothing_binds_wheels_to_glibc_2_35() -> None:
     assert offences({"made_up": "return std::hypot(x, y);"}, HYPOT) != []
 
 
-def test_every_folder_of_the_core_has_tests() -> None:
+def test_every_folder_of_the_core_has_tests():
     folders = {PurePosixPath(path).parts[2] for path in paths(".h", ".cpp", under="cpp/viscache/")}
     python = {path.split("/")[1] for path in paths(".py", under="tests/") if "/test_" in path}
     native = "".join(sources(".cpp", under="tests/cpp/").values())
@@ -94,14 +94,14 @@ NO_ROOMS = {"browser", "codebase", "core", "cpp", "distributed", "docs", "fuzz",
 NO_ROOMS |= {"memory", "mutants", "notebooks", "reference", "unbiased"}
 
 
-def test_tests_lie_in_folders_named_as_the_rooms() -> None:
+def test_tests_lie_in_folders_named_as_the_rooms():
     rooms = {PurePosixPath(path).parts[2] for path in paths(".h", ".cpp", under="cpp/viscache/")}
     rooms |= {PurePosixPath(p).parts[2] for p in paths(".py", under="python/viscache/")}
     found = {path.split("/")[1] for path in paths(".py", under="tests/")} - {"conftest.py"}
     assert found - {room.removesuffix(".py") for room in rooms} == NO_ROOMS - {"cpp"}
 
 
-def test_the_version_is_the_same_everywhere() -> None:
+def test_the_version_is_the_same_everywhere():
     def find(path: str, pattern: str) -> str:
         match = re.search(pattern, text(path), re.M)
         assert match, f"{path} must hold {pattern}"
@@ -114,7 +114,7 @@ def test_the_version_is_the_same_everywhere() -> None:
     assert viscache.__version__ == version
 
 
-def test_notebooks_hold_no_outputs() -> None:
+def test_notebooks_hold_no_outputs():
     kept = [
         path
         for path, source in sources(".ipynb").items()
@@ -132,13 +132,13 @@ def broken_links(path: str, source: str) -> list[str]:
     return [f"{path}: {t}" for t in local if not (folder / t.partition("#")[0]).exists()]
 
 
-def test_links_between_documents_resolve() -> None:
+def test_links_between_documents_resolve():
     files = sources(".md")
     assert "README.md" in files
     assert [link for path, source in files.items() for link in broken_links(path, source)] == []
 
 
-def test_a_broken_link_is_found() -> None:
+def test_a_broken_link_is_found():
     assert broken_links("docs/a.md", "see [this](../README.md) and [that](missing.md#part)") == [
         "docs/a.md: missing.md#part"
     ]

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import types
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -80,7 +79,7 @@ def in_signatures(stub: str) -> set[str]:
     }
 
 
-def test_what_the_core_binds_is_used_by_the_package() -> None:
+def test_what_the_core_binds_is_used_by_the_package():
     package = used_under("python/viscache/")
     passed_on = set().union(*(in_signatures(text(path)) for path in paths(".pyi", under=STUBS)))
     names = set(bound(_core, CORE))
@@ -89,13 +88,13 @@ def test_what_the_core_binds_is_used_by_the_package() -> None:
     assert sorted(unused) == [], "bind what only tests use in tests/core"
 
 
-def test_what_is_bound_for_tests_is_used_by_tests() -> None:
+def test_what_is_bound_for_tests_is_used_by_tests():
     names = set(bound(testing, TESTING))
     assert len(names) > 50
     assert sorted(names - used_under("tests/")) == [], "no test uses it"
 
 
-def test_uses_are_found_in_every_form() -> None:
+def test_uses_are_found_in_every_form():
     assert used("from viscache import _core\n_core.aqvc.ladder(1)") >= {f"{CORE}.aqvc.ladder"}
     assert used("from viscache import _core\na = _core.aqvc\na.ladder(1)") >= {
         f"{CORE}.aqvc.ladder"
@@ -118,9 +117,7 @@ def test_uses_are_found_in_every_form() -> None:
         (True, 5, "SKIPPED [1] core/__init__.py"),
     ],
 )
-def test_without_the_module_of_tests_nothing_passes_silently(
-    skips: bool, status: int, said: str, tmp_path: Path
-) -> None:
+def test_without_the_module_of_tests_nothing_passes_silently(skips, status, said, tmp_path):
     (tmp_path / "core").mkdir()
     shutil.copy(ROOT / "tests/core/__init__.py", tmp_path / "core")
     (tmp_path / "test_order.py").write_text(

@@ -21,18 +21,18 @@ def marks() -> list[tuple[str, str]]:
     return [(path, row) for path, content in code.items() for row in MARK.findall(content)]
 
 
-def test_every_line_that_differs_names_a_row() -> None:
+def test_every_line_that_differs_names_a_row():
     found = marks()
     assert len(found) >= 29
     assert unknown_marks(found, set(ROW.findall(text(PAGE)))) == []
 
 
-def test_a_comment_without_a_row_is_noticed() -> None:
+def test_a_comment_without_a_row_is_noticed():
     assert unknown_marks([("a.h", ""), ("b.h", "A1"), ("c.h", "A999")], {"A1"}) == [
         "a.h: Differs ()",
         "c.h: Differs (A999)",
     ]
 
 
-def test_rows_have_names_of_their_own() -> None:
+def test_rows_have_names_of_their_own():
     assert [row for row, n in Counter(ROW.findall(text(PAGE))).items() if n > 1] == []

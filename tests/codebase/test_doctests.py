@@ -17,12 +17,12 @@ MODULES = sorted(
 )
 
 
-def test_there_are_examples() -> None:
+def test_there_are_examples():
     assert {"viscache.shot.render", "viscache.scene.scene", "viscache.metrics"} <= set(MODULES)
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_the_examples_of_a_module_are_true(name: str) -> None:
+def test_the_examples_of_a_module_are_true(name):
     # By the file's name: `viscache.render` is also a function
     module = importlib.import_module(name)
     found = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)

@@ -71,7 +71,7 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
                 yield f'{path}: own headers are included as "viscache/<folder>/…", got {included}'
 
 
-def test_the_core_keeps_its_layers() -> None:
+def test_the_core_keeps_its_layers():
     files = sources(".h", ".cpp", under="cpp/") | sources(".h", ".cpp", under="tests/core/")
     for folder in ("cpp/viscache/", *BINDINGS):
         assert any(path.startswith(folder) for path in files)
@@ -102,7 +102,7 @@ def test_the_core_keeps_its_layers() -> None:
         ("cpp/viscache/math/a.h", '#include "viscache/utils/b.h"', "there is no folder utils"),
     ],
 )
-def test_a_broken_rule_is_found(path: str, line: str, expected: str) -> None:
+def test_a_broken_rule_is_found(path, line, expected):
     found = list(violations({path: line + "\n"}))
     assert len(found) == 1
     assert expected in found[0]
@@ -124,5 +124,5 @@ def test_a_broken_rule_is_found(path: str, line: str, expected: str) -> None:
         ("cpp/viscache/math/a.h", "#include <vector>"),
     ],
 )
-def test_what_the_rule_allows_is_not_reported(path: str, line: str) -> None:
+def test_what_the_rule_allows_is_not_reported(path, line):
     assert list(violations({path: line + "\n"})) == []

@@ -43,13 +43,13 @@ def repeated(files: dict[str, str]) -> dict[str, list[str]]:
     return {name: places for name, places in found.items() if len(places) > 1}
 
 
-def test_no_two_headers_define_the_same_function() -> None:
+def test_no_two_headers_define_the_same_function():
     files = sources(".h", under="cpp/") | sources(".h", under="tests/core/")
     assert sum(len(FUNCTION.findall(source)) for source in files.values()) > 100
     assert repeated(files) == {}
 
 
-def test_a_second_definition_is_found() -> None:
+def test_a_second_definition_is_found():
     body = (
         "namespace viscache {{\ninline int f(int {0}) {{\n    return {1};\n}}\n"
         "}}  // namespace viscache\n"

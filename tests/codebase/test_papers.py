@@ -86,7 +86,7 @@ def disagreements(table: list[Row], files: Mapping[str, str]) -> Iterator[str]:
             yield f"{row.item}: {row.home} must hold the tag [{row.item}], found it in {found}"
 
 
-def test_every_numbered_item_of_the_papers_has_one_row() -> None:
+def test_every_numbered_item_of_the_papers_has_one_row():
     listed = [row.item for row in rows(text("docs/papers.md"))]
     expected = {
         f"{paper} {kind} {number}"
@@ -99,12 +99,12 @@ def test_every_numbered_item_of_the_papers_has_one_row() -> None:
     assert len(listed) == len(set(listed))
 
 
-def test_table_and_tags_agree_both_ways() -> None:
+def test_table_and_tags_agree_both_ways():
     table = rows(text("docs/papers.md"))
     assert list(disagreements(table, sources(".h", ".cpp", under="cpp/"))) == []
 
 
-def test_tags_open_the_doc_comment_of_their_home() -> None:
+def test_tags_open_the_doc_comment_of_their_home():
     stray = [
         f"{path}: {line.strip()}"
         for path, source in sources(".h", ".cpp", under="cpp/").items()
@@ -118,12 +118,12 @@ def built_rows() -> list[Row]:
     return [row for row in rows(text("docs/papers.md")) if row.state == "here"]
 
 
-def test_what_is_built_names_an_existing_file() -> None:
+def test_what_is_built_names_an_existing_file():
     known = {NOTHING, *paths(".h", ".cpp", under="cpp/")}
     assert [f"{row.item}: {row.home}" for row in built_rows() if row.home not in known] == []
 
 
-def test_what_is_built_names_an_existing_test() -> None:
+def test_what_is_built_names_an_existing_test():
     known = set(paths(".py", ".cpp", under="tests/"))
     missing = []
     for row in built_rows():
@@ -133,7 +133,7 @@ def test_what_is_built_names_an_existing_test() -> None:
     assert missing == []
 
 
-def test_what_is_built_names_an_existing_python_object() -> None:
+def test_what_is_built_names_an_existing_python_object():
     missing = []
     for row in built_rows():
         if row.python == NOTHING:
@@ -154,7 +154,7 @@ def figures_without_their_run(table: list[Row], functions: Mapping[str, str]) ->
                 yield f"{row.item}: the test must be the quick run of {name}, got {row.test}"
 
 
-def test_every_figure_names_the_test_that_runs_it() -> None:
+def test_every_figure_names_the_test_that_runs_it():
     functions = {
         f"{info.function.__module__}.{info.function.__qualname__}": name
         for name, info in FIGURES.items()
@@ -167,7 +167,7 @@ def test_every_figure_names_the_test_that_runs_it() -> None:
 
 
 @pytest.mark.parametrize("test", [f"{QUICK_RUNS}::aqvc-fig3", QUICK_RUNS, "tests/a.py::aqvc-fig2"])
-def test_a_figure_with_another_test_is_reported(test: str) -> None:
+def test_a_figure_with_another_test_is_reported(test):
     row = replace(LATER, python="viscache_lab.figures.a.f", test=f"{QUICK_RUNS}::aqvc-fig2")
     functions = {"viscache_lab.figures.a.f": "aqvc-fig2"}
     assert list(figures_without_their_run([row], functions)) == []
@@ -180,7 +180,7 @@ MADE_UP = replace(LATER, home="cpp/viscache/aqvc/a.h", state="here")
 HOME = {"cpp/viscache/aqvc/a.h": "/// [AQVC Eq. 8] The ladder.\n"}
 
 
-def test_a_true_table_is_not_reported() -> None:
+def test_a_true_table_is_not_reported():
     assert list(disagreements([MADE_UP], HOME)) == []
     assert list(disagreements([LATER], {})) == []
 
@@ -195,7 +195,7 @@ def test_a_true_table_is_not_reported() -> None:
         ([], HOME, "no row in docs/papers.md"),
     ],
 )
-def test_a_false_table_is_reported(table: list[Row], files: dict[str, str], expected: str) -> None:
+def test_a_false_table_is_reported(table, files, expected):
     found = list(disagreements(table, files))
     assert len(found) == 1
     assert expected in found[0]

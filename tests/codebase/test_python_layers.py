@@ -159,18 +159,18 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
                     yield f"{path}:{node.lineno}: import statements name rooms, got {named}"
 
 
-def test_rooms_import_downward() -> None:
+def test_rooms_import_downward():
     files = sources(".py", under="python/")
     assert len(files) > 300
     assert list(violations(files)) == []
 
 
-def test_imports_that_run_back_up_have_a_reason() -> None:
+def test_imports_that_run_back_up_have_a_reason():
     arrows = pairs(sources(".py", under=PACKAGE))
     assert {(a, b) for a, b in arrows if RANKS[a] < RANKS[b]} == set(BACK_UP)
 
 
-def test_modules_close_no_circle() -> None:
+def test_modules_close_no_circle():
     files = sources(".py", under=PACKAGE)
     names = {
         path.removeprefix("python/").removesuffix(".py").removesuffix("/__init__").replace("/", ".")
@@ -187,13 +187,13 @@ def test_modules_close_no_circle() -> None:
     assert circles(arrows) == set()
 
 
-def test_a_circle_is_found() -> None:
+def test_a_circle_is_found():
     assert circles({("a", "b"), ("b", "c"), ("a", "c")}) == set()
     assert circles({("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")}) == {"b", "c"}
 
 
 @pytest.mark.parametrize("package", [PACKAGE, LAB])
-def test_every_room_of_the_table_is_there(package: str) -> None:
+def test_every_room_of_the_table_is_there(package):
     present = {room_of(path) for path in sources(".py", ".pyi", under=package)}
     assert set(ROOMS[PurePosixPath(package).name]) == present
 
@@ -224,7 +224,7 @@ BENCH = "../viscache_lab/bench/rays.py"
         ("shelf.py", "", "shelf has no place among the floors"),
     ],
 )
-def test_an_import_that_climbs_is_found(path: str, line: str, expected: str) -> None:
+def test_an_import_that_climbs_is_found(path, line, expected):
     found = list(violations({posixpath.normpath(PACKAGE + path): line + "\n"}))
     assert len(found) == 1
     assert expected in found[0]
@@ -244,5 +244,5 @@ def test_an_import_that_climbs_is_found(path: str, line: str, expected: str) -> 
         ("scene/scene.py", "from viscache.oracles.oracle import Oracle"),
     ],
 )
-def test_an_import_that_goes_down_is_not_reported(path: str, line: str) -> None:
+def test_an_import_that_goes_down_is_not_reported(path, line):
     assert list(violations({posixpath.normpath(PACKAGE + path): line + "\n"})) == []

@@ -16,7 +16,7 @@ STUBS = "python/viscache/_core/"
 @pytest.mark.skipif(
     importlib.util.find_spec("pybind11_stubgen") is None, reason="pybind11-stubgen is not installed"
 )
-def test_stubs_are_current(tmp_path: Path) -> None:
+def test_stubs_are_current(tmp_path):
     """Where this fails, run scripts/stubs and commit what it writes."""
     made = subprocess.run(
         [ROOT / "scripts/stubs", tmp_path],
@@ -32,7 +32,7 @@ def test_stubs_are_current(tmp_path: Path) -> None:
     assert stale == [], "run scripts/stubs"
 
 
-def test_every_submodule_has_a_stub() -> None:
+def test_every_submodule_has_a_stub():
     import types
 
     import viscache._core as core

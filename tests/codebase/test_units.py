@@ -20,12 +20,12 @@ def units() -> dict[str, tuple[float, float, list[str]]]:
     }
 
 
-def test_every_file_is_in_one_unit() -> None:
+def test_every_file_is_in_one_unit():
     of_units = [path for _, _, files in units().values() for path in files]
     assert sorted(of_units) == sorted(COMPILED)
 
 
-def test_the_longest_units_come_first_and_none_is_too_large() -> None:
+def test_the_longest_units_come_first_and_none_is_too_large():
     seconds = [row[0] for row in units().values()]
     assert seconds == sorted(seconds, reverse=True), "run scripts/weigh_units"
     assert len(seconds) <= 32

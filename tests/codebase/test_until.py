@@ -10,7 +10,7 @@ from codebase.repository import ROOT
 ONE = "tests/math/test_isa.py::test_an_unknown_variant_is_refused"
 
 
-def test_tests_that_begin_later_are_skipped_by_name() -> None:
+def test_tests_that_begin_later_are_skipped_by_name():
     until = ["--until", str(int(time.time()) - 1)]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *until, ONE]
     alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}

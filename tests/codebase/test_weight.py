@@ -26,7 +26,7 @@ LIMITS = {
 LEAST = {"C++ comments, lines per 1000": 107}
 
 
-def test_nothing_grows_and_limits_are_near_what_is_there() -> None:
+def test_nothing_grows_and_limits_are_near_what_is_there():
     """Near, so that a step that takes away lowers them."""
     found = weigh()
     over = {name: found[name] for name, limit in LIMITS.items() if found[name] > limit}
@@ -37,7 +37,7 @@ def test_nothing_grows_and_limits_are_near_what_is_there() -> None:
     assert far == {}, LIMITS
 
 
-def test_lines_of_comments_and_long_functions_are_found() -> None:
+def test_lines_of_comments_and_long_functions_are_found():
     assert cpp_lines("// a\n/* b\n c */\nint d;  // e\n") == (4, 3)
     body = "".join(f"    f({i});\n" for i in range(90))
     source = f"namespace v {{\nvoid g(int a) {{\n{body}}}\n\nvoid h() {{\n    f();\n}}\n}}\n"

@@ -41,9 +41,7 @@ def pair(tmp_path: Path) -> tuple[str, str]:
     return str(tmp_path / "a.exr"), str(tmp_path / "b.exr")
 
 
-def test_diff_prints_every_metric_as_one_json_object(
-    run: Run, pair: tuple[str, str], tmp_path: Path
-) -> None:
+def test_diff_prints_every_metric_as_one_json_object(run, pair, tmp_path):
     png = tmp_path / "d.png"
     status, out, err = run(
         "diff", *pair, "--json", "--png", str(png), "--html", str(tmp_path / "d.html")
@@ -59,7 +57,7 @@ def test_diff_prints_every_metric_as_one_json_object(
     assert got["energy"] == pytest.approx(0.1, rel=1e-5)
 
 
-def test_diff_with_limits_is_a_check(run: Run, pair: tuple[str, str]) -> None:
+def test_diff_with_limits_is_a_check(run, pair):
     met = ["--limit", "rel_l1<=0.11", "--limit", "ssim>=0.5"]
     status, out, err = run("diff", *pair, "--json", *met)
     assert status == 0 and err == "" and json.loads(out)
@@ -71,7 +69,7 @@ def test_diff_with_limits_is_a_check(run: Run, pair: tuple[str, str]) -> None:
         assert status == 2 and out == "" and says in err and len(err.splitlines()) == 1
 
 
-def test_diff_against_black_prints_null(run: Run, pair: tuple[str, str], tmp_path: Path) -> None:
+def test_diff_against_black_prints_null(run, pair, tmp_path):
     Frame(layers={"color": np.zeros((16, 20, 3))}).save(tmp_path / "z.exr")
     _, out, _ = run("diff", pair[0], str(tmp_path / "z.exr"), "--json")
     assert json.loads(out)["rel_l1"] is None
@@ -115,9 +113,7 @@ def test_diff_against_black_prints_null(run: Run, pair: tuple[str, str], tmp_pat
         ("tune room --set c_ee=2", "unknown parameter 'c_ee'"),
     ],
 )
-def test_bad_usage_is_one_line_and_status_2(
-    run: Run, words: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bad_usage_is_one_line_and_status_2(run, words, says, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     status, out, err = run(*shlex.split(words))
     assert status == 2 and out == "" and says in err
@@ -125,7 +121,7 @@ def test_bad_usage_is_one_line_and_status_2(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_report_says_what_its_directory_must_be_and_what_it_is(run: Run, tmp_path: Path) -> None:
+def test_a_report_says_what_its_directory_must_be_and_what_it_is(run, tmp_path):
     empty, other, file = tmp_path / "empty", tmp_path / "other", tmp_path / "a.exr"
     empty.mkdir(), other.mkdir(), file.touch()
     for name in "abcdefg":
@@ -142,9 +138,7 @@ def test_a_report_says_what_its_directory_must_be_and_what_it_is(run: Run, tmp_p
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "empty", "other"]
 
 
-def test_too_little_memory_is_one_line(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_little_memory_is_one_line(run, tmp_path, monkeypatch):
     def full(*_: Any, **__: Any) -> None:
         raise MemoryError("std::bad_alloc")
 
@@ -154,14 +148,12 @@ def test_too_little_memory_is_one_line(
     assert "not enough memory" in err and len(err.strip().splitlines()) == 1
 
 
-def test_debug_gives_the_traceback(tmp_path: Path) -> None:
+def test_debug_gives_the_traceback(tmp_path):
     with pytest.raises(FileNotFoundError):
         cli.main(["diff", "--debug", str(tmp_path / "no.exr"), "no.exr"])
 
 
-def test_ctrl_c_gives_130_and_keeps_what_was_finished(
-    run: Run, fake_vc: Any, tmp_path: Path
-) -> None:
+def test_ctrl_c_gives_130_and_keeps_what_was_finished(run, fake_vc, tmp_path):
     file = tmp_path / "a.toml"
     text = 'scene = "room"\nsize = [16, 12]\nmetrics = ["rel_l1"]\n[over]\nc_e = [2, 4, 8]\n'
     file.write_text(text)
@@ -187,7 +179,7 @@ def test_ctrl_c_gives_130_and_keeps_what_was_finished(
     assert status == 2 and "--format must come with --plots FOLDER" in err
 
 
-def test_lists_name_what_there_is(run: Run) -> None:
+def test_lists_name_what_there_is(run):
     status, out, _ = run("reproduce", "list")
     assert status == 0 and "aqvc-fig3 (shadow edges" in out
     status, out, _ = run("bench", "list", "--json")
@@ -195,9 +187,7 @@ def test_lists_name_what_there_is(run: Run) -> None:
     assert status == 0 and {"rays", "aqvc-frame", "loading"} <= set(names)
 
 
-def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(run, monkeypatch):
     from viscache_lab import bench
 
     figure = {"name": "x vs y", "value": 1.0, "unit": "s", "baseline": "y", "ratio": 0.5, "goal": 2}
@@ -223,9 +213,7 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     assert status == 1 and json.loads(out)["answers_hold"] is False
 
 
-def test_another_package_can_add_a_command(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_package_can_add_a_command(run, tmp_path, monkeypatch):
     info = tmp_path / "bakery-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: bakery\nVersion: 1.0\n")
@@ -252,7 +240,7 @@ def test_another_package_can_add_a_command(
         cli._added.cache_clear()
 
 
-def test_commands_of_the_lab_are_found_in_place_as_installed() -> None:
+def test_commands_of_the_lab_are_found_in_place_as_installed():
     project, here = text("pyproject.toml"), text("python/viscache.dist-info/entry_points.txt")
     entries = project.partition('[project.entry-points."viscache.commands"]\n')[2].partition("\n\n")
     assert here == "[viscache.commands]\n" + entries[0].replace('"', "") + "\n"
@@ -261,13 +249,13 @@ def test_commands_of_the_lab_are_found_in_place_as_installed() -> None:
 
 
 @pytest.mark.parametrize("name", ["bench", "extremes", "figures", "parity"])
-def test_modules_that_left_the_library_name_their_place(name: str) -> None:
+def test_modules_that_left_the_library_name_their_place(name):
     with pytest.raises(ModuleNotFoundError, match=f"is viscache_lab.{name} now"):
         exec(f"from viscache import {name}")
     assert not hasattr(viscache, "no_such_name")
 
 
-def test_help_needs_no_heavy_imports() -> None:
+def test_help_needs_no_heavy_imports():
     code = (
         "import sys\nfrom viscache import cli\nassert cli.main(['render', '--help']) == 0\n"
         "print(*[m for m in ('matplotlib', 'xarray', 'skimage', 'pandas') if m in sys.modules],"
@@ -289,7 +277,7 @@ def test_help_needs_no_heavy_imports() -> None:
 CUBE = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n"
 
 
-def test_render_writes_the_picture_its_json_describes(run: Run, tmp_path: Path) -> None:
+def test_render_writes_the_picture_its_json_describes(run, tmp_path):
     (tmp_path / "m.obj").write_text(CUBE)
     out = tmp_path / "o.exr"
     words = shlex.split(
@@ -307,7 +295,7 @@ def test_render_writes_the_picture_its_json_describes(run: Run, tmp_path: Path) 
     assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
 
 
-def test_render_writes_pictures_to_look_at(run: Run, tmp_path: Path) -> None:
+def test_render_writes_pictures_to_look_at(run, tmp_path):
     out = tmp_path / "o.png"
     words = ["render", "slits", "-o", str(out), "--integrator", "direct", "--size", "24x16"]
     assert run(*words)[0] == 0
@@ -317,7 +305,7 @@ def test_render_writes_pictures_to_look_at(run: Run, tmp_path: Path) -> None:
     assert out.read_bytes() != plain
 
 
-def test_a_camera_is_named_by_index_too_and_env_takes_a_number(run: Run, tmp_path: Path) -> None:
+def test_a_camera_is_named_by_index_too_and_env_takes_a_number(run, tmp_path):
     words = ["-o", str(tmp_path / "o.exr"), "--integrator", "direct", "--size", "8x5", "--json"]
     status, text, _ = run(
         "render", "room?triangles=2000&lights=0", "--camera", "1", "--env", "0.5", *words
@@ -327,7 +315,7 @@ def test_a_camera_is_named_by_index_too_and_env_takes_a_number(run: Run, tmp_pat
     assert "environment" in got["counters"]["groups"] and got["warnings"] == []
 
 
-def test_ctrl_c_while_rendering_ends_with_130_and_without_a_file(tmp_path: Path) -> None:
+def test_ctrl_c_while_rendering_ends_with_130_and_without_a_file(tmp_path):
     # A shell's background jobs ignore Ctrl-C; the command must not inherit that
     code = """
 import signal, sys
@@ -352,9 +340,7 @@ sys.exit(cli.main())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_info_prints_the_share_of_coplanar_triangles_and_that_there_is_no_light(
-    run: Run, tmp_path: Path
-) -> None:
+def test_info_prints_the_share_of_coplanar_triangles_and_that_there_is_no_light(run, tmp_path):
     quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 1\n"
     (tmp_path / "m.obj").write_text(quad + "f 1 2 3\nf 1 3 4\nf 5 6 7\n")
     status, text, _ = run("info", str(tmp_path / "m.obj"))
@@ -366,7 +352,7 @@ def test_info_prints_the_share_of_coplanar_triangles_and_that_there_is_no_light(
     assert json.loads(text)["coplanar_share"] == pytest.approx(2 / 3)
 
 
-def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed() -> None:
+def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed():
     import viscache as vc
 
     d = vc.SceneDescription()
@@ -380,7 +366,7 @@ def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed() -> None:
     assert vc.Scene.from_description(d).coplanar_share == pytest.approx(6 / 7)
 
 
-def test_doctor_is_well_here(run: Run) -> None:
+def test_doctor_is_well_here(run):
     status, text, _ = run("doctor", "--json")
     got = json.loads(text)
     assert status == 0 and got["ok"], got["checks"]
@@ -388,9 +374,7 @@ def test_doctor_is_well_here(run: Run) -> None:
     assert got["isa"]["active"] and got["versions"]["embree"][0].isdigit()
 
 
-def test_doctor_reports_a_broken_build_with_status_1(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_doctor_reports_a_broken_build_with_status_1(run, monkeypatch):
     inverted = viscache.Scene.visible
     monkeypatch.setattr(viscache.Scene, "visible", lambda s, x, y: ~inverted(s, x, y))
     status, text, _ = run("doctor", "--json")
@@ -398,7 +382,7 @@ def test_doctor_reports_a_broken_build_with_status_1(
     assert status == 1 and failed == ["visible() agrees with plane geometry"]
 
 
-def test_scenes_lists_every_built_in_scene_with_its_parameters(run: Run) -> None:
+def test_scenes_lists_every_built_in_scene_with_its_parameters(run):
     status, text, _ = run("scenes", "--json")
     got = json.loads(text)
     assert status == 0 and "triangles" in got["room"]["parameters"]

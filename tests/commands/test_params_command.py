@@ -12,7 +12,7 @@ NAMES = [(role, name) for role, known in by_name.NAMES.items() for name in known
 
 
 @pytest.mark.parametrize(("role", "name"), NAMES)
-def test_every_parameter_is_documented_and_can_be_set(role: by_name.Role, name: str) -> None:
+def test_every_parameter_is_documented_and_can_be_set(role, name):
     made = by_name.make(role, name)
     found = parameter_docs(type(made))
     assert {p.name for p in found} == set(by_name.parameters(made))
@@ -22,7 +22,7 @@ def test_every_parameter_is_documented_and_can_be_set(role: by_name.Role, name: 
         assert p.default == by_name.plain({p.name: by_name.parameters(made)[p.name]})[p.name]
 
 
-def test_params_prints_symbol_default_range_and_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+def test_params_prints_symbol_default_range_and_meaning(capsys):
     assert cli.main(["params", "aqvc"]) == 0
     text = capsys.readouterr().out
     assert text.startswith("aqvc: visibility, vc.Aqvc")
@@ -35,11 +35,11 @@ def test_params_prints_symbol_default_range_and_meaning(capsys: pytest.CaptureFi
     assert c_n["default"] == 8 and "C_N" in c_n["text"]
 
 
-def test_params_without_a_name_lists_the_names(capsys: pytest.CaptureFixture[str]) -> None:
+def test_params_without_a_name_lists_the_names(capsys):
     assert cli.main(["params", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {r: list(n) for r, n in by_name.NAMES.items()}
 
 
-def test_an_unknown_name_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_name_is_refused_with_the_nearest(capsys):
     assert cli.main(["params", "aqcv"]) == 2
     assert capsys.readouterr().err == "viscache: unknown name 'aqcv'; did you mean 'aqvc'?\n"

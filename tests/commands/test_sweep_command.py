@@ -1,7 +1,5 @@
 """`viscache sweep SCENE --over ...`: the sweep of a file, without the file."""
 
-from pathlib import Path
-
 import pytest
 import xarray
 
@@ -12,9 +10,7 @@ SHORT = ["--size", "12x8", "--integrator", "whitted", "--set", "n_vpls=4", "--se
 SHORT += ["--env", "0.5", "--threads", "1", "--camera", "0"]
 
 
-def test_a_scene_is_swept_as_a_file_would_be(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_scene_is_swept_as_a_file_would_be(tmp_path, capsys):
     at = tmp_path / "by_options"
     over = ["--over", "c_e=4,8", "--over", "c_n=2,4", "--repeats", "2"]
     assert cli.main(["sweep", SCENE, *over, *SHORT, "-o", str(at)]) == 0
@@ -46,9 +42,7 @@ def test_a_scene_is_swept_as_a_file_would_be(
         (["some.toml"], "no such sweep file: some.toml"),
     ],
 )
-def test_what_is_wrong_is_one_line(
-    given: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_wrong_is_one_line(given, said, tmp_path, capsys):
     assert cli.main(["sweep", *given, "-o", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
     assert said in error and error.count("\n") == 1

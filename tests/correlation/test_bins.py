@@ -6,7 +6,7 @@ import pytest
 from viscache.correlation.bins import Bins, centers, linear_bins, merge, pilot_d_max
 
 
-def test_cells_serve_the_table_and_both_slices() -> None:
+def test_cells_serve_the_table_and_both_slices():
     bins = linear_bins(25.0)
     assert len(bins.d_edges) == 129 and np.isinf(bins.d_edges[-1])
     assert len(bins.theta_edges_deg) == 181 and bins.theta_edges_deg[-1] == 180
@@ -19,14 +19,14 @@ def test_cells_serve_the_table_and_both_slices() -> None:
 
 
 @pytest.mark.parametrize("d_max", [0.6, 6.4, 25.6, 12.8, 1 / 3, 1e-4, 3e6])
-def test_edges_that_rounding_alone_tells_apart_are_one(d_max: float) -> None:
+def test_edges_that_rounding_alone_tells_apart_are_one(d_max):
     bins = linear_bins(d_max)
     finite = bins.d_cells[np.isfinite(bins.d_cells)]
     assert (np.diff(finite) > 1e-6 * finite[1:]).all()
     assert bins.slice_d in bins.d_cells and bins.slice_d == pytest.approx(0.2)
 
 
-def test_merging_cells_is_counting_in_bins() -> None:
+def test_merging_cells_is_counting_in_bins():
     rng = np.random.default_rng(0)
     fine, coarse = np.array([0, 0.2, 0.5, 1, 2, np.inf]), np.array([0.2, 1, np.inf])
     values = rng.integers(0, 100, (3, 5))
@@ -38,11 +38,11 @@ def test_merging_cells_is_counting_in_bins() -> None:
         merge(values, 1, fine, np.array([0.1, 1.0]))
 
 
-def test_centres_of_an_open_bin_are_as_wide_as_its_neighbour() -> None:
+def test_centres_of_an_open_bin_are_as_wide_as_its_neighbour():
     assert centers(np.array([0.0, 1.0, 2.0, np.inf])).tolist() == [0.5, 1.5, 2.5]
 
 
-def test_the_pilot_finds_the_99th_percentile_of_all_distances() -> None:
+def test_the_pilot_finds_the_99th_percentile_of_all_distances():
     p = np.random.default_rng(1).random((500, 3)).astype(np.float32)
     i, j = np.triu_indices(500, 1)
     exact = np.percentile(np.linalg.norm(p[i].astype(float) - p[j], axis=1), 99)
@@ -56,7 +56,7 @@ def test_the_pilot_finds_the_99th_percentile_of_all_distances() -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-15, 1e15])
-def test_the_pilot_takes_any_unit(scale: float) -> None:
+def test_the_pilot_takes_any_unit(scale):
     p = np.random.default_rng(1).random((300, 3)).astype(np.float32)
     assert pilot_d_max(p * np.float32(scale), 0) == pytest.approx(
         pilot_d_max(p, 0) * scale, rel=0.02
@@ -81,13 +81,13 @@ def test_the_pilot_takes_any_unit(scale: float) -> None:
         ({"d_end": [1.0]}, "d_end must be a number > 0"),
     ],
 )
-def test_bins_that_cannot_be_are_refused(change: dict[str, object], says: str) -> None:
+def test_bins_that_cannot_be_are_refused(change, says):
     given = {"d_edges": [0.0, 1.0], "theta_edges_deg": [0.0, 180.0]} | change
     with pytest.raises(ValueError, match=says):
         Bins(**given)
 
 
 @pytest.mark.parametrize(("d_max", "n"), [(0.0, 4), (np.inf, 4), (1.0, 0), (1.0, 2000)])
-def test_even_bins_that_cannot_be_are_refused(d_max: float, n: int) -> None:
+def test_even_bins_that_cannot_be_are_refused(d_max, n):
     with pytest.raises(ValueError, match="must be"):
         linear_bins(d_max, n)

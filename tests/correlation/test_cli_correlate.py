@@ -16,9 +16,7 @@ SCENE = "bumpy_spheres?triangles=3000"
 SMALL = ["--points", "200", "--map-size", "16", "--d-bins", "8", "--theta-bins", "9"]
 
 
-def test_the_file_holds_what_measure_returns(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_file_holds_what_measure_returns(tmp_path, capsys):
     out = tmp_path / "a.nc"
     words = ["correlate", SCENE, "-o", str(out), *SMALL, "--seed", "3", "--d-max", "2.5", "--json"]
     more = ["--plot", str(tmp_path / "p"), "--format", "pdf"]
@@ -38,18 +36,14 @@ def test_the_file_holds_what_measure_returns(
     assert list((tmp_path / "s").iterdir())
 
 
-def test_the_text_names_the_box_and_the_correlation_lengths(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_text_names_the_box_and_the_correlation_lengths(tmp_path, capsys):
     words = ["correlate", SCENE, "-o", str(tmp_path / "a.nc"), *SMALL, "--pairs", "9000"]
     assert cli.main([*words, "--on", "camera", "--camera", "0"]) == 0
     text = capsys.readouterr().out
     assert "box_d_max" in text and "box_theta_max_deg" in text and "d at rho 0.9" in text
 
 
-def test_local_visibility_and_processes_are_options(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_local_visibility_and_processes_are_options(tmp_path, capsys):
     words = ["correlate", SCENE, *SMALL, "--t-max", "0.1", "--json", "-o"]
     assert cli.main([*words, str(tmp_path / "a.nc")]) == 0
     assert cli.main([*words, str(tmp_path / "b.nc"), "--workers", "2"]) == 0
@@ -73,13 +67,7 @@ def test_local_visibility_and_processes_are_options(
         ([], "required: -o"),
     ],
 )
-def test_bad_usage_is_one_line_and_status_2(
-    words: list[str],
-    says: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_bad_usage_is_one_line_and_status_2(words, says, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(["correlate", SCENE, "--points", "50", "--map-size", "8", *words]) == 2
     captured = capsys.readouterr()
@@ -88,7 +76,7 @@ def test_bad_usage_is_one_line_and_status_2(
 
 
 @pytest.mark.slow
-def test_the_script_measures_scenes_one_after_another(tmp_path: Path) -> None:
+def test_the_script_measures_scenes_one_after_another(tmp_path):
     script = ROOT / "scripts/correlation.py"
     assert len(script.read_text().splitlines()) <= 30
     done = subprocess.run(

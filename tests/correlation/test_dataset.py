@@ -1,7 +1,6 @@
 """The dataset: names, units, derived quantities, and saving and loading."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,7 +45,7 @@ def made_up(mean: list[list[float]], n: list[list[int]] | int = 1000) -> xarray.
     )
 
 
-def test_the_interface_s_names_and_units_are_there(measured: xarray.Dataset) -> None:
+def test_the_interface_s_names_and_units_are_there(measured):
     for name in ("mean", "sigma", "se", "n", "n_undefined"):
         assert measured[name].dims == ("d", "theta") and measured[name].attrs["long_name"]
     assert measured.sizes["d"] == 128 and measured.sizes["theta"] == 180
@@ -61,7 +60,7 @@ def test_the_interface_s_names_and_units_are_there(measured: xarray.Dataset) -> 
     assert measured.attrs["points"] == "camera" and measured.attrs["camera"]
 
 
-def test_all_pairs_are_in_the_table(measured: xarray.Dataset) -> None:
+def test_all_pairs_are_in_the_table(measured):
     pairs = int(measured["n"].sum() + measured["n_undefined"].sum())
     assert pairs == 400 * 399 // 2 == measured.attrs["n_pairs"]
     near = int(measured["near_n"].sum() + measured["near_n_undefined"].sum())
@@ -70,12 +69,12 @@ def test_all_pairs_are_in_the_table(measured: xarray.Dataset) -> None:
     assert near == (d < 0.2).sum()
 
 
-def test_the_mean_of_squares_is_that_of_mean_and_sigma(measured: xarray.Dataset) -> None:
+def test_the_mean_of_squares_is_that_of_mean_and_sigma(measured):
     expected = 1 - measured["mean"] ** 2 - measured["sigma"] ** 2
     assert np.allclose(measured["variance_ratio"], expected, atol=1e-9, equal_nan=True)
 
 
-def test_the_jackknife_s_error_is_larger_than_the_naive_one() -> None:
+def test_the_jackknife_s_error_is_larger_than_the_naive_one():
     problem = bumpy(900, seed=1)
     ds = correlate(
         problem.bits,
@@ -90,13 +89,13 @@ def test_the_jackknife_s_error_is_larger_than_the_naive_one() -> None:
     assert np.median((ds["se"] / ds["se_naive"]).values[many]) > 2
 
 
-def test_a_file_gives_back_the_dataset(measured: xarray.Dataset, tmp_path: Path) -> None:
+def test_a_file_gives_back_the_dataset(measured, tmp_path):
     save_dataset(measured, tmp_path / "a.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["a.nc"]
     xarray.testing.assert_identical(load_dataset(tmp_path / "a.nc"), measured)
 
 
-def test_files_that_are_none_of_ours_are_refused(tmp_path: Path) -> None:
+def test_files_that_are_none_of_ours_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no such file"):
         load_dataset(tmp_path / "none.nc")
     xarray.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
@@ -104,7 +103,7 @@ def test_files_that_are_none_of_ours_are_refused(tmp_path: Path) -> None:
         load_dataset(tmp_path / "other.nc")
 
 
-def test_correlation_lengths_lie_where_the_mean_crosses_the_level() -> None:
+def test_correlation_lengths_lie_where_the_mean_crosses_the_level():
     ds = made_up([[1.0, 0.8, 1.0, 0.9], [0.8, 0.6, 1.0, 0.7], [0.4, 0.4, 1.0, 0.6]])
     lengths = correlation_lengths(ds)
     assert lengths[0].tolist() == pytest.approx([1.0, 0.0, np.inf, 0.0])
@@ -114,7 +113,7 @@ def test_correlation_lengths_lie_where_the_mean_crosses_the_level() -> None:
     assert found[0, 0] == pytest.approx(1.5) and np.isnan(found[0, 1])
 
 
-def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_record() -> None:
+def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_record():
     # Evenly spread points have equally many pairs per area
     n = [[1000], [3000], [5000]]
     ds = made_up([[0.9], [0.6], [0.0]], n)
@@ -133,7 +132,7 @@ def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_recor
         predicted_variance_ratio(ds, 1.0, 5.0)
 
 
-def test_points_of_a_plane_predict_no_variance_left() -> None:
+def test_points_of_a_plane_predict_no_variance_left():
     p = np.random.default_rng(0).random((300, 3)).astype(np.float32) * [1, 1, 0]
     up = np.tile([0, 0, 1.0], (300, 1))
     bits = np.zeros((300, 8), np.uint64)
@@ -144,7 +143,7 @@ def test_points_of_a_plane_predict_no_variance_left() -> None:
     assert np.isinf(ds["correlation_length"].values[:, 0]).all()
 
 
-def test_the_box_is_the_largest_whose_pairs_have_a_mean_of_at_least_the_level() -> None:
+def test_the_box_is_the_largest_whose_pairs_have_a_mean_of_at_least_the_level():
     ds = made_up([[1.0, 0.9, 0.0], [0.9, 0.7, 0.0], [0.5, 0.2, 0.0]])
     box = high_correlation_box(ds)
     assert (box.d_max, box.theta_max_deg) == (2.0, 20.0)

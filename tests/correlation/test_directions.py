@@ -24,7 +24,7 @@ def cells(directions: npt.NDArray[np.float32], map_size: int) -> npt.NDArray[np.
 @pytest.mark.slow
 @pytest.mark.parametrize("map_size", SIZES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_there_is_one_direction_in_each_cell(map_size: int, kind: Kind) -> None:
+def test_there_is_one_direction_in_each_cell(map_size, kind):
     found = vc.correlation.DirectionSet(map_size=map_size, kind=kind, seed=5).directions
     assert found.dtype == np.float32
     np.testing.assert_allclose(np.linalg.norm(found.astype(float), axis=1), 1, atol=2e-7)
@@ -32,13 +32,13 @@ def test_there_is_one_direction_in_each_cell(map_size: int, kind: Kind) -> None:
 
 
 @pytest.mark.parametrize("map_size", SIZES)
-def test_the_order_takes_every_cell_once(map_size: int) -> None:
+def test_the_order_takes_every_cell_once(map_size):
     order = patch_order(map_size)
     np.testing.assert_array_equal(np.sort(order), np.arange(map_size**2))
 
 
 @pytest.mark.parametrize("map_size", [32, 64, 96, 128])
-def test_packets_words_and_sixteens_are_rectangles_of_cells(map_size: int) -> None:
+def test_packets_words_and_sixteens_are_rectangles_of_cells(map_size):
     y, x = np.divmod(patch_order(map_size), map_size)
     for bits, edges in ((512, {(16, 32), (32, 16)}), (64, {(8, 8)}), (16, {(4, 4)})):
         spans = {
@@ -49,7 +49,7 @@ def test_packets_words_and_sixteens_are_rectangles_of_cells(map_size: int) -> No
 
 
 @pytest.mark.parametrize("map_size", [23, 40, 67, 100, 150])
-def test_packets_of_any_map_are_compact(map_size: int) -> None:
+def test_packets_of_any_map_are_compact(map_size):
     """Wider than a square of 512 cells by at most 2.2 times, in both directions."""
     y, x = np.divmod(patch_order(map_size), map_size)
     full = map_size**2 // 512 * 512
@@ -59,7 +59,7 @@ def test_packets_of_any_map_are_compact(map_size: int) -> None:
     assert rows > 2.2 * 512**0.5 or map_size < 50
 
 
-def test_centres_above_any_plane_are_half_of_all() -> None:
+def test_centres_above_any_plane_are_half_of_all():
     """The grid is symmetric about its centre: every direction has its opposite."""
     sky = vc.correlation.DirectionSet()
     normals = np.random.default_rng(0).normal(size=(2000, 3))
@@ -69,7 +69,7 @@ def test_centres_above_any_plane_are_half_of_all() -> None:
     assert len(set(counts.tolist())) > 5 and abs(counts - 4608).max() < 40
 
 
-def test_centres_are_those_of_the_map() -> None:
+def test_centres_are_those_of_the_map():
     y, x = np.divmod(patch_order(96), 96)
     p = np.stack([x + 0.5, y + 0.5], 1) / 96
     expected = _core.sampling.equal_area_to_direction(p)
@@ -85,14 +85,14 @@ def nearest_squared(directions: Any) -> float:
     return float((found**2).mean() * len(directions))
 
 
-def test_lloyds_iteration_spreads_the_directions_evenly() -> None:
+def test_lloyds_iteration_spreads_the_directions_evenly():
     sets = {k: vc.correlation.DirectionSet(map_size=32, kind=k, seed=3).directions for k in KINDS}
     assert nearest_squared(sets["lloyd"]) < 0.75 * nearest_squared(sets["jittered"])
     assert nearest_squared(sets["lloyd"]) < 1.01 * nearest_squared(sets["centres"])
 
 
 @pytest.mark.stat
-def test_jittered_directions_are_uniform_in_their_cells() -> None:
+def test_jittered_directions_are_uniform_in_their_cells():
     found = vc.correlation.DirectionSet(map_size=200, kind="jittered", seed=9).directions
     inside = (_core.sampling.direction_to_equal_area(found).astype(float) * 200) % 1
     bins = np.floor(inside * 8).astype(int) @ [8, 1]
@@ -104,7 +104,7 @@ def test_jittered_directions_are_uniform_in_their_cells() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_seed_alone_decides(kind: Kind) -> None:
+def test_the_seed_alone_decides(kind):
     def made(seed: int) -> Any:
         return vc.correlation.DirectionSet(map_size=20, kind=kind, seed=seed).directions.tobytes()
 
@@ -112,12 +112,12 @@ def test_the_seed_alone_decides(kind: Kind) -> None:
     assert (made(1) == made(2)) == (kind == "centres")
 
 
-def test_the_directions_of_a_set_cannot_be_changed() -> None:
+def test_the_directions_of_a_set_cannot_be_changed():
     with pytest.raises(ValueError, match="read-only"):
         vc.correlation.DirectionSet().directions[0, 0] = 1
 
 
-def test_packet_axes_point_to_the_middle_of_their_patches() -> None:
+def test_packet_axes_point_to_the_middle_of_their_patches():
     for map_size in (96, 33, 5):
         sky = vc.correlation.DirectionSet(map_size=map_size)
         axes = sky.packet_axes
@@ -141,6 +141,6 @@ def test_packet_axes_point_to_the_middle_of_their_patches() -> None:
         ({"seed": -1}, r"seed must be in \[0, 2\^64\), got -1"),
     ],
 )
-def test_bad_settings_are_refused(arguments: dict[str, Any], message: str) -> None:
+def test_bad_settings_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         vc.correlation.DirectionSet(**arguments)

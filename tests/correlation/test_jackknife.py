@@ -40,7 +40,7 @@ def draw(rng: np.random.Generator, groups: int = 16, points: int = 10) -> tuple[
     return sums_of(np.clip(rho, -1, 1), group), 0.3
 
 
-def test_mean_sigma_and_naive_error_are_those_of_the_pairs() -> None:
+def test_mean_sigma_and_naive_error_are_those_of_the_pairs():
     rng = np.random.default_rng(0)
     rho = np.rint(rng.uniform(-1, 1, (24, 24)) * SCALE) / SCALE
     rho[3] = rho[:, 3] = np.nan
@@ -55,7 +55,7 @@ def test_mean_sigma_and_naive_error_are_those_of_the_pairs() -> None:
     assert found.se_naive.item() == pytest.approx(known.std() / np.sqrt(known.size), rel=1e-13)
 
 
-def test_sigma_of_nearly_equal_values_does_not_cancel() -> None:
+def test_sigma_of_nearly_equal_values_does_not_cancel():
     rho = np.full((300, 300), 1.0)
     rho[0, 1] = 1.0 - 1 / SCALE
     n = 300 * 299 / 2
@@ -63,7 +63,7 @@ def test_sigma_of_nearly_equal_values_does_not_cancel() -> None:
     assert found.sigma.item() == pytest.approx(np.sqrt((n - 1) / n**2) / SCALE, rel=1e-12)
 
 
-def test_the_jackknife_leaves_out_every_pair_with_an_end_in_the_group() -> None:
+def test_the_jackknife_leaves_out_every_pair_with_an_end_in_the_group():
     rng = np.random.default_rng(1)
     rho = np.rint(rng.uniform(-1, 1, (20, 20)) * SCALE) / SCALE
     group = np.sort(rng.integers(0, 5, 20))
@@ -75,7 +75,7 @@ def test_the_jackknife_leaves_out_every_pair_with_an_end_in_the_group() -> None:
     assert jackknife(sums_of(rho, group)).item() == pytest.approx(expected, rel=1e-10)
 
 
-def test_no_error_is_claimed_where_it_cannot_be_known() -> None:
+def test_no_error_is_claimed_where_it_cannot_be_known():
     rho = np.zeros((4, 4))
     assert np.isnan(jackknife(sums_of(rho, np.zeros(4, int))).item())
     # Without group 0 no pair is left
@@ -87,7 +87,7 @@ def test_no_error_is_claimed_where_it_cannot_be_known() -> None:
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_the_jackknife_covers_the_truth_and_the_naive_error_does_not() -> None:
+def test_the_jackknife_covers_the_truth_and_the_naive_error_does_not():
     rng = np.random.default_rng(2)
     factor = student.ppf(0.975, 15)
     covered = {"se": 0, "se_naive": 0}

@@ -50,7 +50,7 @@ def of(problem: Points, **settings: Any) -> xarray.Dataset:
     return correlate(problem.bits, problem.positions, problem.normals, n_directions=500, **settings)
 
 
-def test_slices_have_their_own_bins_from_their_own_pairs(problem: Points) -> None:
+def test_slices_have_their_own_bins_from_their_own_pairs(problem):
     ds = of(problem, d_edges=50, theta_edges_deg=7, slice_d=0.7, slice_theta_deg=11.0)
     pairs = pair_tables.all_pairs(problem.visible, problem.positions, problem.normals)
     over_theta = pair_tables.binned(pairs, np.array([0, 0.7]), np.linspace(0, 180, 65))
@@ -68,7 +68,7 @@ def test_slices_have_their_own_bins_from_their_own_pairs(problem: Points) -> Non
     assert int(ds["corner_n"]) == corner["n"].item()
 
 
-def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line() -> None:
+def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line():
     """Rays, rows, pairs and bins together."""
     sphere = convex_sphere()
     d_edges = [0, 0.5, 1, 1.5, np.inf]
@@ -108,9 +108,7 @@ def convex_sphere() -> vc.Scene:
     return vc.Scene.from_arrays(grid.reshape(-1, 3) @ (turn * np.linalg.det(turn)).T, faces)
 
 
-def test_threads_and_blocks_change_no_byte(
-    measured: xarray.Dataset, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_threads_and_blocks_change_no_byte(measured, monkeypatch):
     assert_same(measured, measure(SCENE, **SMALL | {"threads": 1}))
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 37)
     monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 1000)
@@ -120,9 +118,7 @@ def test_threads_and_blocks_change_no_byte(
 
 
 @pytest.mark.slow
-def test_a_pool_of_processes_gives_the_same_bytes(
-    measured: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pool_of_processes_gives_the_same_bytes(measured, tmp_path, monkeypatch):
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
     monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 8000)
     context = multiprocessing.get_context("spawn")
@@ -135,9 +131,7 @@ def test_a_pool_of_processes_gives_the_same_bytes(
         assert_same(measured, measure(SCENE, **SMALL | {"threads": 1}, executor=pool))
 
 
-def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(monkeypatch):
     monkeypatch.setattr(run, "NEAR_PAIRS", 40_000)
     problem = bumpy(1200, seed=3)
     edges: dict[str, Any] = {"d_edges": 64, "theta_edges_deg": 6, "d_max": 6.4}
@@ -161,7 +155,7 @@ def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(
     assert far.sum() > 20 and np.abs(z).max() < 5
 
 
-def test_a_near_pass_that_costs_too_much_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_near_pass_that_costs_too_much_is_left_out(monkeypatch):
     problem = bumpy(1200, seed=3)
     monkeypatch.setattr(run, "NEAR_PAIRS", 100.0)
     monkeypatch.setattr(run, "NEAR_SHARE", 0.0)
@@ -170,7 +164,7 @@ def test_a_near_pass_that_costs_too_much_is_left_out(monkeypatch: pytest.MonkeyP
     assert (ds["pair_share"].values == ds.attrs["far_share"]).all()
 
 
-def test_a_pair_or_two_are_enough(problem: Points, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pair_or_two_are_enough(problem, monkeypatch):
     monkeypatch.setattr(run, "NEAR_PAIRS", 0.0)
     ds = of(problem, pairs=1)
     assert ds.attrs["n_pairs"] < 2000 and ds["n"].sum() <= ds.attrs["n_pairs"]
@@ -178,7 +172,7 @@ def test_a_pair_or_two_are_enough(problem: Points, monkeypatch: pytest.MonkeyPat
     assert two["n"].sum() == 1 and np.isnan(two["se"].values).all()
 
 
-def test_local_means_are_those_of_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_local_means_are_those_of_the_box(monkeypatch):
     from viscache.correlation import local_means
 
     settings = SMALL | {"n_points": 600}
@@ -204,7 +198,7 @@ def test_local_means_are_those_of_the_box(monkeypatch: pytest.MonkeyPatch) -> No
     assert both.sum() > 20 and 0 < np.abs(off).max() < 0.5 and np.abs(off.mean()) < 0.05
 
 
-def test_groups_may_be_given_and_points_come_in_any_order(problem: Points) -> None:
+def test_groups_may_be_given_and_points_come_in_any_order(problem):
     order = np.random.default_rng(0).permutation(260)
     mixed = replace(
         problem, **{n: getattr(problem, n)[order] for n in ("visible", "positions", "normals")}
@@ -231,14 +225,14 @@ def test_groups_may_be_given_and_points_come_in_any_order(problem: Points) -> No
         ({"n_directions": 513}, r"n_directions must be a whole number in \[1, 512\], got 513"),
     ],
 )
-def test_bad_arguments_are_refused(problem: Points, change: dict[str, Any], says: str) -> None:
+def test_bad_arguments_are_refused(problem, change, says):
     with pytest.raises(ValueError, match=says):
         correlate(
             problem.bits, problem.positions, problem.normals, **{"n_directions": 500} | change
         )
 
 
-def test_bad_arrays_are_refused(problem: Points) -> None:
+def test_bad_arrays_are_refused(problem):
     bits, p, n = problem.bits, problem.positions, problem.normals
     with pytest.raises(ValueError, match=r"bits must be uint64 of shape \(N, W\)"):
         correlate(bits.astype(np.int64), p, n)
@@ -266,7 +260,7 @@ def test_bad_arrays_are_refused(problem: Points) -> None:
         ({"camera": 9}, "camera must be in"),
     ],
 )
-def test_measurements_that_cannot_be_are_refused(change: dict[str, Any], says: str) -> None:
+def test_measurements_that_cannot_be_are_refused(change, says):
     with pytest.raises(ValueError, match=says):
         measure(SCENE, **SMALL | change)
 
@@ -294,9 +288,7 @@ def blocks_of(folder: Path, pattern: str) -> list[Path]:
     return [p for p in folder.rglob(pattern) if not p.name.startswith(".")]
 
 
-def test_a_store_repeats_nothing_and_takes_over_rows(
-    measured: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_store_repeats_nothing_and_takes_over_rows(measured, tmp_path, monkeypatch):
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
     done = count_work(monkeypatch)
     assert_same(measured, measure(SCENE, **SMALL, directory=tmp_path))
@@ -324,9 +316,7 @@ measure({scene!r}, n_points=300, map_size=16, d_edges=16, theta_edges_deg=18, th
 
 
 @pytest.mark.parametrize("stop", [2, 9])
-def test_a_run_that_was_killed_goes_on_where_it_stopped(
-    measured: xarray.Dataset, stop: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_was_killed_goes_on_where_it_stopped(measured, stop, tmp_path, monkeypatch):
     code = KILLED.format(stop=stop, end="os.kill(os.getpid(), 9)", scene=SCENE)
     ended = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True)
     assert ended.returncode == -signal.SIGKILL, ended.stderr
@@ -340,14 +330,14 @@ def test_a_run_that_was_killed_goes_on_where_it_stopped(
     assert done == {"rows": 3 - rows, "pairs": total - pairs}
 
 
-def test_progress_counts_every_block_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_progress_counts_every_block_once(monkeypatch):
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
     seen: list[tuple[int, int]] = []
     measure(SCENE, **SMALL, progress=lambda done, total: seen.append((done, total)))
     assert seen == [(k + 1, 4) for k in range(4)]
 
 
-def test_a_store_of_other_rows_is_refused(tmp_path: Path) -> None:
+def test_a_store_of_other_rows_is_refused(tmp_path):
     measure(SCENE, **SMALL, directory=tmp_path)
     (rows,) = blocks_of(tmp_path, "rows.npy")
     np.save(rows, np.zeros((3, 8), np.uint64))
@@ -355,7 +345,7 @@ def test_a_store_of_other_rows_is_refused(tmp_path: Path) -> None:
         measure(SCENE, **SMALL, directory=tmp_path)
 
 
-def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
+def test_local_visibility_sees_more_than_the_whole_scene_leaves_free():
     settings = SMALL | {"points": "camera"}
     near = measure(SCENE, **settings, t_max=0.02)
     far = measure(SCENE, **settings)
@@ -368,7 +358,7 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
     assert off[0] < off[1]
 
 
-def test_a_closed_scene_chooses_a_distance_and_reports_it() -> None:
+def test_a_closed_scene_chooses_a_distance_and_reports_it():
     closed = measure("room?triangles=3000", **SMALL)
     assert closed.attrs["t_max_by"] == "closed scene"
     diagonal = np.linalg.norm(np.diff(vc.scenes.room(triangles=3000).bounds, axis=0))
@@ -381,13 +371,13 @@ def test_a_closed_scene_chooses_a_distance_and_reports_it() -> None:
     assert_same(given, closed)
 
 
-def test_an_open_scene_keeps_rays_without_end(measured: xarray.Dataset) -> None:
+def test_an_open_scene_keeps_rays_without_end(measured):
     assert measured.attrs["t_max"] == np.inf and measured.attrs["t_max_by"] == "open scene"
     assert_same(measured, measure(SCENE, **SMALL, t_max=np.inf))
 
 
 @pytest.mark.slow
-def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
+def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path):
     """Rows within rounding of an edge may differ; the store keeps engines apart."""
     common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}
     plain = measure("room?triangles=3000", **common)

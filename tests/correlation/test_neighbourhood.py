@@ -24,7 +24,7 @@ def clustered(n: int, seed: int) -> Points:
 
 @pytest.mark.parametrize("d_near", [1e-4, 0.02, 0.3, 5])
 @pytest.mark.parametrize("seed", [0, 1])
-def test_near_pairs_are_those_of_brute_force(d_near: float, seed: int) -> None:
+def test_near_pairs_are_those_of_brute_force(d_near, seed):
     """Among 1200 points, exactly."""
     points = clustered(1200 if (d_near, seed) == (0.02, 0) else 400, seed)
     edges, angles = np.linspace(0, d_near, 4), np.arange(0, 181, 20.0)
@@ -34,7 +34,7 @@ def test_near_pairs_are_those_of_brute_force(d_near: float, seed: int) -> None:
     assert_sums(table, sums)
 
 
-def test_near_pairs_do_not_depend_on_threads_or_instruction_set() -> None:
+def test_near_pairs_do_not_depend_on_threads_or_instruction_set():
     points = clustered(800, 3)
     tables = [
         pairs.near_pairs(
@@ -50,7 +50,7 @@ def test_near_pairs_do_not_depend_on_threads_or_instruction_set() -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
-def test_the_grid_holds_scenes_of_any_size(scale: float) -> None:
+def test_the_grid_holds_scenes_of_any_size(scale):
     points = random_points(200, 70)
     points = replace(points, positions=points.positions * np.float32(scale))
     edges, angles = np.array([0, 0.05, 0.3]) * scale, [0, 180]
@@ -59,7 +59,7 @@ def test_the_grid_holds_scenes_of_any_size(scale: float) -> None:
 
 
 @pytest.mark.extreme
-def test_a_scene_much_larger_than_the_distance_bins_exactly() -> None:
+def test_a_scene_much_larger_than_the_distance_bins_exactly():
     """More cells than an axis has numbers: cells become wider."""
     points = random_points(300, 70)
     positions = points.positions.copy()
@@ -82,7 +82,7 @@ def brute_force_map(points: Points, d_max: float, theta_max_deg: float) -> Any:
 
 
 @pytest.mark.parametrize(("d_max", "theta_max_deg"), [(0.2, 60), (0.5, 20), (3, 180)])
-def test_the_spatial_map_is_the_mean_over_neighbours(d_max: float, theta_max_deg: float) -> None:
+def test_the_spatial_map_is_the_mean_over_neighbours(d_max, theta_max_deg):
     points = random_points(600, 300)
     found = pairs.spatial_map(
         points.bits, points.positions, points.normals, d_max, theta_max_deg, n_directions=300
@@ -93,7 +93,7 @@ def test_the_spatial_map_is_the_mean_over_neighbours(d_max: float, theta_max_deg
     np.testing.assert_allclose(found, wanted, atol=2e-6)
 
 
-def test_wrong_arguments_are_refused() -> None:
+def test_wrong_arguments_are_refused():
     points = random_points(50, 100)
     rows = (points.bits, points.positions, points.normals)
     with pytest.raises(ValueError, match="d_max must be finite"):

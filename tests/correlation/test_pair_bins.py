@@ -43,7 +43,7 @@ def assert_sums(table: pairs.PairTable, sums: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("n_directions", [64, 500, 2305])
-def test_sums_equal_the_transcription(isa: str, n_directions: int) -> None:
+def test_sums_equal_the_transcription(isa, n_directions):
     points = random_points(n_directions=n_directions, seed=n_directions)
     table = pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, isa=isa)
     sums = expected(points)
@@ -53,7 +53,7 @@ def test_sums_equal_the_transcription(isa: str, n_directions: int) -> None:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize(("min_bits", "undefined"), [(60, "skip"), (30, "one_if_both")])
-def test_rules_for_pairs_without_correlation(isa: str, min_bits: int, undefined: Any) -> None:
+def test_rules_for_pairs_without_correlation(isa, min_bits, undefined):
     points = random_points()
     table = pairs.pair_statistics(
         *points.arguments, D_EDGES, ANGLES, isa=isa, undefined=undefined, min_bits=min_bits
@@ -64,7 +64,7 @@ def test_rules_for_pairs_without_correlation(isa: str, min_bits: int, undefined:
 
 @pytest.mark.parametrize("domain", ["joint", "union"])
 @pytest.mark.parametrize("rules", [{}, {"one_if_both": True}], ids=str)
-def test_domains_equal_the_transcription(domain: Any, rules: dict[str, Any]) -> None:
+def test_domains_equal_the_transcription(domain, rules):
     """Also where rows claim to see below their own plane, which does not count."""
     convex = convex_points(120, edge=16)
     random = np.random.default_rng(0)
@@ -115,7 +115,7 @@ EDGES = {
 
 
 @pytest.mark.parametrize("edges", EDGES.values(), ids=EDGES.keys())
-def test_any_edges_bin_exactly(edges: tuple[Any, Any]) -> None:
+def test_any_edges_bin_exactly(edges):
     points = random_points(n=250, n_directions=70, groups=1)
     sums = expected(points, *edges)
     for isa in AVAILABLE:
@@ -125,7 +125,7 @@ def test_any_edges_bin_exactly(edges: tuple[Any, Any]) -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-18, 1e-6, 1e6, 1e18])
-def test_scenes_of_any_size_bin_exactly(scale: float) -> None:
+def test_scenes_of_any_size_bin_exactly(scale):
     """Where d² overflows it is infinite, and lies in the open bin."""
     points = random_points(n=100, n_directions=70, groups=1)
     with np.errstate(over="ignore", under="ignore"):
@@ -139,14 +139,14 @@ def test_scenes_of_any_size_bin_exactly(scale: float) -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-30, 1e30])
-def test_edges_whose_squares_leave_single_precision_are_refused(scale: float) -> None:
+def test_edges_whose_squares_leave_single_precision_are_refused(scale):
     points = random_points(n=50, n_directions=70)
     with pytest.raises(ValueError, match="d_edges must lie further apart than single precision"):
         pairs.pair_statistics(*points.arguments, np.array([0, 1, 2, 3]) * scale, ANGLES)
 
 
 @pytest.mark.extreme
-def test_pairs_at_an_edge_lie_in_the_bin_past_it() -> None:
+def test_pairs_at_an_edge_lie_in_the_bin_past_it():
     """Distances 0, ½, 1 and angles 0 and 90 are exact in single precision; 180 closes its bin."""
     visible = np.zeros((4, 64), bool)
     visible[:, :32] = 1
@@ -162,7 +162,7 @@ def test_pairs_at_an_edge_lie_in_the_bin_past_it() -> None:
         assert table.n[0].tolist() == [[1, 0, 0], [0, 3, 0], [0, 0, 2]]
 
 
-def test_an_angle_in_degrees_is_the_one_between_the_normals() -> None:
+def test_an_angle_in_degrees_is_the_one_between_the_normals():
     """Edges half a thousandth to either side of the true angle hold the pair, from 0.1 to 179."""
     angles = np.array([0.1, 1, 30, 89.9, 90.1, 150, 179])
     radians = np.radians(angles)
@@ -182,7 +182,7 @@ def test_an_angle_in_degrees_is_the_one_between_the_normals() -> None:
 
 
 @pytest.mark.stat
-def test_correlation_on_a_convex_body_falls_linearly_with_the_angle() -> None:
+def test_correlation_on_a_convex_body_falls_linearly_with_the_angle():
     """ρ(θ) = 1 − 2θ/π whatever d, for 96² directions (C++ half of the convex scene's test)."""
     points = convex_points(1500)
     edges, angles = [0, 0.5, np.inf], np.arange(0, 181, 2.0)
@@ -208,7 +208,7 @@ def test_correlation_on_a_convex_body_falls_linearly_with_the_angle() -> None:
 
 
 @pytest.mark.extreme
-def test_the_sum_of_squares_has_room_for_a_full_cell() -> None:
+def test_the_sum_of_squares_has_room_for_a_full_cell():
     """All pairs in one cell with ρ = ±1 fill the packed sums as far as they go."""
     n = 4200
     visible = np.zeros((n, 64), bool)

@@ -15,7 +15,7 @@ def brute_force(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("n_directions", [1, 63, 64, 65, 128, 129, 500, 513, 4097, 9216])
-def test_counts_equal_brute_force(isa: str, n_directions: int) -> None:
+def test_counts_equal_brute_force(isa, n_directions):
     random = np.random.default_rng(n_directions)
     a = random.random((37, n_directions)) < random.random((37, 1))
     b = random.random((50, n_directions)) < random.random((50, 1))
@@ -30,7 +30,7 @@ def test_counts_equal_brute_force(isa: str, n_directions: int) -> None:
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
-def test_every_bit_counts_once(isa: str) -> None:
+def test_every_bit_counts_once(isa):
     """A wrong carry, a missed word or a unit skipped by mistake shows at some single bit."""
     one = np.eye(1280, dtype=bool)
     full = np.ones((3, 1280), bool)
@@ -43,7 +43,7 @@ def test_every_bit_counts_once(isa: str) -> None:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("skip_dead", [True, False])
-def test_totals_are_those_of_the_columns(isa: str, skip_dead: bool) -> None:
+def test_totals_are_those_of_the_columns(isa, skip_dead):
     """Σ n11 over all pairs = Σ over directions of (rows of a that see it)·(rows of b)."""
     random = np.random.default_rng(0)
     a, b = random.random((400, 700)) < 0.3, random.random((333, 700)) < 0.6
@@ -54,7 +54,7 @@ def test_totals_are_those_of_the_columns(isa: str, skip_dead: bool) -> None:
     assert total == int(a.sum(0) @ b.sum(0))
 
 
-def test_phi_is_the_correlation_of_numpy() -> None:
+def test_phi_is_the_correlation_of_numpy():
     random = np.random.default_rng(3)
     rows = random.random((60, 900)) < random.random((60, 1))
     rows[7] = rows[5]
@@ -69,14 +69,14 @@ def test_phi_is_the_correlation_of_numpy() -> None:
     np.testing.assert_allclose(pairs.phi(words, words, 192), expected, atol=1e-6)
 
 
-def test_phi_is_undefined_where_all_bits_are_equal() -> None:
+def test_phi_is_undefined_where_all_bits_are_equal():
     rows = np.zeros((3, 100), bool)
     rows[1], rows[2, :50] = 1, 1
     rho = pairs.phi(packed(rows), packed(rows), 100)
     assert np.isnan(rho[:2]).all() and np.isnan(rho[:, :2]).all() and rho[2, 2] == 1
 
 
-def test_rows_of_other_lengths_are_refused() -> None:
+def test_rows_of_other_lengths_are_refused():
     a, b = np.zeros((2, 3), np.uint64), np.zeros((2, 4), np.uint64)
     with pytest.raises(ValueError, match=r"same length, got \(2, 3\) and \(2, 4\)"):
         pairs.intersections(a, b)
@@ -90,7 +90,7 @@ def test_rows_of_other_lengths_are_refused() -> None:
         pairs.intersections(np.zeros((1, 800), np.uint64), np.zeros((1, 800), np.uint64))
 
 
-def test_no_rows_have_no_pairs() -> None:
+def test_no_rows_have_no_pairs():
     none, some = np.zeros((0, 2), np.uint64), np.zeros((5, 2), np.uint64)
     assert pairs.intersections(none, some).shape == (0, 5)
     assert pairs.intersections(some, none).shape == (5, 0)

@@ -30,19 +30,17 @@ def points() -> Points:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("threads", [1, 2, 8])
-def test_threads_and_instruction_sets_give_the_same_bytes(
-    points: Points, isa: str, threads: int
-) -> None:
+def test_threads_and_instruction_sets_give_the_same_bytes(points, isa, threads):
     assert_same(table_of(points, isa=isa, threads=threads, tile=100), table_of(points))
 
 
 @pytest.mark.parametrize("tile", [1, 3, 16, 50, 2048])
 @pytest.mark.parametrize("skip_dead", [True, False])
-def test_tiles_of_any_size_give_the_same_bytes(points: Points, tile: int, skip_dead: bool) -> None:
+def test_tiles_of_any_size_give_the_same_bytes(points, tile, skip_dead):
     assert_same(table_of(points, tile=tile, skip_dead=skip_dead), table_of(points))
 
 
-def test_parts_in_any_order_add_up_to_the_whole(points: Points) -> None:
+def test_parts_in_any_order_add_up_to_the_whole(points):
     tiles = pairs.tile_list(points.group, 60)
     shuffled = np.random.default_rng(0).permutation(len(tiles))
     parts = [table_of(points, tile=60, tiles=part) for part in np.array_split(shuffled, 5)]
@@ -52,7 +50,7 @@ def test_parts_in_any_order_add_up_to_the_whole(points: Points) -> None:
     assert_same(first, table_of(points))
 
 
-def test_sums_of_squares_carry(points: Points) -> None:
+def test_sums_of_squares_carry(points):
     table = table_of(points)
     double = table
     for _ in range(12):
@@ -61,7 +59,7 @@ def test_sums_of_squares_carry(points: Points) -> None:
     assert double.sum_q2_low.max() < 2**32 and double.sum_q2_low.min() >= 0
 
 
-def test_every_pair_lies_in_one_tile(points: Points) -> None:
+def test_every_pair_lies_in_one_tile(points):
     tiles = pairs.tile_list(points.group, 64)
     seen = np.zeros((700, 700), np.int64)
     for t in tiles:
@@ -76,7 +74,7 @@ def test_every_pair_lies_in_one_tile(points: Points) -> None:
     np.testing.assert_array_equal(seen, np.triu(np.ones((700, 700), np.int64), 1))
 
 
-def test_tiles_are_counted_in_their_pair_of_groups(points: Points) -> None:
+def test_tiles_are_counted_in_their_pair_of_groups(points):
     tiles = pairs.tile_list(points.group, 64)
     k = int(np.flatnonzero((tiles["a"] == 1) & (tiles["b"] == 2))[0])
     table = table_of(points, tile=64, tiles=[k])
@@ -86,7 +84,7 @@ def test_tiles_are_counted_in_their_pair_of_groups(points: Points) -> None:
 
 
 @pytest.mark.stat
-def test_tiles_are_chosen_in_proportion(points: Points) -> None:
+def test_tiles_are_chosen_in_proportion(points):
     tiles = pairs.tile_list(points.group, 20)
     total = int(tiles["pairs"].sum())
     chosen = pairs.choose_tiles(points.group, total // 5, seed=1, tile=20)
@@ -102,12 +100,12 @@ def test_tiles_are_chosen_in_proportion(points: Points) -> None:
     assert abs(draws / 400 - 0.2).max() < 5 * np.sqrt(0.2 * 0.8 / 400)
 
 
-def test_all_tiles_are_chosen_where_there_are_fewer_pairs(points: Points) -> None:
+def test_all_tiles_are_chosen_where_there_are_fewer_pairs(points):
     chosen = pairs.choose_tiles(points.group, 10**9, tile=20)
     np.testing.assert_array_equal(chosen, np.arange(len(pairs.tile_list(points.group, 20))))
 
 
-def test_near_and_far_pass_add_up_to_all_pairs(points: Points) -> None:
+def test_near_and_far_pass_add_up_to_all_pairs(points):
     d_near = D_EDGES[3]
     far = table_of(points, d_near=d_near)
     near = pairs.near_pairs(*points.arguments, D_EDGES, ANGLES, d_near=d_near)
@@ -115,7 +113,7 @@ def test_near_and_far_pass_add_up_to_all_pairs(points: Points) -> None:
     assert_same(near + far, table_of(points))
 
 
-def test_tables_of_other_bins_do_not_add(points: Points) -> None:
+def test_tables_of_other_bins_do_not_add(points):
     table = table_of(points)
     other = pairs.pair_statistics(*points.arguments, D_EDGES + 0.1, ANGLES)
     with pytest.raises(ValueError, match="d_edges must be the same"):
@@ -131,7 +129,7 @@ def test_tables_of_other_bins_do_not_add(points: Points) -> None:
         crowded + crowded
 
 
-def test_no_points_have_no_pairs() -> None:
+def test_no_points_have_no_pairs():
     none = np.zeros((0, 3), np.float32)
     empty = (np.zeros((0, 2), np.uint64), 100, none, none, np.zeros(0, np.int32))
     assert pairs.pair_statistics(*empty, [0, 1], [0, 180]).n.sum() == 0
@@ -182,7 +180,7 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
 
 
 @pytest.mark.parametrize("case", wrong(random_points(n=50)).keys())
-def test_wrong_arguments_are_refused(case: str) -> None:
+def test_wrong_arguments_are_refused(case):
     points = random_points(n=700)
     good = dict(
         bits=points.bits,
@@ -198,7 +196,7 @@ def test_wrong_arguments_are_refused(case: str) -> None:
         pairs.pair_statistics(**(good | bad))
 
 
-def test_progress_counts_pairs_and_may_stop_the_call() -> None:
+def test_progress_counts_pairs_and_may_stop_the_call():
     points = random_points(n=2000, n_directions=9000, groups=1)
     calls = []
     some: dict[str, Any] = {"tile": 100, "tiles": np.arange(20), "threads": 1, "isa": "portable"}

@@ -1,7 +1,5 @@
 """Pictures: empty bins stay white, the map is the camera's view, files are written."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray
@@ -14,7 +12,7 @@ def measured() -> xarray.Dataset:
     return measure("bumpy_spheres?triangles=3000", n_points=600, map_size=16, points="camera")
 
 
-def test_bins_with_fewer_than_100_pairs_are_white(measured: xarray.Dataset) -> None:
+def test_bins_with_fewer_than_100_pairs_are_white(measured):
     figure = plots.table(measured)
     shown = figure.axes[0].collections[0].get_array()
     few = (measured["n"].values < 100).T
@@ -26,7 +24,7 @@ def test_bins_with_fewer_than_100_pairs_are_white(measured: xarray.Dataset) -> N
     assert r"\theta" in axes.get_ylabel() and r"\rho" in figure.axes[1].get_ylabel()
 
 
-def test_slices_show_mean_spread_and_error(measured: xarray.Dataset) -> None:
+def test_slices_show_mean_spread_and_error(measured):
     near, aligned = plots.slices(measured).axes
     mean, upper = near.lines[0].get_ydata(), near.lines[2].get_ydata()
     enough = measured["near_n"].values >= 100
@@ -44,7 +42,7 @@ def test_slices_show_mean_spread_and_error(measured: xarray.Dataset) -> None:
     assert "0.2" in near.get_title() and "2°" in aligned.get_title()
 
 
-def test_the_map_puts_every_point_in_its_pixel(measured: xarray.Dataset) -> None:
+def test_the_map_puts_every_point_in_its_pixel(measured):
     image = plots.local_image(measured)
     assert image.shape == (measured.attrs["height"], measured.attrs["width"])
     drawn = measured["stratum"].values
@@ -58,13 +56,13 @@ def test_the_map_puts_every_point_in_its_pixel(measured: xarray.Dataset) -> None
     assert np.isfinite(filled) == (known >= 5)
 
 
-def test_all_pictures_are_written(measured: xarray.Dataset, tmp_path: Path) -> None:
+def test_all_pictures_are_written(measured, tmp_path):
     files = plots.save_all(measured, tmp_path / "new")
     assert [f.name for f in files] == ["table.png", "slices.png", "map.png"]
     assert all(f.read_bytes()[:4] == b"\x89PNG" for f in files)
 
 
-def test_without_a_camera_the_map_is_seen_along_the_shortest_side() -> None:
+def test_without_a_camera_the_map_is_seen_along_the_shortest_side():
     ds = measure("bumpy_spheres?triangles=3000", n_points=100, map_size=16, points="area")
     axes = plots.maps(ds).axes[0]
     assert {axes.get_xlabel()[0], axes.get_ylabel()[0]} == {"x", "z"}

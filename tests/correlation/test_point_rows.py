@@ -29,7 +29,7 @@ def lie_above(points: Any, targets: Array) -> Array:
 
 
 @pytest.mark.parametrize("count", [1, 64, 70, 513])
-def test_rows_say_what_single_rays_say(count: int) -> None:
+def test_rows_say_what_single_rays_say(count):
     scene = clutter()
     points, targets = points_of(scene, 300), lamps(scene, count)
     rows = vc.correlation.point_rows(scene, points, targets, engine="packets")
@@ -50,7 +50,7 @@ def test_rows_say_what_single_rays_say(count: int) -> None:
     "spec", ["room?triangles=3000", "cornell_box", "random_triangles?triangles=5000"]
 )
 @pytest.mark.parametrize("threads", [1, 3])
-def test_engines_and_threads_change_no_bit(spec: str, threads: int) -> None:
+def test_engines_and_threads_change_no_bit(spec, threads):
     scene = vc.scenes.build(spec)
     points, ends = points_of(scene, 5000), points_of(scene, 80, 7)
     surfaces = vc.FarEnds.surfaces(ends.positions, ends.normals)
@@ -64,7 +64,7 @@ def test_engines_and_threads_change_no_bit(spec: str, threads: int) -> None:
         assert packets.n_rays == shafts.n_rays == auto.n_rays
 
 
-def test_the_order_of_points_changes_no_bit() -> None:
+def test_the_order_of_points_changes_no_bit():
     scene = vc.scenes.build("room?triangles=3000")
     points, targets = points_of(scene, 5000), lamps(scene, 70)
     turned = np.random.default_rng(0).permutation(5000)
@@ -81,7 +81,7 @@ def test_the_order_of_points_changes_no_bit() -> None:
     np.testing.assert_array_equal(rows[0][turned], rows[1])
 
 
-def test_the_default_says_what_it_chose_and_why() -> None:
+def test_the_default_says_what_it_chose_and_why():
     scene = vc.scenes.build("room?triangles=3000")
     few = vc.correlation.point_rows(scene, points_of(scene, 100), lamps(scene, 20))
     assert few.engine == "embree"
@@ -90,7 +90,7 @@ def test_the_default_says_what_it_chose_and_why() -> None:
     assert many.engine == "shafts" and "shafts answered" in many.reason
 
 
-def test_progress_counts_points_to_the_end() -> None:
+def test_progress_counts_points_to_the_end():
     scene = clutter()
     points, sky = points_of(scene, 9000), vc.correlation.DirectionSet(map_size=24)
     for call, ends in (
@@ -113,7 +113,7 @@ def test_progress_counts_points_to_the_end() -> None:
         (np.ones((1, 3)), {"threads": 0}, "threads must be"),
     ],
 )
-def test_bad_arguments_are_refused(targets: Any, options: Any, says: str) -> None:
+def test_bad_arguments_are_refused(targets, options, says):
     scene = clutter()
     with pytest.raises(ValueError, match=says):
         vc.correlation.point_rows(scene, points_of(scene, 20), targets, **options)

@@ -30,7 +30,7 @@ def spawned(scene: vc.Scene, points: Any) -> Array:
 
 
 @pytest.mark.parametrize("map_size", [1, 5, 8, 23, 33])
-def test_rows_say_what_single_rays_say(map_size: int) -> None:
+def test_rows_say_what_single_rays_say(map_size):
     scene, sky = clutter(), vc.correlation.DirectionSet(map_size=map_size)
     points, rows = rows_of(scene, 300, sky)
     directions, origins = sky.directions, spawned(scene, points)
@@ -48,7 +48,7 @@ def test_rows_say_what_single_rays_say(map_size: int) -> None:
         assert 0.1 < expected.sum() / wanted.sum() < 0.9
 
 
-def test_records_of_even_maps_cost_half_their_cells() -> None:
+def test_records_of_even_maps_cost_half_their_cells():
     """The identity of Table 2: cell centres are symmetric, so every point traces T/2 rays."""
     for scene in (clutter(), convex()):
         assert rows_of(scene, 300)[1].n_rays == 300 * 24**2 // 2
@@ -56,7 +56,7 @@ def test_records_of_even_maps_cost_half_their_cells() -> None:
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("where", ["camera", "area"])
-def test_points_of_a_convex_body_see_all_that_lies_above(scale: float, where: Any) -> None:
+def test_points_of_a_convex_body_see_all_that_lies_above(scale, where):
     """ρ = 1 − 2θ/π follows from these bits."""
     points, rows = rows_of(convex(scale), 2000, where=where)
     seen = unpacked(rows.bits, rows.n_directions)
@@ -64,7 +64,7 @@ def test_points_of_a_convex_body_see_all_that_lies_above(scale: float, where: An
 
 
 @pytest.mark.extreme
-def test_far_from_the_origin_a_convex_body_still_sees_the_sky() -> None:
+def test_far_from_the_origin_a_convex_body_still_sees_the_sky():
     """At 1e5 sizes rounded vertices make it slightly less convex."""
     scene = convex(1.0, at=(1e5, -1e5, 1e5), vertices=60)
     points, rows = rows_of(scene, 2000, where="area")
@@ -72,7 +72,7 @@ def test_far_from_the_origin_a_convex_body_still_sees_the_sky() -> None:
     assert wrong.sum() / rows.n_rays < 2e-3
 
 
-def test_rays_pass_holes_and_are_stopped_by_what_is_solid() -> None:
+def test_rays_pass_holes_and_are_stopped_by_what_is_solid():
     """Under a square that is solid for x < 0.25 and a hole beyond."""
     scene = masked(0.25)
     x = np.linspace(0.05, 0.95, 19)
@@ -100,7 +100,7 @@ def squares_hide(scale: float, t_max: float = np.inf) -> Array:
 UNDER = np.array([[0.5, 0.5, -1]]), np.array([[0, 0, 1.0]])
 
 
-def test_instances_stop_rays() -> None:
+def test_instances_stop_rays():
     d = vc.SceneDescription()
     vertices, triangles = squares()
     card = d.add_mesh(
@@ -113,7 +113,7 @@ def test_instances_stop_rays() -> None:
     assert hidden.sum() > 100
 
 
-def test_t_max_ends_the_rays() -> None:
+def test_t_max_ends_the_rays():
     """Rays end before the square above, or reach only its middle."""
     for t_max in (0.99, 1.2, np.inf):
         rows = trace_rows(masked(1.0), *UNDER, SKY, t_max=t_max)
@@ -123,7 +123,7 @@ def test_t_max_ends_the_rays() -> None:
     assert 10 < squares_hide(1.0, 1.2).sum() < squares_hide(1.0).sum()
 
 
-def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> None:
+def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit():
     scene = clutter()
     points = vc.correlation.surface_points(scene, 3000, seed=2)
 
@@ -149,14 +149,14 @@ def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> N
     np.testing.assert_array_equal(traced(None, 2, slice(100, 333))[0], bits[100:333])
 
 
-def test_no_points_have_no_rows() -> None:
+def test_no_points_have_no_rows():
     rows = trace_rows(convex(), np.zeros((0, 3)), np.zeros((0, 3)), SKY)
     assert rows.bits.shape == (0, 16) and rows.n_rays == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("map_size", [96, 256])
-def test_ctrl_c_stops_the_tracing_soon(map_size: int) -> None:
+def test_ctrl_c_stops_the_tracing_soon(map_size):
     points = "vc.correlation.surface_points(scene, 1 << 18)"
     sky = f"vc.correlation.DirectionSet(map_size={map_size})"
     assert quickest_stop(f"vc.correlation.visibility_rows(scene, {points}, {sky})", 1.5) < LIMIT
@@ -183,7 +183,7 @@ ONE = [[0.0, 0.0, 1.0]]
         ({"directions": [[0, 0, 1.0]]}, "directions must be a DirectionSet"),
     ],
 )
-def test_bad_arguments_are_refused(arguments: dict[str, Any], message: str) -> None:
+def test_bad_arguments_are_refused(arguments, message):
     given = {"scene": convex(), "positions": ONE, "normals": ONE, "directions": SKY} | arguments
     with pytest.raises(ValueError, match=message):
         trace_rows(**given)

@@ -18,7 +18,7 @@ points = vc.correlation.surface_points
 
 @pytest.mark.parametrize("where", ["camera", "area"])
 @pytest.mark.parametrize("n", [16, 17, 1000, 5003])
-def test_exactly_as_many_points_come_back_as_asked_for(where: Any, n: int) -> None:
+def test_exactly_as_many_points_come_back_as_asked_for(where, n):
     found = points(clutter(), n, points=where, seed=3)
     assert found.positions.shape == found.normals.shape == found.theta_normals.shape == (n, 3)
     assert found.positions.dtype == found.normals.dtype == np.float32
@@ -28,7 +28,7 @@ def test_exactly_as_many_points_come_back_as_asked_for(where: Any, n: int) -> No
     assert (found.n_misses > 0) == (where == "camera")
 
 
-def test_threads_change_nothing_and_the_seed_everything() -> None:
+def test_threads_change_nothing_and_the_seed_everything():
     scene = clutter()
     one, many, other = (points(scene, 9000, seed=s, threads=t) for s, t in ((1, 1), (1, 3), (2, 3)))
     for name in one.__slots__:
@@ -40,7 +40,7 @@ def test_threads_change_nothing_and_the_seed_everything() -> None:
 
 
 @pytest.mark.parametrize("horizontal", [False, True])
-def test_each_point_lies_behind_its_pixel_and_faces_the_camera(horizontal: bool) -> None:
+def test_each_point_lies_behind_its_pixel_and_faces_the_camera(horizontal):
     d = vc.SceneDescription()
     mesh = clutter().meshes()[0]
     d.add_mesh(mesh["vertices"], mesh["triangles"], material=d.add_material())
@@ -65,7 +65,7 @@ def test_each_point_lies_behind_its_pixel_and_faces_the_camera(horizontal: bool)
 
 
 @pytest.mark.stat
-def test_points_are_uniform_inside_their_pixels() -> None:
+def test_points_are_uniform_inside_their_pixels():
     scene = vc.Scene.from_arrays(squares()[0] * 100 - [50, 50, 0], squares()[1])
     view = vc.look_at((0, 0, 10), (0, 0, 0), fov_deg=60)
     found = points(scene, 40_000, camera=view, seed=8)
@@ -75,14 +75,14 @@ def test_points_are_uniform_inside_their_pixels() -> None:
     assert stats.kstest(np.abs(y - 0.5) + 0.5, "uniform").pvalue < 1e-6  # negative control
 
 
-def test_a_small_thing_in_a_large_image_gets_its_points() -> None:
+def test_a_small_thing_in_a_large_image_gets_its_points():
     view = vc.look_at((0, 0, 30), (0, 0, 0), fov_deg=60)
     found = points(convex(), 3000, camera=view)
     assert found.n_misses > 30 * 3000
     np.testing.assert_allclose(np.linalg.norm(found.positions, axis=1), 1, atol=0.04)
 
 
-def test_a_camera_that_sees_nothing_is_refused() -> None:
+def test_a_camera_that_sees_nothing_is_refused():
     away = vc.look_at((0, 0, 5), (0, 0, 10))
     with pytest.raises(ValueError, match=r"camera must see surfaces .* 1/1024 of its image, got 0"):
         points(convex(), 100, camera=away)
@@ -91,7 +91,7 @@ def test_a_camera_that_sees_nothing_is_refused() -> None:
         points(convex(), 100, camera=far)
 
 
-def test_a_scene_without_a_camera_is_seen_whole() -> None:
+def test_a_scene_without_a_camera_is_seen_whole():
     found = points(convex(), 500)
     corner = np.array(convex().overview_camera().origin)
     assert (np.einsum("nc,nc->n", corner - found.positions, found.normals) > 0).all()
@@ -100,7 +100,7 @@ def test_a_scene_without_a_camera_is_seen_whole() -> None:
 # By area
 
 
-def test_every_triangle_gets_its_share_by_area() -> None:
+def test_every_triangle_gets_its_share_by_area():
     """Strata along the surfaces: counts are off by less than 2, however the sizes differ."""
     vertices, triangles = squares()
     d = vc.SceneDescription()
@@ -128,7 +128,7 @@ def test_every_triangle_gets_its_share_by_area() -> None:
 
 
 @pytest.mark.stat
-def test_points_are_uniform_on_a_triangle() -> None:
+def test_points_are_uniform_on_a_triangle():
     found = points(vc.Scene.from_arrays(*squares()), 40_000, points="area", seed=4)
     place = np.floor(found.positions[:, :2] * 8).astype(int) @ [8, 1]
     expected = np.full(64, 40_000 / 64)
@@ -137,7 +137,7 @@ def test_points_are_uniform_on_a_triangle() -> None:
     assert p_value(np.bincount(place, minlength=64).astype(float), expected) < 1e-6
 
 
-def test_normals_follow_the_winding_and_turn_with_instances() -> None:
+def test_normals_follow_the_winding_and_turn_with_instances():
     up = points(vc.Scene.from_arrays(*squares()), 100, points="area")
     np.testing.assert_array_equal(up.normals, np.tile([0, 0, 1.0], (100, 1)))
     vertices, triangles = squares()
@@ -145,7 +145,7 @@ def test_normals_follow_the_winding_and_turn_with_instances() -> None:
     np.testing.assert_array_equal(down.normals, np.tile([0, 0, -1.0], (100, 1)))
 
 
-def test_shading_normals_are_for_the_angle_alone() -> None:
+def test_shading_normals_are_for_the_angle_alone():
     vertices, triangles = squares()
     tilted = np.tile([0.6, 0, 0.8], (4, 1))
     scene = vc.Scene.from_arrays(vertices, triangles, normals=tilted)
@@ -162,7 +162,7 @@ def test_shading_normals_are_for_the_angle_alone() -> None:
 
 
 @pytest.mark.parametrize("where", ["camera", "area"])
-def test_holes_of_alpha_masks_hold_no_points(where: Any) -> None:
+def test_holes_of_alpha_masks_hold_no_points(where):
     found = points(masked(0.25), 4000, points=where)
     upper = found.positions[found.positions[:, 2] > -0.5]
     assert len(upper) > 100 and upper[:, 0].max() < 0.2505
@@ -171,7 +171,7 @@ def test_holes_of_alpha_masks_hold_no_points(where: Any) -> None:
         assert len(upper) / 4000 == pytest.approx(0.2, abs=0.01)
 
 
-def test_a_scene_that_is_all_holes_is_refused() -> None:
+def test_a_scene_that_is_all_holes_is_refused():
     d = vc.SceneDescription()
     hole = d.add_image(np.zeros((1, 1, 4), np.float32))
     vertices, triangles = squares()
@@ -183,7 +183,7 @@ def test_a_scene_that_is_all_holes_is_refused() -> None:
 
 
 @pytest.mark.parametrize("where", ["camera", "area"])
-def test_the_spheres_of_sphere_lights_hold_no_points(where: Any) -> None:
+def test_the_spheres_of_sphere_lights_hold_no_points(where):
     d = vc.SceneDescription()
     d.add_sphere_light((0.5, 0.5, 1), 0.3, (1, 1, 1))
     d.add_mesh(*squares(), material=d.add_material())
@@ -192,7 +192,7 @@ def test_the_spheres_of_sphere_lights_hold_no_points(where: Any) -> None:
     assert abs(found.positions[:, 2]).max() == 0
 
 
-def test_a_scene_without_area_is_refused() -> None:
+def test_a_scene_without_area_is_refused():
     with pytest.raises(ValueError, match="scene must have surfaces of finite, positive area"):
         points(vc.Scene.from_arrays(np.zeros((3, 3)), [[0, 1, 2]]), 100, points="area")
 
@@ -217,7 +217,7 @@ def halved(p: Array) -> Array:
 
 
 @pytest.mark.parametrize("n", [16, 100, 4001])
-def test_groups_are_medians_of_the_longest_axis(n: int) -> None:
+def test_groups_are_medians_of_the_longest_axis(n):
     rng = np.random.default_rng(n)
     p = (rng.normal(size=(n, 3)) * [3, 1, 2]).astype(np.float32)
     np.testing.assert_array_equal(spatial_groups(p), halved(p))
@@ -225,14 +225,14 @@ def test_groups_are_medians_of_the_longest_axis(n: int) -> None:
     np.testing.assert_array_equal(spatial_groups(coarse), halved(coarse))
 
 
-def test_points_come_by_group_in_equal_blocks() -> None:
+def test_points_come_by_group_in_equal_blocks():
     found = points(clutter(), 1003)
     assert (np.diff(found.group) >= 0).all()
     counts = np.bincount(found.group)
     assert len(counts) == 16 and counts.min() >= 62 and counts.max() <= 63
 
 
-def test_points_of_a_group_come_in_random_order() -> None:
+def test_points_of_a_group_come_in_random_order():
     """No rank correlation of the place in the order with any coordinate, nor with the pixel."""
     found = points(clutter(), 16 * 800, seed=2)
     for what in (*found.positions.T, found.stratum):
@@ -259,7 +259,7 @@ def test_points_of_a_group_come_in_random_order() -> None:
         ({"camera": 0, "points": "area"}, 'camera must be left out with points="area", got 0'),
     ],
 )
-def test_bad_arguments_are_refused(arguments: dict[str, Any], message: str) -> None:
+def test_bad_arguments_are_refused(arguments, message):
     n = arguments.pop("n_points", 100)
     with pytest.raises(ValueError, match=message):
         points(convex(), n, **arguments)

@@ -122,8 +122,8 @@ def run(cluster: Cluster, tmp_path: Path) -> Iterator[Logged]:
 
 
 def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
-    cluster: Cluster, run: Logged, tmp_path: Path
-) -> None:
+    cluster, run, tmp_path
+):
     arguments: dict[str, Any] = {
         "over": {"c_e": [4, 6, 8, 10, 12, 16]},
         "repeats": 3,
@@ -159,9 +159,7 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
         assert store._db.execute("SELECT count(*) FROM leases").fetchone() == (0,)
 
 
-def test_the_command_line_sweeps_on_a_scheduler(
-    cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_line_sweeps_on_a_scheduler(cluster, tmp_path, capsys):
     file = tmp_path / "a.toml"
     file.write_text(
         f'scene = "{SCENE}"\nintegrator = {{name = "whitted", n_vpls = 16}}\nsize = [32, 24]\n'
@@ -174,9 +172,7 @@ def test_the_command_line_sweeps_on_a_scheduler(
         assert len(store.finished()) == 3
 
 
-def test_an_address_where_nobody_answers_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_address_where_nobody_answers_is_one_line(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(workers, "DASK_TIMEOUT", "1s")
     file = tmp_path / "a.toml"
     file.write_text('scene = "room"\n[over]\nc_e = [4]\n')

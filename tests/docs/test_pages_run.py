@@ -107,9 +107,7 @@ WITH_CODE = [p for p in PAGES if any(b.kind == "python" for b in blocks(text(p))
 @pytest.mark.parametrize(
     "page", [pytest.param(p, marks=pytest.mark.slow if p in SLOW else ()) for p in WITH_CODE]
 )
-def test_the_code_of_a_page_runs_and_prints_what_it_says(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_code_of_a_page_runs_and_prints_what_it_says(page, tmp_path, monkeypatch):
     if "import dask" in text(page):
         pytest.importorskip("distributed", reason="dask comes with the test extra")
         warnings.simplefilter("default")  # dask's own are not ours; pytest restores the filters
@@ -117,7 +115,7 @@ def test_the_code_of_a_page_runs_and_prints_what_it_says(
     run(text(page), page)
 
 
-def test_the_tests_on_a_page_pass(tmp_path: Path) -> None:
+def test_the_tests_on_a_page_pass(tmp_path):
     """Those that a reader copies into a file of his own."""
     page = "docs/howto/pytest.md"
     code = [b.text for b in blocks(text(page)) if b.kind == "python" and "print(" not in b.text]
@@ -136,14 +134,14 @@ def test_the_tests_on_a_page_pass(tmp_path: Path) -> None:
     assert "4 passed" in done.stdout
 
 
-def test_pages_for_users_have_code() -> None:
+def test_pages_for_users_have_code():
     assert set(WITH_CODE) >= {*SLOW, "docs/which-cache.md"}
     howtos = [p for p in PAGES if p.startswith("docs/howto/")]
     commanded = {p for p in howtos if any(commands(text(p)))}
     assert len((set(howtos) & set(WITH_CODE)) | commanded) >= len(howtos) - 1  # all but their index
 
 
-def test_a_page_that_says_something_else_is_found() -> None:
+def test_a_page_that_says_something_else_is_found():
     page = "```python\nprint('a', 10.0, 3)\n```\n```text\n{}\n```\n"
     assert run(page.format("a 10.4 3"), "page") == 1
     assert run(page.format("a 12.0 3"), next(iter(LOOSER))) == 1
@@ -162,12 +160,12 @@ def commands(source: str) -> Iterator[list[str]]:
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if any(commands(text(p)))])
-def test_command_lines_on_pages_are_understood(page: str) -> None:
+def test_command_lines_on_pages_are_understood(page):
     for words in commands(text(page)):
         cli._parser(words).parse_args(words)
 
 
-def test_a_wrong_command_line_is_found(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_command_line_is_found(capsys):
     (words,) = commands("```sh\nviscache render room \\\n  --sise 4x4 -o a.exr  # small\n```\n")
     with pytest.raises((SystemExit, ValueError)):
         cli._parser(words).parse_args(words)

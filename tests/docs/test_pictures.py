@@ -42,11 +42,11 @@ def difference(one: bytes, other: bytes) -> float:
     return float(np.abs(a - b).mean() / 255) if a.shape == b.shape else 1.0
 
 
-def test_pictures_were_made_by_the_present_script() -> None:
+def test_pictures_were_made_by_the_present_script():
     assert stale(IMAGES) == [], "run scripts/doc_pictures.py"
 
 
-def test_an_old_or_changed_picture_is_found(tmp_path: Path) -> None:
+def test_an_old_or_changed_picture_is_found(tmp_path):
     assert stale(IMAGES, lambda _: "0" * 16) == sorted(SCRIPT.PICTURES)
     for path in IMAGES.glob("how-*.webp"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
@@ -56,7 +56,7 @@ def test_an_old_or_changed_picture_is_found(tmp_path: Path) -> None:
     assert stale(tmp_path) == ["how-vlf"]
 
 
-def test_every_picture_is_shown_with_words() -> None:
+def test_every_picture_is_shown_with_words():
     shown = {
         Path(target).name: words
         for page in sources(".md", under="docs/").values()
@@ -66,7 +66,7 @@ def test_every_picture_is_shown_with_words() -> None:
         assert len(shown.get(f"{name}.webp", "")) > 40, name
 
 
-def test_pictures_are_small() -> None:
+def test_pictures_are_small():
     sizes = {path.name: path.stat().st_size for path in IMAGES.rglob("*.*")}
     assert [name for name in SCRIPT.PICTURES if sizes[f"{name}.webp"] > LARGEST] == []
     every = paths(".webp", ".png", ".svg", under="docs/")
@@ -80,7 +80,7 @@ def test_pictures_are_small() -> None:
         for name in sorted(SCRIPT.PICTURES)
     ],
 )
-def test_the_script_makes_the_committed_pictures(name: str) -> None:
+def test_the_script_makes_the_committed_pictures(name):
     of_browser = name in SCRIPT.OF_BROWSERS
     if of_browser and not any(shutil.which(program) for program in SCRIPT.pages.BROWSERS):
         pytest.skip("chromium is not installed")
@@ -89,7 +89,7 @@ def test_the_script_makes_the_committed_pictures(name: str) -> None:
     assert difference(made, kept) < (SAME_PAGE if of_browser else SAME)
 
 
-def test_another_picture_of_the_same_size_is_told_apart() -> None:
+def test_another_picture_of_the_same_size_is_told_apart():
     kept = (IMAGES / "how-vlf.webp").read_bytes()
     turned = io.BytesIO()
     Image.open(io.BytesIO(kept)).rotate(180).save(turned, "WEBP", quality=75)
@@ -97,7 +97,7 @@ def test_another_picture_of_the_same_size_is_told_apart() -> None:
     assert difference(kept, turned.getvalue()) > SAME
 
 
-def test_another_page_is_told_apart() -> None:
+def test_another_page_is_told_apart():
     one, other = (IMAGES / name for name in ("how-report.webp", "how-pytest.webp"))
     pages = [Image.open(path).convert("RGB").crop((0, 0, 1100, 700)) for path in (one, other)]
     a, b = io.BytesIO(), io.BytesIO()

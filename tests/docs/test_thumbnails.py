@@ -2,7 +2,6 @@
 
 import io
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,11 +35,11 @@ def pixels(data: bytes) -> np.ndarray[Any, Any]:
     return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float) / 255
 
 
-def test_the_thumbnails_are_those_of_the_present_figures() -> None:
+def test_the_thumbnails_are_those_of_the_present_figures():
     assert stale(kept()) == [], "viscache reproduce NAME --quick -o DIR, scripts/gallery_thumbnails"
 
 
-def test_a_new_figure_and_an_old_script_are_found() -> None:
+def test_a_new_figure_and_an_old_script_are_found():
     made = kept()
     assert made.pop("vlf-fig1")
     made["aqvc-fig3"]["recipe"] = "0" * 16
@@ -48,7 +47,7 @@ def test_a_new_figure_and_an_old_script_are_found() -> None:
     assert stale(made) == ["aqvc-fig3", "aqvc-fig99", "vlf-fig1"]
 
 
-def test_the_files_are_those_of_the_manifest() -> None:
+def test_the_files_are_those_of_the_manifest():
     made = kept()
     files = {p.stem: SCRIPT.digest(p.read_bytes()) for p in FOLDER.glob("*.webp")}
     assert files == {name: e["picture"] for name, e in made.items() if "picture" in e}
@@ -57,7 +56,7 @@ def test_the_files_are_those_of_the_manifest() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHEAP)
-def test_a_quick_run_gives_the_thumbnail(name: str, tmp_path: Path) -> None:
+def test_a_quick_run_gives_the_thumbnail(name, tmp_path):
     figures.reproduce(name, tmp_path, quick=True)
     made = pixels(SCRIPT.thumbnail(tmp_path / f"{name}.png"))
     shown = pixels((FOLDER / f"{name}.webp").read_bytes())

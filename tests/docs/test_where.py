@@ -41,7 +41,7 @@ def bare(words: str) -> str:
 
 
 @pytest.mark.parametrize("heading", HEADINGS)
-def test_every_row_is_complete_and_its_command_exists(heading: str) -> None:
+def test_every_row_is_complete_and_its_command_exists(heading):
     for row in rows(text(PAGE), heading):
         assert len(row) == COLUMNS and all(row), row
         _, frame, setting, chosen, command, _ = row
@@ -59,17 +59,17 @@ def exists(command: str) -> bool:
     return words[1] not in known or words[2] in known[words[1]]
 
 
-def test_a_command_that_is_not_there_is_noticed() -> None:
+def test_a_command_that_is_not_there_is_noticed():
     assert exists("`viscache bench aqvc-frame`") and exists("`python scripts/readme_picture.py`")
     assert not exists("`viscache bench aqvc-frames`") and not exists("`viscache reproduce vlf-x9`")
 
 
-def test_few_rows_have_no_command() -> None:
+def test_few_rows_have_no_command():
     every = [row for heading in HEADINGS for row in rows(text(PAGE), heading)]
     assert sum(row[4].startswith("none") for row in every) <= 3 < len(every)
 
 
-def test_every_row_of_which_cache_and_of_the_readme_is_there() -> None:
+def test_every_row_of_which_cache_and_of_the_readme_is_there():
     named = set(labels(text(PAGE), "Which cache when"))
     pictures = labels(text("docs/which-cache.md"), "In short")
     assert len(pictures) >= 17 and set(pictures) <= named
@@ -77,14 +77,14 @@ def test_every_row_of_which_cache_and_of_the_readme_is_there() -> None:
     assert len(frames) == 2 and set(frames) <= set(labels(text(PAGE), "README"))
 
 
-def test_figures_of_limits_stand_there() -> None:
+def test_figures_of_limits_stand_there():
     page = bare(text("docs/limits.md"))
     named = [bare(label) for label in labels(text(PAGE), "Limits")]
     missing = [label for label in named if re.search(r"\d", label) and label not in page]
     assert missing == []
 
 
-def test_a_page_without_a_row_is_noticed() -> None:
+def test_a_page_without_a_row_is_noticed():
     page = text("docs/which-cache.md").replace("| ambient occlusion |", "| a new kind |")
     assert not set(labels(page, "In short")) <= set(labels(text(PAGE), "Which cache when"))
 
@@ -116,7 +116,7 @@ def close(said: str, measured: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["apartment", "conference", "room"])
-def test_counts_beside_next_event_estimation_are_those_of_the_page(scene: str) -> None:
+def test_counts_beside_next_event_estimation_are_those_of_the_page(scene):
     page = text("docs/performance/quantized-cache.md")
     table = rows(page, "Comparison with Next Event Estimation++")
     (row,) = [cells for cells in table if cells[0].startswith(scene) and len(cells) == 7]
@@ -127,7 +127,7 @@ def test_counts_beside_next_event_estimation_are_those_of_the_page(scene: str) -
 
 
 @pytest.mark.slow
-def test_counts_of_which_cache_are_measured() -> None:
+def test_counts_of_which_cache_are_measured():
     (row,) = [r for r in rows(text("docs/which-cache.md"), "In short") if r[0] == "no bias allowed"]
     rays, blocked, more_rays, fewer = re.findall(r"\d+ %", row[3])
     apartment, room = counted("apartment"), counted("room")
@@ -138,7 +138,7 @@ def test_counts_of_which_cache_are_measured() -> None:
 
 
 @pytest.mark.release
-def test_the_caption_at_the_head_is_measured() -> None:
+def test_the_caption_at_the_head_is_measured():
     """As scripts/readme_picture.py renders it."""
     caption = text("README.md").splitlines()[2]
     said = re.search(r"with (\d+) queries per shadow ray and rel_l1 (\S+) %", caption)
@@ -151,6 +151,6 @@ def test_the_caption_at_the_head_is_measured() -> None:
     assert float(said[2]) == pytest.approx(error, rel=TOLERANCE)
 
 
-def test_a_count_that_is_off_by_more_is_noticed() -> None:
+def test_a_count_that_is_off_by_more_is_noticed():
     assert close("26 %", 25.8) and close("13 %", 12.7)
     assert not close("46 %", 33.6) and not close("26 %", 28.0)

@@ -1,7 +1,5 @@
 """Counters are one list: frames have its names, the help its texts, and parts add up."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Any
 
@@ -29,7 +27,7 @@ FRAMES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", FRAMES)
-def test_every_counter_of_a_frame_has_a_row(name: str) -> None:
+def test_every_counter_of_a_frame_has_a_row(name):
     options = {"integrator": vc.Direct()} | FRAMES[name]
     integrator = options.pop("integrator")
     frame = vc.render("cube_on_plane", integrator, size=(16, 12), **options)
@@ -43,7 +41,7 @@ def test_every_counter_of_a_frame_has_a_row(name: str) -> None:
         assert (counter in frame.counters) == (name == "corrected")
 
 
-def test_the_help_of_frames_lists_every_counter() -> None:
+def test_the_help_of_frames_lists_every_counter():
     page = inspect.getdoc(vc.Frame) or ""
     for name, doc in ROWS.items():
         assert f'"{name}"\n' in page and " ".join(doc.split()[:4]) in page

@@ -1,8 +1,5 @@
 """The error over light on surfaces: emitted light that the camera sees is left out."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,7 +40,7 @@ def pair(scene: vc.Scene) -> tuple[Frame, Frame]:
 
 
 @pytest.mark.parametrize("mirror", [False, True])
-def test_lamps_in_view_and_in_mirrors_are_left_out_of_both_sums(mirror: bool) -> None:
+def test_lamps_in_view_and_in_mirrors_are_left_out_of_both_sums(mirror):
     frame, exact = pair(lit(mirror))
     area = [np.asarray(f.layers["area"], float) for f in (frame, exact)]
     wanted = np.abs(area[0] - area[1]).sum() / area[1].sum()
@@ -54,7 +51,7 @@ def test_lamps_in_view_and_in_mirrors_are_left_out_of_both_sums(mirror: bool) ->
     assert share < 0.9 and got.rel_l1 == pytest.approx(wanted * share, rel=1e-4)
 
 
-def test_without_emitters_in_view_both_errors_are_the_same() -> None:
+def test_without_emitters_in_view_both_errors_are_the_same():
     scene, direct = vc.scenes.room(triangles=2000), vc.Direct()
     exact = vc.render(scene, direct, size=SIZE)
     frame = vc.render(scene, direct, visibility=vc.Aqvc(c_e=16), size=SIZE)
@@ -62,7 +59,7 @@ def test_without_emitters_in_view_both_errors_are_the_same() -> None:
     assert got.rel_l1_reflected == got.rel_l1 > 0
 
 
-def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found() -> None:
+def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found():
     scene = lit()
     frame = vc.render(scene, vc.Bdpt(max_depth=4), size=SIZE, spp=8)
     direct = vc.render(scene, vc.Direct(), size=SIZE, spp=8)
@@ -81,7 +78,7 @@ def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found() -> None:
     assert seen_emitters(Frame(layers=old)) is None
 
 
-def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces() -> None:
+def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces():
     shown = np.full((4, 4, 3), 5.0)
     lamp = Frame(layers={"color": shown, "emitted": shown})
     got = metrics.compare(lamp, lamp, metrics=["rel_l1", "rel_l1_reflected"])
@@ -89,7 +86,7 @@ def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces() -> None:
 
 
 @pytest.mark.usefixtures("without_netcdf")
-def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path: Path) -> None:
+def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path):
     table = vc.sweep(
         lit(),
         vc.Direct(n_area=4),

@@ -1,10 +1,7 @@
 """Frames: values in memory and on disk."""
 
-from __future__ import annotations
-
 import hashlib
 import json
-from pathlib import Path
 
 import numpy as np
 import OpenEXR
@@ -30,7 +27,7 @@ def make(height: int = 6, width: int = 9) -> Frame:
     )
 
 
-def test_a_saved_frame_comes_back_bit_for_bit_with_its_records(tmp_path: Path) -> None:
+def test_a_saved_frame_comes_back_bit_for_bit_with_its_records(tmp_path):
     frame = make()
     frame.save(tmp_path / "a.exr")
     back = Frame.load(tmp_path / "a.exr")
@@ -43,13 +40,13 @@ def test_a_saved_frame_comes_back_bit_for_bit_with_its_records(tmp_path: Path) -
     assert [p.name for p in tmp_path.iterdir()] == ["a.exr"]
 
 
-def test_slices_and_fortran_arrays_are_saved_right(tmp_path: Path) -> None:
+def test_slices_and_fortran_arrays_are_saved_right(tmp_path):
     whole = np.random.default_rng(2).random((12, 10, 6), np.float32)
     Frame(layers={"color": np.asfortranarray(whole[::2, ::-1, 1:4])}).save(tmp_path / "s.exr")
     assert np.array_equal(Frame.load(tmp_path / "s.exr").image, whole[::2, ::-1, 1:4])
 
 
-def test_other_programs_find_r_g_b_at_top_level_and_layers_by_name(tmp_path: Path) -> None:
+def test_other_programs_find_r_g_b_at_top_level_and_layers_by_name(tmp_path):
     frame = make()
     frame.save(tmp_path / "a.exr")
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
@@ -60,7 +57,7 @@ def test_other_programs_find_r_g_b_at_top_level_and_layers_by_name(tmp_path: Pat
     assert {"R", "G", "B", "position.X", "depth.V", "uv.X", "odd.4"} <= names
 
 
-def test_files_of_other_programs_load(tmp_path: Path) -> None:
+def test_files_of_other_programs_load(tmp_path):
     plane = np.ones((4, 5), np.float16)
     channels = {c: plane * i for i, c in enumerate(["R", "G", "B", "A", "albedo.R", "albedo.G"])}
     OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION}, channels).write(str(tmp_path / "o.exr"))
@@ -69,7 +66,7 @@ def test_files_of_other_programs_load(tmp_path: Path) -> None:
     assert frame.layers["albedo"].shape == (4, 5, 2) and frame.layers["alpha"][0, 0, 0] == 3
 
 
-def test_the_digest_is_over_the_float32_pixels_of_the_colour_layer_alone() -> None:
+def test_the_digest_is_over_the_float32_pixels_of_the_colour_layer_alone():
     frame = make()
     assert frame.sha256 == hashlib.sha256(frame.image.astype("<f4").tobytes()).hexdigest()
     other = Frame(layers={"color": frame.image, "depth": np.zeros((6, 9))})
@@ -79,7 +76,7 @@ def test_the_digest_is_over_the_float32_pixels_of_the_colour_layer_alone() -> No
     assert Frame(layers={"color": changed}).sha256 != frame.sha256
 
 
-def test_numpy_numbers_in_the_records_become_plain_ones() -> None:
+def test_numpy_numbers_in_the_records_become_plain_ones():
     color = np.zeros((2, 2, 3))
     frame = Frame(layers={"color": color}, counters={"rays": np.uint64(7), "l": np.arange(2)})
     assert type(frame.counters["rays"]) is int and frame.counters["l"] == [0, 1]
@@ -97,17 +94,17 @@ def test_numpy_numbers_in_the_records_become_plain_ones() -> None:
         ({"color": np.zeros((2, 2, 3)), "a\0": np.zeros((2, 2))}, "must be printable"),
     ],
 )
-def test_bad_layers_are_refused_with_a_reason(layers: dict, says: str) -> None:
+def test_bad_layers_are_refused_with_a_reason(layers, says):
     with pytest.raises(ValueError, match=says):
         Frame(layers=layers)
 
 
-def test_records_that_json_cannot_hold_are_refused_by_name() -> None:
+def test_records_that_json_cannot_hold_are_refused_by_name():
     with pytest.raises(ValueError, match=r"parameters\.a must be JSON-able, got object"):
         Frame(layers={"color": np.zeros((1, 1, 3))}, parameters={"a": object()})
 
 
-def test_bad_files_and_paths_are_refused_with_a_reason(tmp_path: Path) -> None:
+def test_bad_files_and_paths_are_refused_with_a_reason(tmp_path):
     with pytest.raises(FileNotFoundError, match="no such file"):
         Frame.load(tmp_path / "none.exr")
     for name in ("a.tiff", "a", "a.exr.gz"):
@@ -132,7 +129,7 @@ def test_bad_files_and_paths_are_refused_with_a_reason(tmp_path: Path) -> None:
     ("suffix", "magic"),
     [(".png", b"\x89PNG"), (".jpg", b"\xff\xd8\xff"), (".JPEG", b"\xff\xd8\xff")],
 )
-def test_a_suffix_names_the_kind_of_file(tmp_path: Path, suffix: str, magic: bytes) -> None:
+def test_a_suffix_names_the_kind_of_file(tmp_path, suffix, magic):
     from PIL import Image
 
     ramp = np.linspace(0, 1, 32)[None, :, None] * np.ones((20, 1, 3))
@@ -147,7 +144,7 @@ def test_a_suffix_names_the_kind_of_file(tmp_path: Path, suffix: str, magic: byt
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
-def test_a_frame_is_its_image_to_other_libraries() -> None:
+def test_a_frame_is_its_image_to_other_libraries():
     frame = make()
     shared = np.asarray(frame)
     assert shared is frame.image and np.shares_memory(np.from_dlpack(frame), frame.image)
@@ -162,7 +159,7 @@ def test_a_frame_is_its_image_to_other_libraries() -> None:
     assert np.mean(small) == 1 and (np.asarray(small) * 2).shape == (2, 3, 3)
 
 
-def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
+def test_a_notebook_shows_six_numbers_and_folds_the_rest():
     frame = make()
     frame.timings |= {"cpu_s": 0.4, "visibility_s": 0.05, "visibility_cpu_s": 0.2}
     frame.counters |= {"rays": 4, "ray_reduction": 2.5, "clamped": 0, "suppressed": 0}
@@ -177,14 +174,14 @@ def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
     assert "<details>" not in few._repr_html_() and "records" in few._repr_html_()
 
 
-def test_the_srgb_curve_has_its_published_values() -> None:
+def test_the_srgb_curve_has_its_published_values():
     # IEC 61966-2-1: linear 0.5 is 187.5 / 255, linear 0.0031308 is 10.31 / 255.
     assert srgb_curve(np.array([0.0, 0.0031308, 0.5, 1.0, 7.0])) == pytest.approx(
         [0.0, 0.0404499, 0.7353570, 1.0, 1.0], abs=1e-6
     )
 
 
-def test_exposure_brings_the_99th_percentile_to_one_and_black_stays_black() -> None:
+def test_exposure_brings_the_99th_percentile_to_one_and_black_stays_black():
     ramp = np.linspace(0, 2, 101)[None, :, None] * np.ones((1, 1, 3))
     assert auto_exposure(ramp) == pytest.approx(1 / 1.98)
     assert auto_exposure(np.zeros((4, 4, 3))) == 1.0
@@ -194,14 +191,14 @@ def test_exposure_brings_the_99th_percentile_to_one_and_black_stays_black() -> N
     assert to_srgb8(np.zeros((2, 2, 3))).max() == 0
 
 
-def test_nan_pixels_are_magenta_and_infinite_ones_white() -> None:
+def test_nan_pixels_are_magenta_and_infinite_ones_white():
     image = np.ones((4, 4, 3))
     image[0, 0, 1], image[0, 1, :] = np.nan, np.inf
     seen = to_srgb8(image)
     assert seen[0, 0].tolist() == [255, 0, 255] and seen[0, 1].tolist() == [255, 255, 255]
 
 
-def test_the_signed_difference_is_grey_where_equal_and_brighter_where_too_bright() -> None:
+def test_the_signed_difference_is_grey_where_equal_and_brighter_where_too_bright():
     b = np.ones((3, 3, 3))
     a = b.copy()
     a[0, 0], a[1, 1] = 1 + 1 / 32, 1 - 1 / 32

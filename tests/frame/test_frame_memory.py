@@ -1,7 +1,5 @@
 """The memory of a frame is known before it is taken."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from typing import Any
@@ -22,7 +20,7 @@ CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_estimate_has_the_layers_of_the_frame_twice(name: str) -> None:
+def test_the_estimate_has_the_layers_of_the_frame_twice(name):
     spec, integrator, more = CASES[name]
     built = vc.scenes.build(spec)
     scene = built if isinstance(built, vc.Scene) else vc.Scene.from_description(built)
@@ -48,21 +46,19 @@ print((status("VmHWM") - before) / frame_memory.frame_bytes(scene, settings, siz
 
 
 @pytest.mark.slow
-def test_the_estimate_is_the_measured_peak_within_15_per_cent() -> None:
+def test_the_estimate_is_the_measured_peak_within_15_per_cent():
     done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
     assert float(done.stdout) == pytest.approx(1.0, abs=0.15)
 
 
-def test_a_frame_beyond_the_memory_is_refused_before_it_begins(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_frame_beyond_the_memory_is_refused_before_it_begins(monkeypatch):
     monkeypatch.setattr(frame_memory, "available_bytes", lambda: 1 << 30)
     with pytest.raises(MemoryError, match=r"8192x8192 pixels needs about 8\.5 GiB, 1\.0 GiB are"):
         vc.render("cornell_box", vc.Direct(), size=(8192, 8192))
     vc.render("cornell_box", vc.Direct(), size=(64, 64))
 
 
-def test_a_limit_of_the_process_counts() -> None:
+def test_a_limit_of_the_process_counts():
     code = """
 import resource
 import viscache as vc

@@ -53,12 +53,12 @@ def target(group: str) -> campaign.Target:
 @pytest.mark.fuzz
 @pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
-def test_any_call_works_or_says_what_must_hold(group: str, fuzz: Any) -> None:
+def test_any_call_works_or_says_what_must_hold(group, fuzz):
     counts = fuzz(target(group), group)
     assert counts["works"] > 0  # a fuzzer that only meets refusals finds nothing
 
 
-def test_every_public_name_is_called() -> None:
+def test_every_public_name_is_called():
     here = Path(__file__).parent
     text = "".join(
         (here / f"{name}.py").read_text()
@@ -69,7 +69,7 @@ def test_every_public_name_is_called() -> None:
     assert set(vc.__all__) - reached - WITHOUT_INPUT - set(ELSEWHERE) == set()
 
 
-def test_a_case_is_decided_by_its_seed() -> None:
+def test_a_case_is_decided_by_its_seed():
     def drawn(seed: int) -> list[Any]:
         dice = Dice(random.Random(f"x {seed}"))
         return [repr(dice.number()) for _ in range(20)] + [dice.numpy().random()]

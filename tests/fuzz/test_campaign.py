@@ -5,7 +5,6 @@ import os
 import random
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,12 +34,12 @@ def raising(error: Exception) -> Callable[[], None]:
         (raising(KeyError("frames")), "unclean"),
     ],
 )
-def test_what_no_user_may_meet_is_found(case, kind, tmp_path: Path) -> None:
+def test_what_no_user_may_meet_is_found(case, kind, tmp_path):
     found = outcome(case, tmp_path, limit_s=1.0)
     assert (found.kind, found.allowed) == (kind, False)
 
 
-def test_work_and_refusals_are_allowed(tmp_path: Path) -> None:
+def test_work_and_refusals_are_allowed(tmp_path):
     assert outcome(lambda: None, tmp_path).kind == "works"
     refused = outcome(lambda: vc.Direct(n_area=-1), tmp_path)
     assert refused.kind == "refused" and "n_area must be" in refused.text
@@ -48,7 +47,7 @@ def test_work_and_refusals_are_allowed(tmp_path: Path) -> None:
     assert big.kind == "refused" and "MemoryError" in big.text  # by the limit of the child
 
 
-def test_a_finding_is_named_by_its_seed(tmp_path: Path) -> None:
+def test_a_finding_is_named_by_its_seed(tmp_path):
     def case(seeded: random.Random) -> None:
         if seeded.random() < 0.5:
             raise KeyError("a")
@@ -59,7 +58,7 @@ def test_a_finding_is_named_by_its_seed(tmp_path: Path) -> None:
     assert campaign.one(case, "name", seed, tmp_path).kind == "unclean"
 
 
-def test_a_campaign_ends_after_its_cases(tmp_path: Path) -> None:
+def test_a_campaign_ends_after_its_cases(tmp_path):
     counts, bad = campaign.run(lambda _: None, "name", tmp_path, seconds=600, cases=7)
     assert sum(counts.values()) == 7 and not bad
     few, _ = campaign.run(lambda _: None, "name", tmp_path, seconds=0, cases=2)

@@ -76,7 +76,7 @@ def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
 @pytest.mark.fuzz
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
-def test_any_file_is_read_or_refused_by_its_name(name: str, fuzz: Any, tmp_path: Path) -> None:
+def test_any_file_is_read_or_refused_by_its_name(name, fuzz, tmp_path):
     wholes = []
     for kind in TARGETS[name]:
         (tmp_path / kind).mkdir()
@@ -123,9 +123,7 @@ def other_array(array: Any, dice: random.Random) -> Any:
 @pytest.mark.fuzz
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KEPT)
-def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(
-    name: str, fuzz: Any, tmp_path: Path
-) -> None:
+def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(name, fuzz, tmp_path):
     kept, whole = KEPT[name], tmp_path / "whole"
     whole.mkdir()
     place = kept.make(whole).relative_to(whole)
@@ -155,17 +153,17 @@ def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(
     fuzz(case, name)
 
 
-def test_every_reader_has_a_target() -> None:
+def test_every_reader_has_a_target():
     assert sorted(kind for kinds in TARGETS.values() for kind in kinds) == sorted(READERS)
 
 
-def test_mutations_change_files_and_follow_their_seed() -> None:
+def test_mutations_change_files_and_follow_their_seed():
     content = (CORPUS / "ply" / "ascii.ply").read_bytes()
     changed = [mutated(content, random.Random(seed)) for seed in range(200)]
     assert changed == [mutated(content, random.Random(seed)) for seed in range(200)]
     assert len(set(changed)) > 150
 
 
-def test_the_corpus_is_small() -> None:
+def test_the_corpus_is_small():
     sizes = [path.stat().st_size for path in CORPUS.glob("*/*")]
     assert len(sizes) > 30 and sum(sizes) < MOST_BYTES

@@ -46,9 +46,7 @@ def run(name: str, corpus: Path, folder: Path, *options: str) -> subprocess.Comp
 @pytest.mark.fuzz
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TARGETS)
-def test_no_input_of_a_loader_is_a_finding(
-    name: str, pytestconfig: pytest.Config, tmp_path: Path
-) -> None:
+def test_no_input_of_a_loader_is_a_finding(name, pytestconfig, tmp_path):
     option = pytestconfig.getoption
     found = run(
         f"fuzz_{name}",
@@ -67,7 +65,7 @@ def test_no_input_of_a_loader_is_a_finding(
 
 @pytest.mark.fuzz
 @pytest.mark.slow
-def test_a_finding_fails(tmp_path: Path) -> None:
+def test_a_finding_fails(tmp_path):
     """The bytes "defect" alone abort the target that only knows them."""
     (tmp_path / "seeds").mkdir()
     (tmp_path / "seeds" / "near").write_bytes(b"defekt")

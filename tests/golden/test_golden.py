@@ -15,13 +15,13 @@ DIGESTS: dict[str, str] = json.loads(Path(__file__).with_name("digests.json").re
 CASES = cases()
 
 
-def test_every_case_has_a_digest() -> None:
+def test_every_case_has_a_digest():
     assert set(CASES) == set(DIGESTS)
     assert len(set(DIGESTS.values())) > 0.9 * len(DIGESTS)
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_bytes_are_those_of_before(name: str) -> None:
+def test_bytes_are_those_of_before(name):
     newer = np.lib.NumpyVersion(np.__version__) >= "2.5.0"
     room = "conference?triangles=5000"
     if name.startswith("conference") and newer and built(room).content_hash != CONFERENCE:

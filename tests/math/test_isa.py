@@ -29,22 +29,22 @@ def chosen(name: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.skipif(
     platform.machine() != "x86_64" or not Path("/proc/cpuinfo").exists(), reason="needs x86 Linux"
 )
-def test_the_best_variant_is_the_best_the_cpu_has() -> None:
+def test_the_best_variant_is_the_best_the_cpu_has():
     line = next(x for x in Path("/proc/cpuinfo").read_text().splitlines() if x.startswith("flags"))
     flags = set(line.split())
     expected = next((isa for isa, needed in NEEDED.items() if needed <= flags), "portable")
     assert _core.best_isa() == expected
 
 
-def test_the_best_variant_runs_unless_another_is_asked_for() -> None:
+def test_the_best_variant_runs_unless_another_is_asked_for():
     assert _core.active_isa() == (os.environ.get("VISCACHE_ISA") or _core.best_isa())
 
 
-def test_the_portable_variant_can_be_asked_for() -> None:
+def test_the_portable_variant_can_be_asked_for():
     assert chosen("portable").stdout.strip() == "portable"
 
 
-def test_an_unknown_variant_is_refused() -> None:
+def test_an_unknown_variant_is_refused():
     refused = chosen("sse9")
     assert refused.returncode == 1
     assert "must be portable, avx2 or avx512, got sse9" in refused.stderr

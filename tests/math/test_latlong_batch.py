@@ -30,7 +30,7 @@ def exact(to_world: npt.NDArray[np.float64], y: float) -> npt.NDArray[np.float64
 
 
 @pytest.mark.parametrize("to_world", [np.eye(3), turned()], ids=["still", "turned"])
-def test_places_are_those_of_exact_arithmetic(to_world: npt.NDArray[np.float64]) -> None:
+def test_places_are_those_of_exact_arithmetic(to_world):
     """Far below a pixel of the largest image, 16384 wide; near the poles columns matter less."""
     worst = 0.0
     for y in (0.0005, 0.1, 0.37, 0.5 + 1e-3, 0.77, 0.9995):
@@ -42,7 +42,7 @@ def test_places_are_those_of_exact_arithmetic(to_world: npt.NDArray[np.float64])
     assert worst < 1e-6
 
 
-def test_poles_and_the_seam_are_places() -> None:
+def test_poles_and_the_seam_are_places():
     """Straight up is row 0, straight down row 1, and nothing is NaN."""
     y_up = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # the map's z axis shows up in the image
     up = testing.latlong_batch(y_up, y=0.5, first=0.5, step=1, n=1)
@@ -62,7 +62,7 @@ def places(width: int, height: int) -> tuple[npt.NDArray[np.float32], npt.NDArra
 
 
 @pytest.mark.parametrize("width, height", [(1, 1), (2, 1), (3, 2), (1024, 512), (16384, 8192)])
-def test_look_ups_are_bilinear_around_the_sphere(width: int, height: int) -> None:
+def test_look_ups_are_bilinear_around_the_sphere(width, height):
     """Columns wrap around, rows end at the poles, and the shares are those of the place."""
     u, v = places(width, height)
     pixels, shares = testing.bilinear_places(u, v, width=width, height=height)
@@ -83,7 +83,7 @@ def test_look_ups_are_bilinear_around_the_sphere(width: int, height: int) -> Non
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("n", [1, 15, 16, 33, 400])
-def test_every_instruction_set_gives_the_same_bits(isa: str, n: int) -> None:
+def test_every_instruction_set_gives_the_same_bits(isa, n):
     """The portable code's, at tails of all lengths too."""
     u, v = (values[:n] for values in places(1000, 500))
     row = {"y": 0.3, "first": 7.5, "step": 1 / 1024, "n": n}

@@ -41,13 +41,13 @@ def octahedral_transcription(d: Array) -> Array:
     return np.stack([u, v], 1) / 2 + 0.5
 
 
-def test_the_octahedral_map_is_the_published_one() -> None:
+def test_the_octahedral_map_is_the_published_one():
     d = directions(100_000)
     expected = octahedral_transcription(d)
     np.testing.assert_allclose(testing.direction_to_octahedral(d), expected, rtol=0, atol=2e-7)
 
 
-def test_the_octahedral_map_takes_directions_of_any_length() -> None:
+def test_the_octahedral_map_takes_directions_of_any_length():
     d = np.array([[1.0, 2.0, -3.0]])
     for scale in (1e-30, 1e30):
         assert testing.direction_to_octahedral(scale * d) == pytest.approx(
@@ -57,7 +57,7 @@ def test_the_octahedral_map_takes_directions_of_any_length() -> None:
 
 
 @BOTH
-def test_directions_survive_the_round_trip(pair) -> None:  # type: ignore[no-untyped-def]
+def test_directions_survive_the_round_trip(pair):  # type: ignore[no-untyped-def]
     there, back = pair
     d = directions(1_000_000)
     p = there(d)
@@ -66,7 +66,7 @@ def test_directions_survive_the_round_trip(pair) -> None:  # type: ignore[no-unt
 
 
 @BOTH
-def test_the_border_of_the_square_is_folded_onto_itself(pair) -> None:  # type: ignore[no-untyped-def]
+def test_the_border_of_the_square_is_folded_onto_itself(pair):  # type: ignore[no-untyped-def]
     _, back = pair
     t = np.linspace(0, 1, 101)
     for end in (0.0, 1.0):
@@ -100,7 +100,7 @@ def equal_area_back(p: Array) -> Array:
     return np.stack([np.copysign(np.cos(phi) * s, u), np.copysign(np.sin(phi) * s, v), z], 1)
 
 
-def test_the_equal_area_map_is_the_published_one() -> None:
+def test_the_equal_area_map_is_the_published_one():
     p = np.random.default_rng(4).random((1_000_000, 2)).astype(np.float32).astype(float)
     d = equal_area_back(p)
     assert np.abs(equal_area_there(d) - p).max() < 1e-13
@@ -112,7 +112,7 @@ def test_the_equal_area_map_is_the_published_one() -> None:
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
-def test_batches_have_the_bits_of_single_points(isa: str) -> None:
+def test_batches_have_the_bits_of_single_points(isa):
     inside = np.random.default_rng(6).random((4096, 2))
     grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 8)] * 2), -1).reshape(-1, 2)
     p = np.concatenate([inside, grid, np.full((16, 2), 0.5)]).astype(np.float32)
@@ -122,7 +122,7 @@ def test_batches_have_the_bits_of_single_points(isa: str) -> None:
     assert back.tobytes() == maps.direction_to_equal_area(single).tobytes()
 
 
-def test_a_batch_is_whole_vectors() -> None:
+def test_a_batch_is_whole_vectors():
     with pytest.raises(ValueError, match="multiple of 16, got 3"):
         testing.equal_area_round_trip(np.zeros((3, 2)))
 
@@ -148,7 +148,7 @@ def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-u
     return quads.reshape(cells, sub, cells, sub).sum((1, 3))
 
 
-def test_octahedral_cells_differ_by_the_factor_that_is_derived() -> None:
+def test_octahedral_cells_differ_by_the_factor_that_is_derived():
     """Solid angle per unit square in [4.0, 20.8], mean 4π; cells are exact spherical quads."""
     cells = cell_solid_angles(testing.octahedral_to_direction, 128, 1)
     assert cells.sum() == pytest.approx(4 * np.pi, rel=1e-5)
@@ -157,14 +157,14 @@ def test_octahedral_cells_differ_by_the_factor_that_is_derived() -> None:
     assert ratio.min() < 4.2 / 12.57 and ratio.max() > 19.8 / 12.57  # the bounds are tight
 
 
-def test_equal_area_texels_span_equal_solid_angles() -> None:
+def test_equal_area_texels_span_equal_solid_angles():
     cells = cell_solid_angles(maps.equal_area_to_direction, 16, 32)
     assert cells == pytest.approx(4 * np.pi / 256, rel=2e-3)
     assert cells.sum() == pytest.approx(4 * np.pi, rel=1e-4)
 
 
 @pytest.mark.stat
-def test_uniform_directions_fill_equal_area_texels_evenly() -> None:
+def test_uniform_directions_fill_equal_area_texels_evenly():
     d = np.random.default_rng(3).normal(size=(400_000, 3))
     d /= np.linalg.norm(d, axis=1)[:, None]
 

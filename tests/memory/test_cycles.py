@@ -28,10 +28,10 @@ def growth(structure: str) -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("structure", [name for name in STRUCTURES if name != CONTROL])
-def test_structures_leave_less_than_a_kibibyte_each(structure: str) -> None:
+def test_structures_leave_less_than_a_kibibyte_each(structure):
     assert growth(structure) < MOST
 
 
 @pytest.mark.slow
-def test_a_leak_is_found() -> None:
+def test_a_leak_is_found():
     assert growth(CONTROL) > MOST

@@ -49,11 +49,11 @@ def run(names: tuple[str, ...]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("names", list(itertools.permutations(THERE)), ids="-".join)
-def test_all_of_them_work_in_any_order(names: tuple[str, ...]) -> None:
+def test_all_of_them_work_in_any_order(names):
     run(names)
 
 
-def test_what_few_calls_need_is_loaded_by_these() -> None:
+def test_what_few_calls_need_is_loaded_by_these():
     """`import viscache` stays quick: scipy would double its time."""
     code = "import sys, viscache; print(*{name.partition('.')[0] for name in sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -63,7 +63,7 @@ def test_what_few_calls_need_is_loaded_by_these() -> None:
     assert late.isdisjoint(done.stdout.split())
 
 
-def test_names_load_their_modules_when_first_used() -> None:
+def test_names_load_their_modules_when_first_used():
     code = """
 import sys, viscache as vc
 def there(): return {name for name in sys.modules if name.startswith("viscache.")}
@@ -77,7 +77,7 @@ assert {"viscache.sweeps.tune", "viscache.plots", "viscache.report"} <= there()
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_type_checkers_and_programs_see_the_same_names() -> None:
+def test_type_checkers_and_programs_see_the_same_names():
     stub = Path(vc.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
     listed = re.findall(r"^from (\S+) import (\w+)", stub, re.M)
     for module in re.findall(r"^from (\S+) import \*", stub, re.M):

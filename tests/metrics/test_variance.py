@@ -1,7 +1,5 @@
 """Ratios of variances: exact in a closed form, intervals that cover, refusals."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -18,7 +16,7 @@ def renders(n: int, sigma: float, seed: int, *, size: tuple[int, int] = (6, 8)) 
     return [np.repeat(1 + sigma * rng.normal(size=(*size, 1)), 3, axis=2) for _ in range(n)]
 
 
-def test_the_ratio_is_that_of_the_sums_of_sample_variances() -> None:
+def test_the_ratio_is_that_of_the_sums_of_sample_variances():
     a, b = renders(5, 1.0, 0), renders(7, 2.0, 1)
     expected = [np.var([luminance(i) for i in s], axis=0, ddof=1).sum() for s in (a, b)]
     found = variance_ratio(a, b)
@@ -33,7 +31,7 @@ def test_the_ratio_is_that_of_the_sums_of_sample_variances() -> None:
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
+def test_the_interval_covers_the_truth_about_as_often_as_it_says():
     """200 pairs of 16 renders, true ratio 1/4; half of the interval's width covers far less."""
     hits = half = 0
     for k in range(200):
@@ -45,20 +43,20 @@ def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
     assert half / 200 < 0.8
 
 
-def test_the_interval_of_two_or_three_renders_is_finite() -> None:
+def test_the_interval_of_two_or_three_renders_is_finite():
     for n in (2, 3):
         found = variance_ratio(renders(n, 1.0, 0), renders(n, 2.0, 1))
         assert 0.05 < found.low <= found.ratio * 1.0001
         assert found.ratio * 0.9999 <= found.high < 2
 
 
-def test_draws_of_equal_renders_are_left_out_of_the_interval() -> None:
+def test_draws_of_equal_renders_are_left_out_of_the_interval():
     black = np.zeros((6, 8, 3))
     found = variance_ratio(renders(4, 1.0, 0), [black, black, black, renders(1, 2.0, 1)[0]])
     assert 0 < found.low <= found.high < np.inf
 
 
-def test_a_pixel_that_flares_up_is_left_out_of_the_trimmed_ratio() -> None:
+def test_a_pixel_that_flares_up_is_left_out_of_the_trimmed_ratio():
     a, b = (renders(8, 1.0, k, size=(40, 50)) for k in (0, 1))
     a[0][3, 3] += 1000
     found = variance_ratio(a, b)
@@ -66,7 +64,7 @@ def test_a_pixel_that_flares_up_is_left_out_of_the_trimmed_ratio() -> None:
     assert found.trimmed == pytest.approx(1, abs=0.1)
 
 
-def test_only_the_chosen_pixels_count() -> None:
+def test_only_the_chosen_pixels_count():
     a, b = renders(8, 1.0, 0), renders(8, 1.0, 1)
     left = np.zeros((6, 8), bool)
     left[:, :4] = True
@@ -79,7 +77,7 @@ def test_only_the_chosen_pixels_count() -> None:
     assert variance_ratio(a, b).ratio > 3 * expected.ratio
 
 
-def test_energy_is_about_zero_for_equal_means_and_found_otherwise() -> None:
+def test_energy_is_about_zero_for_equal_means_and_found_otherwise():
     a, b = renders(12, 0.2, 0), renders(12, 0.2, 1)
     assert abs(variance_ratio(a, b).energy_z) < 4
     shifted = variance_ratio([i + 0.1 for i in a], b)
@@ -100,8 +98,6 @@ TWO = renders(2, 1.0, 0)
         (TWO, TWO, np.zeros((6, 8), bool), "pixels must hold one pixel"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
-    ours: Images, baseline: Images, pixels: npt.NDArray[np.bool_] | None, says: str
-) -> None:
+def test_what_cannot_be_compared_is_refused(ours, baseline, pixels, says):
     with pytest.raises(ValueError, match=says):
         variance_ratio(ours, baseline, pixels=pixels)

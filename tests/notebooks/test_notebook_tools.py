@@ -38,7 +38,7 @@ def output(monkeypatch: pytest.MonkeyPatch) -> Handle:
     return handle
 
 
-def test_a_film_shows_a_frame_grow_and_ends_with_the_whole_of_it(output: Handle) -> None:
+def test_a_film_shows_a_frame_grow_and_ends_with_the_whole_of_it(output):
     scene = vc.scenes.room(triangles=2000)
     film = Film(exposure=1.0, refresh_s=0.0)
     frame = vc.tiles.render(scene, vc.Direct(), size=(140, 70), spp=16, parts=3, show=film)
@@ -48,7 +48,7 @@ def test_a_film_shows_a_frame_grow_and_ends_with_the_whole_of_it(output: Handle)
     assert all(data[:4] == b"\x89PNG" for data in output.shown)
 
 
-def test_a_film_that_is_not_to_refresh_often_shows_the_first_and_the_last(output: Handle) -> None:
+def test_a_film_that_is_not_to_refresh_often_shows_the_first_and_the_last(output):
     film = Film(refresh_s=60.0)
     frame = vc.Frame(layers={"color": np.ones((4, 4, 3))})
     for done in range(1, 9):
@@ -58,7 +58,7 @@ def test_a_film_that_is_not_to_refresh_often_shows_the_first_and_the_last(output
         Film(refresh_s=-1)
 
 
-def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort() -> None:
+def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort():
     picture = np.random.default_rng(0).uniform(0, 1.5, (9, 13, 3))
     wanted = vc.tonemap.to_srgb8(picture, 0.8)
     pngs = [vc.notebook.png(picture, 0.8)]
@@ -67,7 +67,7 @@ def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort() -> None:
         assert (np.asarray(PIL.Image.open(io.BytesIO(data))) == wanted).all()
 
 
-def test_a_slider_that_moves_renders_again() -> None:
+def test_a_slider_that_moves_renders_again():
     asked: list[tuple[int, str]] = []
 
     def render(level: int, kind: str) -> tuple[Any, str]:
@@ -82,7 +82,7 @@ def test_a_slider_that_moves_renders_again() -> None:
     assert asked == [(2, "a"), (3, "a"), (3, "b")] and len(view.milliseconds) == 3
 
 
-def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook() -> None:
+def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook():
     asked: list[int] = []
     begun, go_on = threading.Event(), threading.Event()
 
@@ -106,7 +106,7 @@ def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook() -> None:
     assert view.picture.value == vc.notebook.png(np.full((4, 6, 3), 0.4), 1.0)
 
 
-def test_a_live_slider_tells_what_went_wrong_and_goes_on() -> None:
+def test_a_live_slider_tells_what_went_wrong_and_goes_on():
     def render(level: int) -> tuple[Any, str]:
         if level == 1:
             raise ValueError("level must be < 1")
@@ -127,6 +127,6 @@ def test_a_live_slider_tells_what_went_wrong_and_goes_on() -> None:
         ({"a": [1]}, {"a": 2}, r"first of a must be one of \[1\], got 2"),
     ],
 )
-def test_sliders_without_values_are_refused(values: Any, first: Any, says: str) -> None:
+def test_sliders_without_values_are_refused(values, first, says):
     with pytest.raises(ValueError, match=says):
         sliders(lambda **_: (np.ones((2, 2, 3)), ""), first=first, **values)

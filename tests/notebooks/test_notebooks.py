@@ -10,7 +10,7 @@ NOTEBOOKS = sorted((Path(__file__).resolve().parents[2] / "notebooks").glob("*.i
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_notebook_runs(path, monkeypatch):
     nbformat = pytest.importorskip("nbformat", reason="nbformat comes with the test extra")
     nbclient = pytest.importorskip("nbclient", reason="nbclient comes with the test extra")
     if ran := os.environ.get("VISCACHE_NOTEBOOKS_RAN"):  # by scripts/run_notebooks.py, as CI does

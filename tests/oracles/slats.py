@@ -1,7 +1,5 @@
 """A floor below lamps and slats that cells do not resolve."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,5 @@
 """Corrections by class: expectations, what is learnt, and the layer of their variance."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,7 +58,7 @@ def mean_of(found: list[vc.Frame]) -> npt.NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("octaves", [unlearnt(), mixed(1), mixed(2)], ids=["plain", "one", "two"])
-def test_all_turns_together_are_the_exact_frame(hall: vc.Scene, octaves: Any) -> None:
+def test_all_turns_together_are_the_exact_frame(hall, octaves):
     """Sixteen pixels, three lights: in a cycle each answer is checked 256 q times, exactly.
 
     So the mean over all draws, weighted by their probabilities, is the exact frame.
@@ -76,7 +73,7 @@ def test_all_turns_together_are_the_exact_frame(hall: vc.Scene, octaves: Any) ->
     assert np.mean([np.any(np.abs(f.image - exact) > 0.01) for f in found]) > 0.9
 
 
-def test_epochs_draw_independently(hall: vc.Scene) -> None:
+def test_epochs_draw_independently(hall):
     size = (16, 16)
     first, again, other = (
         frames(hall, [memory(unlearnt(), e)], size, certain=2.0)[0] for e in (3, 3, 4)
@@ -84,7 +81,7 @@ def test_epochs_draw_independently(hall: vc.Scene) -> None:
     assert first.sha256 == again.sha256 != other.sha256
 
 
-def test_counters_by_class_add_up(hall: vc.Scene) -> None:
+def test_counters_by_class_add_up(hall):
     frame = vc.render(
         hall, vc.Direct(), size=(48, 48), visibility=CACHE, use=vc.Correct(certain=0.5)
     )
@@ -99,7 +96,7 @@ def test_counters_by_class_add_up(hall: vc.Scene) -> None:
         assert sum(c[name] for c in classes["point"].values()) == total > 0
 
 
-def test_answers_that_the_cache_doubts_are_wrong_more_often() -> None:
+def test_answers_that_the_cache_doubts_are_wrong_more_often():
     frame = vc.render(
         "room?triangles=3000",
         vc.Whitted(n_vpls=256),
@@ -117,7 +114,7 @@ def test_answers_that_the_cache_doubts_are_wrong_more_often() -> None:
     assert wrong[1] > 2 * wrong[0] > 0
 
 
-def test_octaves_follow_the_root_of_the_probability() -> None:
+def test_octaves_follow_the_root_of_the_probability():
     def counted(p: float, n: int = 10000) -> dict[str, int]:
         return {"queries": n, "corrections": n, "wrong": round(p * n)}
 
@@ -130,7 +127,7 @@ def test_octaves_follow_the_root_of_the_probability() -> None:
 
 
 @pytest.mark.stat
-def test_the_layer_of_variance_has_the_variance_as_its_expectation(hall: vc.Scene) -> None:
+def test_the_layer_of_variance_has_the_variance_as_its_expectation(hall):
     """Frames of independent draws: their spread, and the mean of the layer."""
     size, n = (24, 24), 192
     asked = shot(hall, size, use=vc.Correct(certain=1.0))
@@ -145,7 +142,7 @@ def test_the_layer_of_variance_has_the_variance_as_its_expectation(hall: vc.Scen
     assert layers.mean() / 2 < spread
 
 
-def test_exact_and_replaced_frames_have_no_variance(hall: vc.Scene) -> None:
+def test_exact_and_replaced_frames_have_no_variance(hall):
     for use in (None, "replace"):
         frame = vc.render(hall, vc.Direct(), size=(8, 8), visibility=CACHE, use=use)
         assert "variance" not in frame.layers
@@ -153,7 +150,7 @@ def test_exact_and_replaced_frames_have_no_variance(hall: vc.Scene) -> None:
     assert not whole.layers["variance"].any()
 
 
-def test_later_passes_use_what_the_first_ones_found() -> None:
+def test_later_passes_use_what_the_first_ones_found():
     """Same bytes for any threads; with "same", passes differ from the third on."""
     options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
     scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=128)
@@ -181,7 +178,7 @@ def scale_of(
     return best_scale(variance, ones * of_corrections, ones, given, rows_are_kept=rows_are_kept)
 
 
-def test_the_scale_of_shares_balances_noise_and_rays() -> None:
+def test_the_scale_of_shares_balances_noise_and_rays():
     # (1/2 + A/s)(40 + 40 s) is least at s = sqrt(2 A)
     assert scale_of(1.0, 0.5) == 1.0
     assert scale_of(1.0, 2.1) == 2.0
@@ -212,9 +209,7 @@ def test_the_scale_of_shares_balances_noise_and_rays() -> None:
         pytest.param(0.4, 2, id="light in stripes, like noise"),
     ],
 )
-def test_passes_that_cannot_win_become_exact_and_say_so(
-    height: float, learning: int, tmp_path: Path
-) -> None:
+def test_passes_that_cannot_win_become_exact_and_say_so(height, learning, tmp_path):
     """Slats finer than cells: a cache is hardly right there."""
     rng = np.random.default_rng(4)
     lamps = np.column_stack([rng.uniform(-1, 1, (64, 2)), rng.uniform(1, 2, 64)])

@@ -1,7 +1,5 @@
 """What the store of a sweep knows of the code of an oracle written in Python."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,7 +79,7 @@ def digest_of(source: str, folder: Path) -> str:
     return found[0]
 
 
-def test_layout_and_what_is_not_used_do_not_matter(tmp_path: Path) -> None:
+def test_layout_and_what_is_not_used_do_not_matter(tmp_path):
     first = digest_of(SOURCE, tmp_path)
     assert first == digest_of(SOURCE, tmp_path)
     for old, new in (
@@ -112,19 +110,19 @@ def test_layout_and_what_is_not_used_do_not_matter(tmp_path: Path) -> None:
         ("self.cell in", "self.cell not in"),
     ],
 )
-def test_every_change_of_what_it_does_is_seen(old: str, new: str, tmp_path: Path) -> None:
+def test_every_change_of_what_it_does_is_seen(old, new, tmp_path):
     assert old in SOURCE
     assert digest_of(SOURCE.replace(old, new), tmp_path) != digest_of(SOURCE, tmp_path)
 
 
-def test_copies_and_uses_leave_it() -> None:
+def test_copies_and_uses_leave_it():
     first = code_digest(AllRays)
     frames = [vc.render("slits", "direct", visibility=AllRays(), size=(24, 16)) for _ in range(2)]
     assert frames[0].sha256 == frames[1].sha256 and code_digest(AllRays) == first
     assert code_digest(NoRays) != first
 
 
-def test_code_that_cannot_be_read_is_told() -> None:
+def test_code_that_cannot_be_read_is_told():
     class Compiled:
         block = np.add  # a function without bytecode
 
@@ -153,9 +151,7 @@ class NoRays(AllRays):
         return np.ones((len(eyes), len(lamps)), dtype=bool)
 
 
-def test_a_sweep_renders_anew_when_the_class_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sweep_renders_anew_when_the_class_changes(tmp_path, monkeypatch):
     given: dict[str, Any] = {"visibility": AllRays(), "size": (24, 16), "metrics": ["rel_l1"]}
     tables, frames = [], []
     for n in range(3):
@@ -169,7 +165,7 @@ def test_a_sweep_renders_anew_when_the_class_changes(
     assert frames[0] == frames[1] == frames[2] - 1
 
 
-def test_a_swept_oracle_must_be_a_dataclass() -> None:
+def test_a_swept_oracle_must_be_a_dataclass():
     class Plain:
         def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
             return eyes.trace(lamps, wanted)

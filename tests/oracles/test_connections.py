@@ -1,7 +1,5 @@
 """The renderer's connections: answers to its queries give its frames."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -43,7 +41,7 @@ SHOTS: dict[str, tuple[str, Any, Any, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("name", SHOTS)
-def test_answers_make_the_renderers_frame_byte_for_byte(name: str) -> None:
+def test_answers_make_the_renderers_frame_byte_for_byte(name):
     spec, integrator, visibility, options = SHOTS[name]
     made, rendered = frames(built(spec), integrator, visibility, **options)
     assert made.sha256 == rendered.sha256
@@ -56,14 +54,14 @@ def test_answers_make_the_renderers_frame_byte_for_byte(name: str) -> None:
     [(vc.Aqvc(c_e=12), vc.Correct(share=0.3)), (vc.NeePlusPlus(n_voxels=4), "correct")],
     ids=["aqvc", "means"],
 )
-def test_corrected_answers_too(visibility: Any, use: Any) -> None:
+def test_corrected_answers_too(visibility, use):
     """Up to rounding: the renderer adds corrections one by one, answers hold one weight each."""
     made, rendered = frames(built(ROOM), vc.Whitted(n_vpls=40), visibility, use=use)
     np.testing.assert_allclose(made.image, rendered.image, rtol=1e-4, atol=1e-5)
 
 
 @pytest.mark.parametrize("pick", [0, 3])
-def test_contributions_of_what_is_seen_are_the_light(pick: int) -> None:
+def test_contributions_of_what_is_seen_are_the_light(pick):
     scene, whitted = built(ROOM), vc.Whitted(n_vpls=30, pick=pick)
     conn = vc.connections(scene, whitted, size=SIZE, seed=1)
     exact = vc.render(scene, whitted, size=SIZE, seed=1)
@@ -81,7 +79,7 @@ def test_contributions_of_what_is_seen_are_the_light(pick: int) -> None:
     np.testing.assert_allclose(total, np.sum(groups, axis=(0, 1, 2)), rtol=1e-4)
 
 
-def test_plain_arrays_are_answers_too() -> None:
+def test_plain_arrays_are_answers_too():
     scene = built(ROOM)
     conn = vc.connections(scene, vc.Direct(), size=SIZE)
     rendered = vc.render(scene, vc.Direct(), size=SIZE)
@@ -97,7 +95,7 @@ def test_plain_arrays_are_answers_too() -> None:
     assert not conn.frame({}).layers["point"].any()
 
 
-def test_wrong_answers_are_refused() -> None:
+def test_wrong_answers_are_refused():
     conn = vc.connections(built(ROOM), vc.Direct(), size=SIZE)
     seen = np.ones((len(conn.eyes), len(conn.groups["point"])), dtype=bool)
     for answers, match in (
@@ -119,7 +117,7 @@ def test_wrong_answers_are_refused() -> None:
             make()
 
 
-def test_own_virtual_lights_and_arrays_of_lamps() -> None:
+def test_own_virtual_lights_and_arrays_of_lamps():
     d = vc.SceneDescription()
     d.add_mesh(
         np.array([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], dtype=np.float32),
@@ -156,7 +154,7 @@ def test_own_virtual_lights_and_arrays_of_lamps() -> None:
 @pytest.mark.parametrize(
     "integrator", [vc.Whitted(n_vpls=64), vc.Direct(n_area=4)], ids=["shared lights", "own samples"]
 )
-def test_the_unoccluded_frame_is_all_contributions_summed(integrator: Any) -> None:
+def test_the_unoccluded_frame_is_all_contributions_summed(integrator):
     scene = built(ROOM)
     frame = vc.render(scene, integrator, size=SIZE, visibility=vc.Unoccluded())
     taps = vc.connections(scene, integrator, size=SIZE)
@@ -169,7 +167,7 @@ def test_the_unoccluded_frame_is_all_contributions_summed(integrator: Any) -> No
     assert frame.image.mean() > 1.02 * exact.image.mean()
 
 
-def test_unoccluded_ambient_is_white_and_bidirectional_paths_take_it() -> None:
+def test_unoccluded_ambient_is_white_and_bidirectional_paths_take_it():
     scene = built(ROOM)
     ambient = vc.AmbientOcclusion(n_samples=4)
     frame = vc.render(scene, ambient, size=SIZE, visibility=vc.Unoccluded())

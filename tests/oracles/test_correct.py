@@ -1,7 +1,5 @@
 """use="correct": any cache as a control variate."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -36,7 +34,7 @@ ROOM = "room?triangles=3000"
         *("unoccluded", "picks", "own", "own, with weights"),
     ],
 )
-def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibility: Any) -> None:
+def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator, visibility):
     scene = built(ROOM)
     given: dict[str, Any] = {"size": SIZE, "spp": 2}
     exact = vc.render(scene, integrator, **given)
@@ -50,7 +48,7 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibi
         assert right.counters["wrong"] > 0
 
 
-def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
+def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors():
     scene, light = built(ROOM), vc.Whitted(n_vpls=64)
     cache = vc.Aqvc(c_e=12, exact_groups=("area", "environment"))
     frames = [
@@ -82,7 +80,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
     assert counters["corrections"] == pytest.approx(0.2 * counters["queries"], rel=0.02)
 
 
-def test_correct_is_the_default_share() -> None:
+def test_correct_is_the_default_share():
     scene = built(ROOM)
     options: dict[str, Any] = {"size": SIZE, "visibility": vc.Aqvc(c_e=12)}
     word = vc.render(scene, vc.Direct(), use="correct", **options)
@@ -94,7 +92,7 @@ def test_correct_is_the_default_share() -> None:
     [({"share": share}, "share must be") for share in (0, -0.1, 1.1, float("nan"))]
     + [({"certain": 0}, "certain must be > 0 and finite, got 0"), ({"classes": "own"}, "classes")],
 )
-def test_bad_settings_are_refused(options: Any, says: str) -> None:
+def test_bad_settings_are_refused(options, says):
     with pytest.raises(ValueError, match=says):
         vc.Correct(**options)
 
@@ -108,6 +106,6 @@ def test_bad_settings_are_refused(options: Any, says: str) -> None:
         (vc.Direct(), {"use": "repair"}, "use must be"),
     ],
 )
-def test_what_does_not_combine_is_refused(integrator: Any, options: Any, says: str) -> None:
+def test_what_does_not_combine_is_refused(integrator, options, says):
     with pytest.raises(ValueError, match=says):
         vc.render(built(ROOM), integrator, size=SIZE, **options)

@@ -1,9 +1,5 @@
 """Caches as modules that take arrays of points and return bits."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -41,7 +37,7 @@ def lamps(scene: vc.Scene, count: int = 64, seed: int = 2) -> vc.FarEnds:
     return vc.FarEnds.points(low + share * (high - low))
 
 
-def test_exact_answers_are_those_of_single_rays(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_exact_answers_are_those_of_single_rays(room, points):
     ends = lamps(room)
     answer = room.oracle(vc.Exact()).block(points, ends)
     # Segments without normals have another offset; answers differ only at grazing angles
@@ -62,9 +58,7 @@ def test_exact_answers_are_those_of_single_rays(room: vc.Scene, points: vc.EyePo
     ],
     ids=["exact", "waves", "paper", "shadow maps", "nee++"],
 )
-def test_answers_do_not_depend_on_threads(
-    room: vc.Scene, points: vc.EyePoints, visibility: Any
-) -> None:
+def test_answers_do_not_depend_on_threads(room, points, visibility):
     one, three = (
         room.oracle(visibility, threads=n, rays=vc.Bsp()).block(points[:1500], lamps(room, 40))
         for n in (1, 3)
@@ -76,14 +70,14 @@ def test_answers_do_not_depend_on_threads(
     assert (one.weights is not None) == isinstance(visibility, vc.NeePlusPlus)
 
 
-def test_the_order_of_points_does_not_matter(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_the_order_of_points_does_not_matter(room, points):
     ends, oracle = lamps(room), room.oracle(vc.Exact())
     shuffled = np.random.default_rng(0).permutation(len(points))
     answer = oracle.block(points, ends).visible
     np.testing.assert_array_equal(answer[shuffled], oracle.block(points[shuffled], ends).visible)
 
 
-def test_wanted_bits_alone_are_asked(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_wanted_bits_alone_are_asked(room, points):
     ends, oracle = lamps(room), room.oracle(vc.Exact())
     wanted = np.random.default_rng(0).random((len(points), len(ends))) < 0.3
     some, everything = oracle.block(points, ends, wanted), oracle.block(points, ends)
@@ -93,7 +87,7 @@ def test_wanted_bits_alone_are_asked(room: vc.Scene, points: vc.EyePoints) -> No
     np.testing.assert_array_equal(some.bits, packed.bits)
 
 
-def test_pairs_are_the_entries_of_the_block(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_pairs_are_the_entries_of_the_block(room, points):
     ends, oracle = lamps(room), room.oracle(vc.Exact())
     random = np.random.default_rng(4)
     index, column = random.integers(0, len(points), 5000), random.integers(0, len(ends), 5000)
@@ -119,9 +113,7 @@ FULL = {"storage": "exact"}
     ],
     ids=["waves", "full keys", "one by one", "queue", "hashed", "collisions"],
 )
-def test_clusters_tell_whose_ray_answered(
-    room: vc.Scene, points: vc.EyePoints, paper: dict[str, Any] | None
-) -> None:
+def test_clusters_tell_whose_ray_answered(room, points, paper):
     ends = lamps(room, 30)
     form = {} if paper is None else {"preset": "paper", "paper": vc.PaperForm(**paper)}
     oracle = room.oracle(vc.Aqvc(c_e=8, **form))  # type: ignore[arg-type]
@@ -151,9 +143,7 @@ def test_clusters_tell_whose_ray_answered(
         _ = oracle.block(points, ends).clusters
 
 
-def test_queries_of_exact_rays_are_their_own_clusters_and_other_methods_have_none(
-    room: vc.Scene, points: vc.EyePoints
-) -> None:
+def test_queries_of_exact_rays_are_their_own_clusters_and_other_methods_have_none(room, points):
     log = room.oracle(vc.Exact()).block(points[:50], lamps(room, 5), clusters=True).clusters
     assert len(np.unique(log["cluster"])) == len(log) == 250 and log["traced"].all()
     for visibility in (vc.ShadowMap(resolution=32), vc.NeePlusPlus(n_voxels=4, learn_pixels=200)):
@@ -161,7 +151,7 @@ def test_queries_of_exact_rays_are_their_own_clusters_and_other_methods_have_non
             room.oracle(visibility).block(points[:9], lamps(room, 3), clusters=True)
 
 
-def test_directions_and_surfaces_are_far_ends_too(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_directions_and_surfaces_are_far_ends_too(room, points):
     along = np.random.default_rng(3).normal(size=(40, 3))
     oracle = room.oracle(vc.Exact())
     far = oracle.block(points, vc.FarEnds.directions(along))
@@ -177,7 +167,7 @@ def test_directions_and_surfaces_are_far_ends_too(room: vc.Scene, points: vc.Eye
     assert np.mean(oracle.block(points, sky).visible != far.visible) == 0
 
 
-def test_density_comes_from_neighbours_where_none_is_given() -> None:
+def test_density_comes_from_neighbours_where_none_is_given():
     random = np.random.default_rng(7)
     flat = np.column_stack([random.random((20000, 2)), np.zeros(20000)])
     eyes = vc.EyePoints(flat, np.broadcast_to([0.0, 0, 1], flat.shape)).with_density()
@@ -209,12 +199,12 @@ def test_density_comes_from_neighbours_where_none_is_given() -> None:
         (lambda: vc.FarEnds("rays", [(0, 0, 0)]), "kind must be one of"),  # type: ignore[arg-type]
     ],
 )
-def test_bad_arrays_are_refused(make: Any, match: str) -> None:
+def test_bad_arrays_are_refused(make, match):
     with pytest.raises(ValueError, match=match):
         make()
 
 
-def test_bad_questions_are_refused_and_lose_nothing(room: vc.Scene, points: vc.EyePoints) -> None:
+def test_bad_questions_are_refused_and_lose_nothing(room, points):
     oracle, ends = room.oracle(vc.Aqvc()), lamps(room, 3)
     for call, match in (
         (lambda: oracle.block(points, ends, np.ones((2, 3), dtype=bool)), "wanted must be"),

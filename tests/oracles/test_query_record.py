@@ -1,9 +1,5 @@
 """Queries of a frame as a file that xarray and pandas read."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray
@@ -21,7 +17,7 @@ def conn() -> vc.Connections:
     return connections_of((64, 56))
 
 
-def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -> None:
+def test_the_file_holds_every_query_once(conn, tmp_path):
     path = tmp_path / "queries.nc"
     count = vc.record_queries(conn, vc.Aqvc(c_e=8), path)
     answers = conn.answers(vc.Aqvc(c_e=8))
@@ -47,7 +43,7 @@ def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(tmp_path: Path) -> None:
+def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(tmp_path):
     conn = connections_of((160, 140))
     whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
     # The largest tile has up to 16384 eye points; this is room for few of its lights at a time
@@ -65,7 +61,7 @@ def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(tmp_path: Path) 
         assert len(np.unique(a["cluster"])) == len(np.unique(b["cluster"]))
 
 
-def test_what_cannot_be_written_leaves_no_file(conn: vc.Connections, tmp_path: Path) -> None:
+def test_what_cannot_be_written_leaves_no_file(conn, tmp_path):
     path = tmp_path / "queries.nc"
     for visibility, bound, match in (
         (vc.ShadowMap(resolution=32), 1 << 30, "cannot tell"),

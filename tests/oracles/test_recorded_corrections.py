@@ -1,7 +1,5 @@
 """A frame's corrections, one by one: they sum to the frame, and wrong rules show a bias."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 
@@ -77,7 +75,7 @@ def coarse(room: vc.Scene) -> Record:
     return recorded(room, COARSE)
 
 
-def test_recorded_corrections_sum_to_the_frame(room: vc.Scene, fine: Record) -> None:
+def test_recorded_corrections_sum_to_the_frame(room, fine):
     """Weights are V~ + xi·(V - V~)/q with q a power of two, and nothing else is in the picture."""
     share = fine.inverse_share[fine.changed]
     assert len(share) > 1000
@@ -100,20 +98,20 @@ def test_recorded_corrections_sum_to_the_frame(room: vc.Scene, fine: Record) -> 
     np.testing.assert_allclose(squares.sum(axis=(0, 1)), found, rtol=1e-4)
 
 
-def test_the_recorded_sum_is_unbiased(fine: Record, coarse: Record) -> None:
+def test_the_recorded_sum_is_unbiased(fine, coarse):
     for record in (fine, coarse):
         assert abs(record.z(record.weight)) < LIMIT
         assert abs(record.z(record.cached)) > LIMIT
 
 
-def test_a_class_that_is_never_checked_leaves_a_bias(fine: Record) -> None:
+def test_a_class_that_is_never_checked_leaves_a_bias(fine):
     """Negative control: q = 0 where the cache answers "blocked", or "visible"."""
     for answer in (0, 1):
         unchecked = np.where(fine.cached == answer, fine.cached, fine.weight)
         assert abs(fine.z(unchecked)) > LIMIT
 
 
-def test_the_weight_of_a_neighbouring_band_leaves_a_bias(coarse: Record) -> None:
+def test_the_weight_of_a_neighbouring_band_leaves_a_bias(coarse):
     """Negative control: answers count as if they had been checked twice or half as often.
 
     With finer cells, errors of both signs nearly cancel in the sum.

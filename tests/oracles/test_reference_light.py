@@ -1,7 +1,5 @@
 """Shares of corrections follow what a wrong answer would do to the picture."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -45,7 +43,7 @@ def checked(scene: vc.Scene) -> tuple[Floats, Floats, Floats]:
 
 
 @pytest.mark.parametrize("roughness", [None, 0.15], ids=["diffuse", "lobe"])
-def test_shares_count_from_the_light_that_the_cache_sees(roughness: float | None) -> None:
+def test_shares_count_from_the_light_that_the_cache_sees(roughness):
     """q = 2^-h where c is below h of certain·R, certain·R/2, …: R = min(√(a·(b + m/20)), m)."""
     c, cached, inverse = checked(hall(roughness))
     changed = inverse > 0
@@ -72,7 +70,7 @@ def test_shares_count_from_the_light_that_the_cache_sees(roughness: float | None
         assert agrees(diffuse, reference) < 0.9
 
 
-def test_lobes_add_no_rare_large_noise() -> None:
+def test_lobes_add_no_rare_large_noise():
     """The noise of a frame's corrections is not that of a few pixels."""
     scene = hall(0.05)
     exact = vc.render(scene, vc.Direct(), size=SIZE).image

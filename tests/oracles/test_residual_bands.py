@@ -1,7 +1,5 @@
 """Correction by contribution: who is drawn, and with which weight."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 
@@ -68,7 +66,7 @@ def over_reference(
 
 
 @pytest.mark.stat
-def test_draws_of_neighbours_are_independent(wall: vc.Scene) -> None:
+def test_draws_of_neighbours_are_independent(wall):
     """Neighbouring bits of a word, the same bit of the next word, and the next eye point."""
     n = 4096
     c = np.full((n, 1024), 1, np.float32)  # all at the mean: h = 7
@@ -88,7 +86,7 @@ def test_draws_of_neighbours_are_independent(wall: vc.Scene) -> None:
     assert abs((drawn & other)[:, ::16].mean() - 2.0**-8) < 5 * np.sqrt(2.0**-8 / (n * 64))
 
 
-def test_without_contributions_a_tenth_is_drawn(wall: vc.Scene) -> None:
+def test_without_contributions_a_tenth_is_drawn(wall):
     weight = weights_of(wall, None, 0, (512, 512))
     drawn = weight != 1
     assert abs(drawn.mean() - 0.1) < 5 * np.sqrt(0.09 / drawn.size)
@@ -109,7 +107,7 @@ def stripes(n: int) -> npt.NDArray[np.bool_]:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("truth", ["blocked", "visible"])
-def test_each_class_and_band_is_drawn_with_its_share(wall: vc.Scene, truth: str) -> None:
+def test_each_class_and_band_is_drawn_with_its_share(wall, truth):
     """Answers of four classes, each with an octave of its own; behind the wall, or before it."""
     c, _ = lights(2048, 2)
     n, m = c.shape

@@ -1,7 +1,5 @@
 """Every visibility setting on `Embree(watertight=True)`: bits of the BSP, closed at vertices."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -34,13 +32,13 @@ class Traced:
         return eyes.trace(lamps, wanted)
 
 
-def test_every_setting_is_among_the_methods() -> None:
+def test_every_setting_is_among_the_methods():
     used = {type(m.settings.get("visibility", vc.Exact())) for m in FREE.values()}
     assert used == {vc.Exact, vc.Aqvc, vc.ShadowMap, vc.NeePlusPlus, vc.VisMaps}
 
 
 @pytest.mark.parametrize("name", FREE)
-def test_frames_are_those_of_the_bsp(name: str) -> None:
+def test_frames_are_those_of_the_bsp(name):
     method = FREE[name]
     ours, bsp, plain = (
         picture(scenes.lit_box(), replace(method, settings=method.settings | {"rays": rays}))
@@ -53,9 +51,7 @@ def test_frames_are_those_of_the_bsp(name: str) -> None:
 
 @pytest.mark.parametrize("visibility", [Traced(), vc.Unoccluded()], ids=["own", "unoccluded"])
 @pytest.mark.parametrize("integrator", [vc.Direct(), vc.Bdpt(), vc.AmbientOcclusion()])
-def test_other_oracles_and_integrators_are_those_of_the_bsp(
-    integrator: Any, visibility: Any
-) -> None:
+def test_other_oracles_and_integrators_are_those_of_the_bsp(integrator, visibility):
     given: dict[str, Any] = {"size": (16, 12), "visibility": visibility, "threads": 1}
     ours, bsp = (
         vc.render(scenes.lit_box(), integrator, rays=rays, **given)
@@ -77,7 +73,7 @@ SETTINGS: dict[str, Any] = {
 
 @pytest.mark.parametrize("use", ["replace", "correct"])
 @pytest.mark.parametrize("name", SETTINGS)
-def test_answers_for_points_are_those_of_the_bsp(name: str, use: Any) -> None:
+def test_answers_for_points_are_those_of_the_bsp(name, use):
     scene = built("room?triangles=3000")
     eyes, ends = area_points(scene, 500), lamps(scene, 70)
     near = lamps(scene, 500, seed=5)
@@ -122,10 +118,10 @@ def leaks(visibility: Any, rays: Any) -> tuple[int, int]:
     [vc.Exact(), vc.Aqvc(c_e=1e-3, exact_groups=()), Traced()],
     ids=["exact", "quantized", "own"],
 )
-def test_no_oracle_lets_light_through_a_vertex(visibility: Any) -> None:
+def test_no_oracle_lets_light_through_a_vertex(visibility):
     assert leaks(visibility, WATERTIGHT) == (0, 0)
 
 
-def test_oracles_on_plain_rays_let_light_through_so_that_the_test_can_fail() -> None:
+def test_oracles_on_plain_rays_let_light_through_so_that_the_test_can_fail():
     of_blocks, of_pairs = leaks(vc.Exact(), vc.Embree())
     assert of_blocks > 5 and of_pairs > 5

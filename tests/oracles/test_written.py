@@ -1,9 +1,6 @@
 """Oracles written in Python: rendered, swept, corrected; wrong ones are refused."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -78,9 +75,7 @@ class Grid:
     ],
     ids=["whitted", "direct", "ambient", "bdpt"],
 )
-def test_traced_rays_make_the_exact_frame(
-    room: vc.Scene, integrator: Any, options: Any, oracle: Any
-) -> None:
+def test_traced_rays_make_the_exact_frame(room, integrator, options, oracle):
     size = (8, 5) if isinstance(oracle, AsBits) else SIZE
     exact = vc.render(room, integrator, size=size, **options)
     for threads in (1, 3):
@@ -91,7 +86,7 @@ def test_traced_rays_make_the_exact_frame(
             assert made.counters["rays"] == exact.counters["rays"]
 
 
-def test_sweeps_go_over_its_fields_and_correct_it(room: vc.Scene, tmp_path: Path) -> None:
+def test_sweeps_go_over_its_fields_and_correct_it(room, tmp_path):
     cells = [0.1, 0.4]
 
     def swept(name: str, **use: Any) -> Any:
@@ -110,7 +105,7 @@ def test_sweeps_go_over_its_fields_and_correct_it(room: vc.Scene, tmp_path: Path
         swept("d", use="repair")
 
 
-def test_weights_count(room: vc.Scene) -> None:
+def test_weights_count(room):
     exact = vc.render(room, WHITTED, size=SIZE)
 
     def halves(**options: Any) -> list[vc.Frame]:
@@ -122,7 +117,7 @@ def test_weights_count(room: vc.Scene) -> None:
         vc.testing.assert_unbiased(halves(weight=1.0), exact)
 
 
-def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:
+def test_it_may_be_told_of_frames_and_tiles(room):
     told: list[tuple[str, int]] = []
 
     class Told:
@@ -142,7 +137,7 @@ def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:
     assert frame.sha256 == vc.render(room, WHITTED, size=(256, 200)).sha256
 
 
-def test_state_of_a_tile_is_each_threads_own(room: vc.Scene) -> None:
+def test_state_of_a_tile_is_each_threads_own(room):
     @dataclass
     class Counting:
         seen: int = 0
@@ -181,13 +176,13 @@ def broken(answer: Any) -> Any:
         (lambda e, k, w: vc.EyePoints(e.positions, e.normals).trace(k), "handed to an oracle"),
     ],
 )
-def test_nonsense_is_refused_and_loses_nothing(room: vc.Scene, answer: Any, match: str) -> None:
+def test_nonsense_is_refused_and_loses_nothing(room, answer, match):
     with pytest.raises(ValueError, match=match):
         vc.render(room, WHITTED, size=SIZE, visibility=broken(answer), threads=3)
     assert vc.render(room, WHITTED, size=SIZE, visibility=Rays()).counters["rays"] > 0
 
 
-def test_an_exception_ends_the_frame_with_its_traceback(room: vc.Scene) -> None:
+def test_an_exception_ends_the_frame_with_its_traceback(room):
     def answer(eyes: Any, lamps: Any, wanted: Any) -> Any:
         raise KeyError("my own mistake")
 
@@ -197,12 +192,12 @@ def test_an_exception_ends_the_frame_with_its_traceback(room: vc.Scene) -> None:
 
 
 @pytest.mark.parametrize("given", [object(), Rays, 5])
-def test_what_is_no_oracle_is_refused(room: vc.Scene, given: Any) -> None:
+def test_what_is_no_oracle_is_refused(room, given):
     with pytest.raises(ValueError, match="visibility must be"):
         vc.render(room, WHITTED, visibility=given, size=SIZE)
 
 
-def test_a_cancelled_frame_is_interrupted(room: vc.Scene) -> None:
+def test_a_cancelled_frame_is_interrupted(room):
     def stop(done: int, total: int) -> None:
         raise KeyboardInterrupt
 
@@ -210,7 +205,7 @@ def test_a_cancelled_frame_is_interrupted(room: vc.Scene) -> None:
         vc.render(room, vc.Whitted(n_vpls=1024), size=(640, 400), visibility=Rays(), progress=stop)
 
 
-def test_files_of_its_frames_keep_its_fields(room: vc.Scene, tmp_path: Path) -> None:
+def test_files_of_its_frames_keep_its_fields(room, tmp_path):
     rendered = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=0.3))
     rendered.save(tmp_path / "grid.exr")
     assert vc.Frame.load(tmp_path / "grid.exr").parameters == rendered.parameters

@@ -1,10 +1,7 @@
 """vc.passes_over_time: errors and times of settings after each pass, against known pictures."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +22,7 @@ def room() -> vc.Scene:
     return vc.scenes.room(triangles=3000)
 
 
-def test_errors_are_those_of_the_mean_of_the_passes(room: vc.Scene) -> None:
+def test_errors_are_those_of_the_mean_of_the_passes(room):
     other = vc.Progressive(room, WHITTED, visibility="exact", size=SIZE, first_pass=600).passes(3)
     ds = vc.passes_over_time(
         room, WHITTED, {"cache": {"visibility": CACHE, "use": "replace"}}, passes=2,
@@ -49,7 +46,7 @@ def test_errors_are_those_of_the_mean_of_the_passes(room: vc.Scene) -> None:
     assert ds.attrs["reference_passes"] == 0 and json.loads(ds.attrs["size"]) == list(SIZE)
 
 
-def test_squares_against_two_references_have_the_noise_of_neither() -> None:
+def test_squares_against_two_references_have_the_noise_of_neither():
     truth, offset = np.full((16, 16, 3), 2.0), np.zeros((16, 16, 3))
     offset[::2] = 0.5
     found = over_time._Truth([truth + offset, truth - offset]).errors(truth + 1.0)
@@ -57,7 +54,7 @@ def test_squares_against_two_references_have_the_noise_of_neither() -> None:
     assert found["rel_mse"] == pytest.approx((1 - 0.25 / 2) / (4 + (2 * over_time.DARK) ** 2))
 
 
-def test_a_biased_setting_stalls_where_unbiased_ones_go_on(room: vc.Scene) -> None:
+def test_a_biased_setting_stalls_where_unbiased_ones_go_on(room):
     settings: dict[str, Any] = {
         "exact": "exact",
         "biased": {"visibility": CACHE, "use": "replace"},
@@ -78,7 +75,7 @@ def test_a_biased_setting_stalls_where_unbiased_ones_go_on(room: vc.Scene) -> No
     assert words["biased"]["use"] == "replace" and "pick=16" in words["picks"]["integrator"]
 
 
-def test_a_gain_is_error_times_time_over_that_of_another(room: vc.Scene) -> None:
+def test_a_gain_is_error_times_time_over_that_of_another(room):
     ds = vc.passes_over_time(room, WHITTED, passes=2, reference=3, size=SIZE)
     assert list(ds["setting"].values) == ["exact", "biased", "corrected"]
     for at, error in ((1, "nmse"), (None, "rel_mse")):
@@ -89,7 +86,7 @@ def test_a_gain_is_error_times_time_over_that_of_another(room: vc.Scene) -> None
     assert gain(ds, "exact") == 1.0
 
 
-def test_progress_counts_passes(room: vc.Scene) -> None:
+def test_progress_counts_passes(room):
     seen: list[tuple[int, int]] = []
     given: dict[str, Any] = {"passes": 2, "reference": 1, "size": SIZE}
     vc.passes_over_time(room, WHITTED, **given, progress=lambda *at: seen.append(at))
@@ -110,12 +107,12 @@ def test_progress_counts_passes(room: vc.Scene) -> None:
         ({"reference": np.zeros((32, 48, 3))}, "must have light"),
     ],
 )
-def test_wrong_input_is_refused(room: vc.Scene, arguments: dict[str, Any], says: str) -> None:
+def test_wrong_input_is_refused(room, arguments, says):
     with pytest.raises(ValueError, match=says):
         vc.passes_over_time(room, WHITTED, **({"size": SIZE, "passes": 1} | arguments))
 
 
-def test_a_gain_of_what_is_not_there_is_refused(room: vc.Scene) -> None:
+def test_a_gain_of_what_is_not_there_is_refused(room):
     ds = vc.passes_over_time(room, WHITTED, passes=1, size=SIZE)
     for arguments, says in (
         ({"setting": "maps"}, "setting must be one of"),
@@ -126,9 +123,7 @@ def test_a_gain_of_what_is_not_there_is_refused(room: vc.Scene) -> None:
             gain(ds, **arguments)
 
 
-def test_curves_have_a_point_per_pass_and_leave_out_what_is_below_the_noise(
-    room: vc.Scene,
-) -> None:
+def test_curves_have_a_point_per_pass_and_leave_out_what_is_below_the_noise(room):
     ds = vc.passes_over_time(room, WHITTED, passes=3, size=SIZE)
     ds["nmse"][1, 2] = -1e-6
     for x in ("cpu_s", "wall_s", "rays", "pass"):
@@ -146,9 +141,7 @@ def test_curves_have_a_point_per_pass_and_leave_out_what_is_below_the_noise(
         vc.plots.error_over_time(ds, y="flip")
 
 
-def test_a_page_has_the_curves_and_pictures_of_every_setting(
-    room: vc.Scene, tmp_path: Path
-) -> None:
+def test_a_page_has_the_curves_and_pictures_of_every_setting(room, tmp_path):
     ds = vc.passes_over_time(room, WHITTED, passes=3, size=SIZE)
     assert ds["picture"].shape == (3, SIZE[1], SIZE[0], 3)
     away = np.square(ds["picture"][0] - ds["reference"]).mean()

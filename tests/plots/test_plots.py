@@ -22,12 +22,12 @@ from viscache.sweeps.swept import looks_of
 pytestmark = pytest.mark.usefixtures("fake_vc")
 
 
-def test_the_front_joins_what_nothing_beats() -> None:
+def test_the_front_joins_what_nothing_beats():
     points = [(1.0, 5.0), (2.0, 3.0), (2.5, 4.0), (3.0, 1.0), (4.0, 1.0)]
     assert plots.pareto(points) == [(1.0, 5.0), (2.0, 3.0), (3.0, 1.0)]
 
 
-def test_a_notebook_shows_a_plot_without_pyplot() -> None:
+def test_a_notebook_shows_a_plot_without_pyplot():
     """IPython asks for `_repr_png_`; a plain Figure has none and shows as text."""
     figure = new_figure(2.0, 1.0)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -36,7 +36,7 @@ def test_a_notebook_shows_a_plot_without_pyplot() -> None:
     assert not hasattr(Figure(), "_repr_png_")
 
 
-def test_plots_are_labelled_and_leave_pyplot_alone() -> None:
+def test_plots_are_labelled_and_leave_pyplot_alone():
     import matplotlib.pyplot as plt
 
     ds = sweep(
@@ -62,7 +62,7 @@ def test_plots_are_labelled_and_leave_pyplot_alone() -> None:
         plots.heatmap(ds, x="c_q")
 
 
-def test_pairs_show_every_two_parameters_of_a_design(tmp_path: Path) -> None:
+def test_pairs_show_every_two_parameters_of_a_design(tmp_path):
     import matplotlib.pyplot as plt
 
     over = {
@@ -115,7 +115,7 @@ def pdf_text(file: Path) -> str:
 
 
 @pytest.mark.slow
-def test_every_figure_is_saved_in_three_formats_with_its_labels(tmp_path: Path) -> None:
+def test_every_figure_is_saved_in_three_formats_with_its_labels(tmp_path):
     files = plots.save_all(grid(), tmp_path / "figures")
     names = ["trade-total_s", "trade-rays", "heatmap-rel_l1", "heatmap-rays"]
     assert [f.name for f in files] == [f"{n}.{k}" for n in names for k in ("svg", "png", "pdf")]
@@ -132,7 +132,7 @@ def test_every_figure_is_saved_in_three_formats_with_its_labels(tmp_path: Path) 
 
 
 @pytest.mark.slow
-def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
+def test_the_same_figure_gives_the_same_bytes(tmp_path):
     ds = grid()
     for folder in ("a", "b"):
         plots.save(plots.heatmap(ds, value="rays"), tmp_path / folder / "heat")
@@ -145,7 +145,7 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(tmp_path: Path) -> None:
+def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(tmp_path):
     points = designs.latin_hypercube({"c_e": Range(2, 32, "log"), "c_n": Range(2, 16)}, 5)
     random = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
     over = {"c_e": [4, 8], "c_n": [4, 8], "integrator.n_vpls": [1, 2]}
@@ -157,7 +157,7 @@ def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(tmp_path: Path) -
     assert kinds == [{"trade", "pairs"}, {"trade", "heatmap", "pairs"}]
 
 
-def test_the_front_and_the_levels_are_drawn() -> None:
+def test_the_front_and_the_levels_are_drawn():
     ds = grid()
     axes = plots.trade(ds, x="rays").axes[0]
     front = next(line for line in axes.get_lines() if line.get_label() == "Pareto front")
@@ -167,7 +167,7 @@ def test_the_front_and_the_levels_are_drawn() -> None:
     assert sorted(t.get_text() for t in axes.texts) == ["16", "4", "8"]
 
 
-def test_colour_is_never_all_that_tells_levels_apart() -> None:
+def test_colour_is_never_all_that_tells_levels_apart():
     one = looks_of([[1, 2, 3]])
     assert [one([v]) for v in (1, 2, 3)] == [(plots.COLORS[i], i) for i in range(3)]
     two = looks_of([[1, 2], ["a", "b", "c"]])
@@ -198,13 +198,13 @@ def test_colour_is_never_all_that_tells_levels_apart() -> None:
         ("a_<b>", "a <b>", "a <b>", "a &lt;b&gt;"),
     ],
 )
-def test_labels_are_symbols_with_units(name: str, plain: str, math: str, markup: str) -> None:
+def test_labels_are_symbols_with_units(name, plain, math, markup):
     assert (labels.plain(name), labels.mathtext(name)) == (plain, math)
     assert labels.as_html(name) == markup
     assert re.sub("<[^>]*>|\u200b", "", labels.as_svg(name)) == re.sub("<[^>]*>", "", markup)
 
 
-def test_every_label_is_mathtext_that_can_be_drawn() -> None:
+def test_every_label_is_mathtext_that_can_be_drawn():
     from matplotlib.mathtext import MathTextParser
 
     parser = MathTextParser("agg")

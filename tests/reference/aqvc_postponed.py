@@ -1,7 +1,5 @@
 """Postponed rays of the quantized cache (Sec. 4.4) in plain Python, one query at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

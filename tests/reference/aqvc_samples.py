@@ -1,7 +1,5 @@
 """Samples of each eye point's own through the quantized cache, in NumPy and dictionaries."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

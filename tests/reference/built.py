@@ -1,7 +1,5 @@
 """Built-in scenes that many tests use."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import viscache as vc

@@ -1,7 +1,5 @@
 """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020) in plain NumPy: its map."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

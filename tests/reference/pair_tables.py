@@ -3,8 +3,6 @@
 Everything is written down pair by pair in float64: no tiles, no packets, no float32.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

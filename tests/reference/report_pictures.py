@@ -1,7 +1,5 @@
 """What the report's page does with packed pictures, in NumPy."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -4,8 +4,6 @@ Clarberg, Akenine-Möller, *Exploiting Visibility Correlation in Direct Illumina
 with the resolutions of docs/deviations.md. Visibility is a boolean array, points by directions.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

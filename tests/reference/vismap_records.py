@@ -4,8 +4,6 @@ Clarberg, Akenine-Möller, *Exploiting Visibility Correlation in Direct Illumina
 with the resolutions of docs/deviations.md. A map is a boolean array, (row y, column x).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

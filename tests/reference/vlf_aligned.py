@@ -4,8 +4,6 @@ Every triangle is tried for every ray; the batch must give the same bits. And an
 that says which answers rounding may turn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Scenes for the tests of bidirectional path tracing."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from render.mitsuba_scene import Look, Model, ball, box, quad

@@ -1,7 +1,5 @@
 """Mitsuba 3 for the tests of this folder."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Stacks of frames of independent seeds, by Mitsuba 3 and by viscache."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frames with the quantized cache and with a ray per query, for the tests beside this file."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sky for the tests of shared directions, and its light in a frame."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

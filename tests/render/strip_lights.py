@@ -1,7 +1,5 @@
 """A hall under many strip lights, made by numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import viscache as vc

@@ -1,7 +1,5 @@
 """Ambient occlusion along shared directions: the right shares, whoever traces them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -23,7 +21,7 @@ def shared(n: int = 129, **more: Any) -> vc.AmbientOcclusion:
 
 
 @pytest.mark.parametrize("n", [1, 9, 129, 513])
-def test_a_share_is_the_weighted_mean_of_its_bits(n: int) -> None:
+def test_a_share_is_the_weighted_mean_of_its_bits(n):
     scene = clutter()
     points, normals = surface(scene, 200)
     bits = vc.aligned_occlusion(scene, points, normals, n)
@@ -32,14 +30,14 @@ def test_a_share_is_the_weighted_mean_of_its_bits(n: int) -> None:
     np.testing.assert_allclose(testing.free_share(n, normals, bits), expected, atol=1e-5)
 
 
-def test_a_convex_body_is_lit_fully() -> None:
+def test_a_convex_body_is_lit_fully():
     frame = vc.render(convex(), SHARED, size=(64, 64))
     seen = frame.layers["coverage"][..., 0] == 1
     np.testing.assert_allclose(frame.image[seen], 1, atol=1e-5)
     assert frame.counters["occluded"] == 0 and seen.any()
 
 
-def test_it_agrees_with_directions_of_each_points_own() -> None:
+def test_it_agrees_with_directions_of_each_points_own():
     """513 shared directions have no noise; the mean is within what their number leaves."""
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     one = vc.render(scene, shared(513), size=(64, 64), spp=4)
@@ -52,7 +50,7 @@ def test_it_agrees_with_directions_of_each_points_own() -> None:
 
 
 @pytest.mark.parametrize("max_distance", [None, 0.2])
-def test_engines_agree(max_distance: float | None) -> None:
+def test_engines_agree(max_distance):
     scene = vc.scenes.bumpy_spheres(triangles=5000)
     engines: tuple[Any, ...] = ("batch", "embree")
     batch, embree = (
@@ -70,7 +68,7 @@ def test_engines_agree(max_distance: float | None) -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_stops_the_frame_soon() -> None:
+def test_ctrl_c_stops_the_frame_soon():
     call = (
         "vc.render(scene, vc.AmbientOcclusion(n_samples=8193, directions='shared', "
         "engine='batch'), size=(512, 512))"
@@ -78,12 +76,12 @@ def test_ctrl_c_stops_the_frame_soon() -> None:
     assert quickest_stop(call, 1.0) < LIMIT
 
 
-def test_rows_of_another_length_are_refused() -> None:
+def test_rows_of_another_length_are_refused():
     with pytest.raises(ValueError, match=r"rows must have shape \(1, 3\), got \(1, 1\)"):
         testing.free_share(129, [[0, 0, 1.0]], np.zeros((1, 1), np.uint64))
 
 
-def test_an_empty_view_is_black() -> None:
+def test_an_empty_view_is_black():
     d = vc.SceneDescription()
     d.add_camera((0, 0, 0), (0, 0, 1), up=(0, 1, 0), fov_deg=30)
     frame = vc.render(vc.Scene.from_description(d), SHARED, size=(8, 8))

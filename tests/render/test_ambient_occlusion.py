@@ -1,7 +1,5 @@
 """AmbientOcclusion: uniform or cosine directions, a distance at which looking ends."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -28,7 +26,7 @@ def ambient(model: Model, size: tuple[int, int] = (32, 24), spp: int = 1, **kwar
 
 
 @pytest.mark.parametrize(("distribution", "noise"), [("cosine", 1e-6), ("uniform", 0.05)])
-def test_an_open_plane_is_fully_lit_and_a_closed_room_dark(distribution: str, noise: float) -> None:
+def test_an_open_plane_is_fully_lit_and_a_closed_room_dark(distribution, noise):
     """Uniform directions carry the cosine as a weight, whose mean is 1 but for noise."""
     plane = Model((PLANE,), origin=(0, 2, 0), target=(0, 0, 0), up=(0, 0, 1))
     image = ambient(plane, n_samples=64, distribution=distribution).image
@@ -39,7 +37,7 @@ def test_an_open_plane_is_fully_lit_and_a_closed_room_dark(distribution: str, no
 
 
 @pytest.mark.stat
-def test_uniform_and_cosine_directions_have_one_expectation() -> None:
+def test_uniform_and_cosine_directions_have_one_expectation():
     a, b = (
         ambient(CORNER, seeds=8, spp=16, n_samples=16, distribution=d)
         for d in ("uniform", "cosine")
@@ -49,7 +47,7 @@ def test_uniform_and_cosine_directions_have_one_expectation() -> None:
 
 
 @pytest.mark.parametrize("distribution", ["cosine", "uniform"])
-def test_blockers_beyond_the_maximum_distance_do_not_count(distribution: str) -> None:
+def test_blockers_beyond_the_maximum_distance_do_not_count(distribution):
     ceiling = quad((-50, 1, -50), (100, 0, 0), (0, 0, 100))
     model = Model((PLANE, ceiling), origin=(0, 0.9, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=10)
 
@@ -65,7 +63,7 @@ def test_blockers_beyond_the_maximum_distance_do_not_count(distribution: str) ->
     assert share(1e9) < 1e-3
 
 
-def test_mirrors_glass_black_and_one_sided_surfaces_are_surfaces_like_others() -> None:
+def test_mirrors_glass_black_and_one_sided_surfaces_are_surfaces_like_others():
     reference = ambient(CORNER).image
     for look in (
         Look(kind="mirror"),
@@ -78,7 +76,7 @@ def test_mirrors_glass_black_and_one_sided_surfaces_are_surfaces_like_others() -
         np.testing.assert_array_equal(ambient(model).image, reference)
 
 
-def test_each_sample_is_one_query_of_the_ambient_group() -> None:
+def test_each_sample_is_one_query_of_the_ambient_group():
     frame = ambient(CORNER, size=(10, 10), spp=2, n_samples=7)
     assert frame.counters["groups"].keys() == {"ambient"}
     assert 0 < frame.counters["queries"] <= 10 * 10 * 2 * 7
@@ -87,7 +85,7 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
 
 
 @pytest.mark.parametrize("own", [True, False], ids=["own directions", "shared directions"])
-def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at(own: bool) -> None:
+def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at(own):
     scene = vc.scenes.room(triangles=5000)
     given: dict[str, Any] = {} if own else {"n_samples": 129, "directions": "shared"}
 

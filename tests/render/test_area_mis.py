@@ -1,10 +1,6 @@
 """Light samples and BRDF samples of area lights at glossy points, by the balance heuristic."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +55,7 @@ JITTERED = replace(BOTH, centred=False)
 @pytest.mark.mitsuba
 @pytest.mark.stat
 @pytest.mark.release
-def test_veachs_plates_are_mitsubas(mi: Any, tmp_path: Path) -> None:
+def test_veachs_plates_are_mitsubas(mi, tmp_path):
     # Lamps are out of sight: the silhouette of a tessellated sphere would differ
     reference = theirs(mi, VEACH.to_mitsuba(mi, SIZE, tmp_path), spp=128)
     assert_same(ours(VEACH.to_viscache(), JITTERED, spp=32), reference, edge=4)
@@ -85,7 +81,7 @@ STAGE = Model(
 
 
 @pytest.mark.stat
-def test_both_techniques_and_light_samples_alone_have_the_same_mean() -> None:
+def test_both_techniques_and_light_samples_alone_have_the_same_mean():
     scene = STAGE.to_viscache()
     light = area_layers(scene, REFERENCE, first=100)
     both = area_layers(scene, BOTH, spp=16)
@@ -97,12 +93,12 @@ def variance(scene: vc.Scene, integrator: vc.Direct) -> float:
     return float(np.var(area_layers(scene, integrator, spp=1, size=SIZE), axis=0, ddof=1).mean())
 
 
-def test_brdf_samples_take_the_noise_from_sharp_reflections() -> None:
+def test_brdf_samples_take_the_noise_from_sharp_reflections():
     scene = VEACH.to_viscache()
     assert variance(scene, BOTH) < variance(scene, LIGHT) / 20
 
 
-def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples() -> None:
+def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples():
     plain = tuple(replace(p, look=Look()) for p in STAGE.parts)
     scene = replace(STAGE, parts=plain).to_viscache()
     frames = [vc.render(scene, i, size=SIZE) for i in (BOTH, LIGHT)]
@@ -114,7 +110,7 @@ def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples() -> N
 
 @pytest.mark.stat
 @pytest.mark.slow
-def test_a_lamp_in_a_mirror_counts_once() -> None:
+def test_a_lamp_in_a_mirror_counts_once():
     """Mirrors are followed by rays: BRDF samples at the glossy floor add nothing to them."""
     mirror = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
     parts = (*STAGE.parts, quad((-1.5, 0, -1.2), (3, 0, 0), (0, 2, 0), look=mirror))
@@ -151,14 +147,14 @@ def holed_lamp(alpha: float) -> vc.Scene:
 
 
 @pytest.mark.stat
-def test_lamps_with_holes_hide_nothing_from_brdf_samples() -> None:
+def test_lamps_with_holes_hide_nothing_from_brdf_samples():
     light = area_layers(holed_lamp(0.0), REFERENCE, first=100)
     assert compare(area_layers(holed_lamp(0.0), BOTH, spp=8), light).same
     assert not compare(area_layers(holed_lamp(1.0), BOTH, spp=8), light).same
 
 
 @pytest.mark.parametrize("lights", [12, 500])
-def test_rays_find_the_nearest_light(lights: int) -> None:
+def test_rays_find_the_nearest_light(lights):
     """As Embree does among the lights alone, by the list and by the tree."""
     random = np.random.default_rng(lights)
     d = vc.SceneDescription()
@@ -186,7 +182,7 @@ def test_rays_find_the_nearest_light(lights: int) -> None:
     )
 
 
-def test_rays_find_spheres_and_what_they_hide() -> None:
+def test_rays_find_spheres_and_what_they_hide():
     d = vc.SceneDescription()
     d.add_material()
     d.add_sphere_light((0, 0, -3), 1, (1, 1, 1))
@@ -202,7 +198,7 @@ def test_rays_find_spheres_and_what_they_hide() -> None:
     np.testing.assert_allclose(point[3], (0, 1, -3), atol=1e-6)
 
 
-def test_caches_see_the_brdf_samples() -> None:
+def test_caches_see_the_brdf_samples():
     """Their queries go through the oracle as all others; a fine cache gives the exact picture."""
     scene, fine = STAGE.to_viscache(), vc.Aqvc(c_e=1, c_l=0.05, exact_groups=())
     light, both = (vc.render(scene, i, size=SIZE, visibility=fine) for i in (LIGHT, BOTH))

@@ -1,10 +1,7 @@
 """Audits: estimates of the error of a cached frame, whose intervals hold as often as they say."""
 
-from __future__ import annotations
-
 import functools
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -49,7 +46,7 @@ def picture(width: int, height: int) -> Any:
 
 
 @pytest.mark.parametrize("n", [1024, 1025, 3999, 4000, 1 << 20])
-def test_the_pixels_are_stratified_along_the_morton_curve(n: int) -> None:
+def test_the_pixels_are_stratified_along_the_morton_curve(n):
     width, height = 80, 50
     light = picture(width, height)
     drawn = _core.draw_audit_pixels(light, n, 7)
@@ -72,7 +69,7 @@ def test_the_pixels_are_stratified_along_the_morton_curve(n: int) -> None:
     assert (other != drawn).any()
 
 
-def test_weighted_pixels_estimate_sums_without_bias() -> None:
+def test_weighted_pixels_estimate_sums_without_bias():
     light, n, seeds = picture(33, 65), 1024, 400
     values = np.random.default_rng(4).random(light.shape)
     sums, counts = [], np.zeros(light.shape)
@@ -100,9 +97,7 @@ AUDITED: dict[str, tuple[Any, Any]] = {
 
 
 @pytest.mark.parametrize("name", AUDITED)
-def test_an_audit_of_all_pixels_is_the_comparison_with_the_exact_frame(
-    room: vc.Scene, name: str
-) -> None:
+def test_an_audit_of_all_pixels_is_the_comparison_with_the_exact_frame(room, name):
     visibility, integrator = AUDITED[name]
     given: dict[str, Any] = {"size": (40, 30), "spp": 2}
     exact = vc.render(room, integrator, **given)
@@ -126,9 +121,7 @@ def test_an_audit_of_all_pixels_is_the_comparison_with_the_exact_frame(
 
 
 @pytest.mark.parametrize("integrator", [LIGHTS, vc.AmbientOcclusion(n_samples=16)])
-def test_an_audit_of_all_queries_is_the_bias_and_the_share_of_wrong_answers(
-    room: vc.Scene, integrator: Any
-) -> None:
+def test_an_audit_of_all_queries_is_the_bias_and_the_share_of_wrong_answers(room, integrator):
     size = (40, 30)
     exact = vc.render(room, integrator, size=size)
     frame = vc.render(room, integrator, visibility=CACHE, size=size, audit=ALL)
@@ -148,7 +141,7 @@ def test_an_audit_of_all_queries_is_the_bias_and_the_share_of_wrong_answers(
     assert round(audit.wrong.value * audit.queries) == wrong
 
 
-def test_queries_that_exact_rays_answer_count_as_right(room: vc.Scene) -> None:
+def test_queries_that_exact_rays_answer_count_as_right(room):
     every = vc.Aqvc(c_e=16, exact_groups=("point", "vpl", "area"))
     some = vc.Aqvc(c_e=16, exact_groups=("vpl",))
     frames = [
@@ -162,7 +155,7 @@ def test_queries_that_exact_rays_answer_count_as_right(room: vc.Scene) -> None:
     assert found.wrong.value == pytest.approx(share * found.groups["point"].wrong.value)
 
 
-def test_parts_of_a_frame_audit_their_own_pixels_and_all_queries(room: vc.Scene) -> None:
+def test_parts_of_a_frame_audit_their_own_pixels_and_all_queries(room):
     for audit in ("pixels", vc.AuditQueries(share=0.1)):
         options: dict[str, Any] = {"visibility": CACHE, "size": (150, 140), "audit": audit}
         whole = vc.render(room, LIGHTS, **options)
@@ -220,7 +213,7 @@ CACHES: dict[str, tuple[Any, Any, Any, tuple[int, int]]] = {
 
 
 @pytest.mark.parametrize("name", CACHES)
-def test_intervals_of_whole_pixels_hold_as_often_as_they_say(name: str) -> None:
+def test_intervals_of_whole_pixels_hold_as_often_as_they_say(name):
     make, lights, cache, size = CACHES[name]
     scene, seeds = make(), 200
     exact, frame, unoccluded = (
@@ -256,7 +249,7 @@ def test_intervals_of_whole_pixels_hold_as_often_as_they_say(name: str) -> None:
         assert own.value == pytest.approx(every[0]["value"], rel=1e-3)
 
 
-def test_intervals_of_queries_hold(room: vc.Scene) -> None:
+def test_intervals_of_queries_hold(room):
     size, seeds = (64, 48), 120
     places = np.random.default_rng(2).uniform(*room.bounds, (24, 3))
     down = np.broadcast_to([0.0, -1, 0], places.shape)
@@ -273,7 +266,7 @@ def test_intervals_of_queries_hold(room: vc.Scene) -> None:
     assert all(0.92 <= n / seeds <= 0.99 for n in held.values()), held
 
 
-def test_no_interval_where_none_was_shown_to_hold(room: vc.Scene) -> None:
+def test_no_interval_where_none_was_shown_to_hold(room):
     def audit(size: tuple[int, int], cache: Any = CACHE, audit: Any = None) -> Any:
         return vc.render(room, LIGHTS, visibility=cache, size=size, audit=audit).audit
 
@@ -295,9 +288,7 @@ def test_no_interval_where_none_was_shown_to_hold(room: vc.Scene) -> None:
     assert "rarely drawn" in fits.nrmse.why and fits.rel_l1.why is None
 
 
-def test_frames_files_pages_and_the_command_line_show_it(
-    room: vc.Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_frames_files_pages_and_the_command_line_show_it(room, tmp_path, capsys):
     given: dict[str, Any] = {"visibility": CACHE, "size": (128, 128)}
     frame = vc.render(room, LIGHTS, audit="pixels", **given)
     frame.save(tmp_path / "frame.exr")
@@ -334,7 +325,7 @@ def test_frames_files_pages_and_the_command_line_show_it(
         (lambda: audits.checked(1024), "audit must be .*, got 1024"),
     ],
 )
-def test_bad_settings_are_refused(make: Any, message: str) -> None:
+def test_bad_settings_are_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
 
@@ -344,12 +335,12 @@ class Weighted:
         return eyes.trace(lamps, wanted), np.full((len(eyes), len(lamps)), 0.5, np.float32)
 
 
-def test_weights_have_no_audit_of_queries(room: vc.Scene) -> None:
+def test_weights_have_no_audit_of_queries(room):
     with pytest.raises(ValueError, match="without weights"):
         vc.render(room, LIGHTS, size=(8, 8), audit="queries", visibility=Weighted())
 
 
-def test_passes_drop_the_audit_of_one_pass(room: vc.Scene) -> None:
+def test_passes_drop_the_audit_of_one_pass(room):
     picture = vc.Progressive(room, LIGHTS, visibility=CACHE, use="replace", size=(64, 48))
     assert picture.passes(1).audit is not None
     assert picture.passes(1).audit is None

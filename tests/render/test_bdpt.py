@@ -1,7 +1,5 @@
 """Bidirectional path tracing: against `Direct`, closed forms, and at its edges."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -23,7 +21,7 @@ def images(scene: vc.Scene, integrator: Any, spp: int, seeds: int, first: int = 
 
 @pytest.mark.stat
 @pytest.mark.parametrize("camera", ["bypass", pytest.param("off", marks=pytest.mark.slow)])
-def test_two_edges_are_direct_light_of_every_kind(camera: str) -> None:
+def test_two_edges_are_direct_light_of_every_kind(camera):
     scene = scenes.LIGHTS.to_viscache()
     direct = images(scene, vc.Direct(n_area=32), 16, 6, first=100)
     bdpt = vc.Bdpt(max_depth=2, camera_connections=camera)
@@ -34,7 +32,7 @@ def test_two_edges_are_direct_light_of_every_kind(camera: str) -> None:
 
 
 @pytest.mark.stat
-def test_glossy_connections_have_one_expectation_for_all_strategies() -> None:
+def test_glossy_connections_have_one_expectation_for_all_strategies():
     """Densities of both ends of a connection are equal on diffuse surfaces, not on these."""
     look = Look(kind="glossy", base_color=(0.1, 0.1, 0.1), roughness=0.3)
     shiny = (replace(scenes.WALLS, look=look), scenes.LAMP, replace(scenes.BLOCK, look=look))
@@ -45,7 +43,7 @@ def test_glossy_connections_have_one_expectation_for_all_strategies() -> None:
 
 
 @pytest.mark.stat
-def test_a_lamp_that_shines_from_both_sides_is_direct_light() -> None:
+def test_a_lamp_that_shines_from_both_sides_is_direct_light():
     """Light paths leave either side; connections meet the side that faces them."""
     d = vc.SceneDescription()
     floor, lid = scenes.FLOOR, quad((-2, 2.2, -2), (4, 0, 0), (0, 0, 4))
@@ -60,7 +58,7 @@ def test_a_lamp_that_shines_from_both_sides_is_direct_light() -> None:
     assert_same(images(scene, vc.Bdpt(max_depth=2), 128, 6), direct, power=0.02)
 
 
-def test_one_edge_is_emission_seen_directly() -> None:
+def test_one_edge_is_emission_seen_directly():
     """The same eye paths as all integrators: the same light, without a query."""
     scene = scenes.LIGHTS.to_viscache()
     frame = vc.render(scene, vc.Bdpt(max_depth=1), size=SIZE, spp=8)
@@ -73,7 +71,7 @@ def test_one_edge_is_emission_seen_directly() -> None:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("camera", ["bypass", "off"])
-def test_a_furnace_shines_by_the_geometric_series(camera: str) -> None:
+def test_a_furnace_shines_by_the_geometric_series(camera):
     """A closed box of albedo 0.9 that emits 1: Σ 0.9^k over max_depth bounces, everywhere.
 
     With many bounces small errors of the weights add up: reverse densities that forget to turn the
@@ -91,7 +89,7 @@ def test_a_furnace_shines_by_the_geometric_series(camera: str) -> None:
 
 
 @pytest.mark.stat
-def test_a_lamp_in_a_mirror_and_behind_glass_is_seen() -> None:
+def test_a_lamp_in_a_mirror_and_behind_glass_is_seen():
     """Only eye paths find these; sphere lights then count in full."""
     lamp = (((0.0, 1.0, 3.0), 0.4, (5.0, 4.0, 3.0)),)
     mirror = quad((-2, -1, 0), (4, 0, 0), (0, 4, 0), look=Look(kind="mirror"))
@@ -125,7 +123,7 @@ EDGES: dict[str, Model] = {
 
 
 @pytest.mark.parametrize("name", EDGES)
-def test_scenes_at_the_edge_give_finite_frames(name: str) -> None:
+def test_scenes_at_the_edge_give_finite_frames(name):
     scene = EDGES[name].to_viscache()
     for depth in (1, 2, 6):
         frame = vc.render(scene, vc.Bdpt(max_depth=depth), size=SIZE, spp=4)
@@ -137,7 +135,7 @@ def test_scenes_at_the_edge_give_finite_frames(name: str) -> None:
         assert frame.counters["queries"] == 0
 
 
-def test_bad_settings_are_refused_with_what_must_hold() -> None:
+def test_bad_settings_are_refused_with_what_must_hold():
     with pytest.raises(ValueError, match=r"max_depth must be in \[1, 64\], got 0"):
         vc.Bdpt(max_depth=0)
     with pytest.raises(ValueError, match="camera_connections must be"):

@@ -1,9 +1,6 @@
 """Bidirectional path tracing against Mitsuba 3's `path`: z-tests, each with its power."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,7 +32,7 @@ def stack(made: list[vc.Frame], without: str = "") -> Images:
 
 
 @pytest.mark.slow
-def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path: Path) -> None:
+def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi, tmp_path):
     """Whatever strategy is left out or counted twice, as by a wrong weight, is missed."""
     reference = theirs(mi, scenes.ROOM.to_mitsuba(mi, SIZE, tmp_path), depth=5, spp=25)
     made = frames(scenes.ROOM, 5, 40, 32)
@@ -60,9 +57,7 @@ def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path:
         pytest.param(scenes.OPEN, 5, id="point, sun and sky"),
     ],
 )
-def test_many_bounces_are_mitsubas(
-    model: Model, depth: int, camera: str, mi: Any, tmp_path: Path
-) -> None:
+def test_many_bounces_are_mitsubas(model, depth, camera, mi, tmp_path):
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=depth, spp=64)
     spp = 64 if model is scenes.PLATES else 32  # of 32, 1 % of the energy is not seen
     made = frames(model, depth, spp, 64, camera_connections=camera)
@@ -70,7 +65,7 @@ def test_many_bounces_are_mitsubas(
 
 
 @pytest.mark.slow
-def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
+def test_a_smooth_environment_map_is_mitsubas(mi, tmp_path):
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
     model = replace(
         scenes.OUTSIDE, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30

@@ -1,7 +1,5 @@
 """Bidirectional path tracing through the quantized cache: one table for the frame, Eq. 6."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -49,7 +47,7 @@ def exact(integrator: Any = PLAIN, spp: int = 4, seed: int = 0) -> vc.Frame:
     return vc.render(room(), integrator, size=SIZE, spp=spp, seed=seed)
 
 
-def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicted() -> None:
+def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicted():
     table, full = cached(table_bytes=256 * MIB), cached(storage="exact")
     assert table.counters["evictions"] < 0.01 * table.counters["table_writes"]
     assert rel_l1(table.image, full.image) < 2e-3
@@ -60,7 +58,7 @@ def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicte
 
 
 @pytest.mark.stat
-def test_racing_threads_are_wrong_no_more_often_than_one_at_a_time() -> None:
+def test_racing_threads_are_wrong_no_more_often_than_one_at_a_time():
     """Share of wrong bits of 8 races against 8 frames of the deterministic mode, by other seeds."""
 
     def wrong(seed: int, storage: str) -> float:
@@ -75,7 +73,7 @@ def test_racing_threads_are_wrong_no_more_often_than_one_at_a_time() -> None:
     assert alone.min() > 1e-4
 
 
-def test_racing_threads_count_what_they_trace() -> None:
+def test_racing_threads_count_what_they_trace():
     race, table = cached(threads=8, storage="shared"), cached(threads=8)
     for frame in (race, table):
         c = frame.counters
@@ -90,7 +88,7 @@ def test_racing_threads_count_what_they_trace() -> None:
 # Trade
 
 
-def test_larger_clusters_trace_less_and_err_more() -> None:
+def test_larger_clusters_trace_less_and_err_more():
     frames = [cached(c_e=c_e, spp=8) for c_e in (2, 6, 18)]
     rays = [f.counters["rays"] for f in frames]
     errors = [rel_l1(f.image, exact(spp=8).image) for f in frames]
@@ -99,7 +97,7 @@ def test_larger_clusters_trace_less_and_err_more() -> None:
     assert abs(energy(frames[1].image, exact(spp=8).image)) < 0.01
 
 
-def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -> None:
+def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed():
     """See deviation A27."""
     bypassing = cached(vc.Bdpt(max_depth=4, camera_connections="bypass"))
     keyed = cached(vc.Bdpt(max_depth=4))
@@ -113,7 +111,7 @@ def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -
     assert keyed.counters["bypassed"] == 0
 
 
-def test_mirrors_and_glass_lie_between_clusters() -> None:
+def test_mirrors_and_glass_lie_between_clusters():
     scene = scenes.CAUSTICS.to_viscache()
     integrator = vc.Bdpt(max_depth=6)
     reference = vc.render(scene, integrator, size=SIZE, spp=8)
@@ -125,7 +123,7 @@ def test_mirrors_and_glass_lie_between_clusters() -> None:
 # Arguments
 
 
-def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
+def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer():
     used = vc.render(room(), PLAIN, visibility=vc.Aqvc(), size=SIZE).parameters["visibility"]
     assert (used["refinement"], used["c_r"]) == ("off", 2)
     assert used["table_bytes"] == 256 * MIB
@@ -137,7 +135,7 @@ def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
 
 @pytest.mark.release
 @pytest.mark.parametrize("name", ["the closed room", "the Cornell box"])
-def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
+def test_clusters_of_12_trace_a_sixth_of_the_rays(name):
     """The paper's figure for this renderer (Sec. 5), with the defaults."""
     scene = room() if name == "the closed room" else vc.scenes.cornell_box()
     options: dict[str, Any] = {"size": (96, 96), "spp": 64}
@@ -149,7 +147,7 @@ def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
 
 
 @pytest.mark.parametrize("depth", [1, 2, 5])
-def test_frames_without_queries_are_answered(depth: int) -> None:
+def test_frames_without_queries_are_answered(depth):
     dark = scenes.OUTSIDE.to_viscache()
     frame = cached(vc.Bdpt(max_depth=depth), dark)
     assert frame.counters["queries"] == frame.counters["rays"] == 0 and not frame.image.any()

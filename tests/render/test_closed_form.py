@@ -1,7 +1,5 @@
 """Exact frames of scenes whose answer can be written down."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -34,7 +32,7 @@ def group(frame: vc.Frame, name: str) -> npt.NDArray[np.float64]:
     return frame.layers[name].astype(np.float64)
 
 
-def test_a_point_light_over_a_plane_follows_the_inverse_square_law() -> None:
+def test_a_point_light_over_a_plane_follows_the_inverse_square_law():
     frame = rendered(replace(Model((PLANE,), **ABOVE), points=(((0, 2, 0), (1, 2, 3)),)))
     depth = frame.layers["depth"][..., 0].astype(float)
     r = np.sqrt(np.maximum(depth**2 - 3.0**2, 0))
@@ -47,14 +45,14 @@ def everywhere(image: Any, color: Any, rtol: float) -> None:
     np.testing.assert_allclose(image, np.broadcast_to(color, image.shape), rtol=rtol)
 
 
-def test_a_directional_light_follows_the_cosine() -> None:
+def test_a_directional_light_follows_the_cosine():
     for cosine in (1.0, 0.5, 1e-3):
         direction = (0.0, cosine, float(np.sqrt(1 - cosine**2)))
         image = rendered(Model((PLANE,), directions=((direction, (1, 2, 3)),), **ABOVE)).image
         everywhere(image, RHO / np.pi * [1, 2, 3] * cosine, 1e-4)
 
 
-def test_contributions_of_zero_cost_no_ray() -> None:
+def test_contributions_of_zero_cost_no_ray():
     """Black surfaces, dark lights, lights behind, below or along; samples below the horizon."""
     black = replace(PLANE, look=Look(base_color=(0, 0, 0)))
     lamp = quad((-1, 2, -1), (2, 0, 0), (0, 0, 2), emission=(1, 1, 1), look=black.look)
@@ -75,7 +73,7 @@ def test_contributions_of_zero_cost_no_ray() -> None:
 
 
 @pytest.mark.parametrize("kind", ["diffuse", "glossy"])
-def test_in_a_furnace_a_convex_body_reflects_its_albedo(kind: str) -> None:
+def test_in_a_furnace_a_convex_body_reflects_its_albedo(kind):
     """BRDF samples of a Lambertian surface under a constant sky weigh exactly its albedo."""
     look = replace(WHITE, kind=kind, specular=(0.04, 0.04, 0.04), roughness=0.3)
     model = Model((ball((0, 0, 0), 1, look=look),), env=(2, 2, 2), target=(0, 0, 0))
@@ -91,9 +89,7 @@ def test_in_a_furnace_a_convex_body_reflects_its_albedo(kind: str) -> None:
 
 
 @pytest.mark.parametrize(("roughness", "least"), [(0.05, 0.97), (0.3, 0.8), (1.0, 0.3)])
-def test_a_rough_metal_gives_no_more_than_it_gets_less_what_masking_loses(
-    roughness: float, least: float
-) -> None:
+def test_a_rough_metal_gives_no_more_than_it_gets_less_what_masking_loses(roughness, least):
     metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
     globe = ball((0, 0, 0), 1, 24, smooth=True, look=metal)
     model = Model((globe,), env=(1, 1, 1), target=(0, 0, 0))
@@ -101,7 +97,7 @@ def test_a_rough_metal_gives_no_more_than_it_gets_less_what_masking_loses(
     assert least < group(frame, "environment")[8:13, 14:19].mean() <= 1 + 1e-5
 
 
-def test_inside_a_glowing_box_direct_light_is_albedo_times_emission() -> None:
+def test_inside_a_glowing_box_direct_light_is_albedo_times_emission():
     """The furnace closed: the camera is inside, all that is seen emits (1, 1, 1) at itself."""
     room = box((-1, -1, -1), (1, 1, 1), look=WHITE, emission=(1, 1, 1)).reversed()
     model = Model((room,), origin=(0.1, 0.2, 0.3), target=(1, 0.5, 0.2), fov_deg=90)
@@ -111,7 +107,7 @@ def test_inside_a_glowing_box_direct_light_is_albedo_times_emission() -> None:
 
 
 @pytest.mark.stat
-def test_a_ball_over_a_plane_under_a_constant_sky_casts_its_form_factor() -> None:
+def test_a_ball_over_a_plane_under_a_constant_sky_casts_its_form_factor():
     """From a point at r, a ball of radius R at height h fills R² h / (r² + h²)^(3/2) of the sky."""
     big_r, h = 0.6, 1.0
     scene = Model((PLANE, ball((0, h, 0), big_r, 96)), env=(1, 1, 1)).to_viscache()
@@ -135,7 +131,7 @@ def corner_form_factor(a: Any, b: Any, h: float) -> Any:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("n_area", [1, 64])
-def test_parallel_plates_exchange_the_light_of_their_form_factor(n_area: int) -> None:
+def test_parallel_plates_exchange_the_light_of_their_form_factor(n_area):
     lamp = quad((-1, 1, -1), (2, 0, 0), (0, 0, 2), emission=(3, 2, 1))
     scene = Model((PLANE, lamp)).to_viscache()
     for px in (0.0, 0.5, 1.5, 3.0):
@@ -145,7 +141,7 @@ def test_parallel_plates_exchange_the_light_of_their_form_factor(n_area: int) ->
 
 
 @pytest.mark.stat
-def test_a_sphere_light_shines_like_its_form_factor() -> None:
+def test_a_sphere_light_shines_like_its_form_factor():
     radius, h = 0.25, 1.5
     scene = Model((PLANE,), spheres=(((0, h, 0), radius, (5, 4, 3)),)).to_viscache()
     for px in (0.0, 1.0, 3.0):
@@ -154,7 +150,7 @@ def test_a_sphere_light_shines_like_its_form_factor() -> None:
         np.testing.assert_allclose(lit, expected, rtol=2e-3)
 
 
-def test_a_sphere_light_reflects_nothing() -> None:
+def test_a_sphere_light_reflects_nothing():
     """It has no material: the scene's first is a mirror, and a point light shines at the sphere."""
     model = Model(
         (replace(PLANE, look=Look(kind="mirror")),),
@@ -167,7 +163,7 @@ def test_a_sphere_light_reflects_nothing() -> None:
     assert model.to_viscache().with_environment(0.5).triangles == 2
 
 
-def test_a_mirror_multiplies_what_it_shows() -> None:
+def test_a_mirror_multiplies_what_it_shows():
     mirror = replace(PLANE, look=Look(kind="mirror", specular=(0.9, 0.6, 0.3)))
     image = rendered(Model((mirror,), env=(1, 2, 3), **ABOVE)).image
     everywhere(image, [0.9, 1.2, 0.9], 1e-6)
@@ -190,7 +186,7 @@ def furnace(parts: tuple[Part, ...], max_depth: int, **kwargs: Any) -> vc.Frame:
     return rendered(model, vc.Whitted(n_vpls=0, max_depth=max_depth), **kwargs)
 
 
-def test_glass_in_a_furnace_is_invisible() -> None:
+def test_glass_in_a_furnace_is_invisible():
     """What a slab reflects and what it lets through add up, without loss."""
     frame = furnace(GLASSES["slab"], 16, spp=64)
     assert (frame.layers["coverage"] == 1).sum() > 200
@@ -201,23 +197,21 @@ def test_glass_in_a_furnace_is_invisible() -> None:
 
 @pytest.mark.parametrize("glass", GLASSES)
 @pytest.mark.parametrize("max_depth", [1, 4, 16])
-def test_what_glass_lacks_in_a_furnace_is_what_was_counted_as_lost(
-    glass: str, max_depth: int
-) -> None:
+def test_what_glass_lacks_in_a_furnace_is_what_was_counted_as_lost(glass, max_depth):
     frame = furnace(GLASSES[glass], max_depth, spp=16)
     lost = frame.counters["lost_throughput"]
     assert frame.image.mean() + lost == pytest.approx(1, abs=3e-4)
     assert (max_depth < 16) <= (lost > 5e-4) and lost < 1
 
 
-def test_a_diver_counts_what_is_lost_in_the_scale_of_the_water() -> None:
+def test_a_diver_counts_what_is_lost_in_the_scale_of_the_water():
     """Seen from within glass, light from outside is the square of the index brighter."""
     frame = furnace((ball((0, 0, 0), 5, look=GLASS),), 1, spp=16)
     np.testing.assert_allclose(frame.image.max(), 1.5**2, rtol=0.05)
     assert 0 < frame.counters["lost_throughput"] < 1
 
 
-def test_at_normal_incidence_glass_reflects_the_fresnel_share() -> None:
+def test_at_normal_incidence_glass_reflects_the_fresnel_share():
     glass = quad((-1, 0, -1), (0, 0, 2), (2, 0, 0), look=Look(kind="dielectric", eta=1.5))
     lamp = quad((-4, 4, -4), (8, 0, 0), (0, 0, 8), emission=(1, 1, 1))
     model = Model((glass, lamp), **ABOVE | {"fov_deg": 1.0})
@@ -232,9 +226,7 @@ def test_at_normal_incidence_glass_reflects_the_fresnel_share() -> None:
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("away", [0.0, 3.0, 1e3, 1e5])
 @pytest.mark.parametrize("instanced", [False, True])
-def test_surfaces_do_not_shadow_themselves_and_closed_rooms_do_not_leak(
-    instanced: bool, scale: float, away: float
-) -> None:
+def test_surfaces_do_not_shadow_themselves_and_closed_rooms_do_not_leak(instanced, scale, away):
     """Ambient occlusion of a turned cube: 1 outside, whatever the angle; 0 inside."""
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     cube = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))

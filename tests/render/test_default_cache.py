@@ -1,7 +1,5 @@
 """The default cache on scenes by other authors: no slower than exact, no large error unsaid."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from pathlib import Path
@@ -58,8 +56,8 @@ def load(folder: Path, name: str) -> vc.Scene:
     [pytest.param(s, marks=() if s in EACH_TIME else pytest.mark.release) for s in SCENES],
 )
 def test_the_default_is_not_slower_than_exact_and_no_large_error_goes_unsaid(
-    shared_scenes: Path, name: str, lights: str
-) -> None:
+    shared_scenes, name, lights
+):
     scene, integrator = load(shared_scenes, name), LIGHTS[lights]
     exact = vc.render(scene, integrator, size=SIZE)
     assert held(vc.render(scene, integrator, visibility=vc.Aqvc(), size=SIZE), exact) == (
@@ -69,7 +67,7 @@ def test_the_default_is_not_slower_than_exact_and_no_large_error_goes_unsaid(
 
 
 @pytest.mark.slow
-def test_a_cache_that_is_slower_or_wrong_does_not_hold(shared_scenes: Path) -> None:
+def test_a_cache_that_is_slower_or_wrong_does_not_hold(shared_scenes):
     scene, integrator = load(shared_scenes, "classroom"), vc.Direct()
     exact = vc.render(scene, integrator, size=SIZE)
     fine = vc.render(scene, integrator, visibility=vc.Aqvc(c_e=0.5, exact_groups=()), size=SIZE)
@@ -88,7 +86,7 @@ BUILT_IN: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("spec", BUILT_IN)
-def test_the_audit_tells_the_error(spec: str) -> None:
+def test_the_audit_tells_the_error(spec):
     """The true error lies within a factor of two of what 130 pixels tell."""
     scene, integrator, size = vc.scenes.build(spec), BUILT_IN[spec], (208, 160)
     exact = vc.render(scene, integrator, size=size)
@@ -105,7 +103,7 @@ def test_the_audit_tells_the_error(spec: str) -> None:
         assert not any("interval" in text for text in said)  # 130 pixels are too few
 
 
-def test_the_audit_depends_on_the_frame_alone() -> None:
+def test_the_audit_depends_on_the_frame_alone():
     scene, whitted, size = vc.scenes.room(triangles=2000), vc.Whitted(n_vpls=24), (96, 64)
     given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "size": size, "spp": 4}
     audit = vc.render(scene, whitted, **given).counters["audit"]

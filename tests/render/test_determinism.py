@@ -1,7 +1,5 @@
 """The same bytes for any number of threads, and other bytes where they should be others."""
 
-from __future__ import annotations
-
 import hashlib
 from typing import Any
 
@@ -72,7 +70,7 @@ SHOTS: dict[str, tuple[Any, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("name", SHOTS)
-def test_any_number_of_threads_gives_the_same_bytes(name: str, room: vc.Scene) -> None:
+def test_any_number_of_threads_gives_the_same_bytes(name, room):
     """16 samples per pixel make tiles of 32 pixels: 8 tiles share the work."""
     integrator, options = SHOTS[name]
     options = {"size": (97, 34), "spp": 16, **options}
@@ -86,7 +84,7 @@ def test_any_number_of_threads_gives_the_same_bytes(name: str, room: vc.Scene) -
     assert signature(other) != signature(frames[0])
 
 
-def test_a_scene_built_again_gives_the_same_bytes(room: vc.Scene) -> None:
+def test_a_scene_built_again_gives_the_same_bytes(room):
     again = ROOM.to_viscache()
     assert again.content_hash == room.content_hash
     a, b = (vc.render(s, INTEGRATORS[1], size=(24, 16)) for s in (room, again))
@@ -104,7 +102,7 @@ def test_a_scene_built_again_gives_the_same_bytes(room: vc.Scene) -> None:
     ],
     ids=["whitted", "bdpt"],
 )
-def test_the_parts_add_up_to_the_image(integrator: Any, groups: set[str], room: vc.Scene) -> None:
+def test_the_parts_add_up_to_the_image(integrator, groups, room):
     frame = vc.render(room, integrator, size=(40, 30), spp=4)
     total = sum(frame.layers[g].astype(np.float64) for g in ("emitted", *groups))
     np.testing.assert_allclose(frame.image, total, rtol=1e-4, atol=1e-6)
@@ -116,7 +114,7 @@ def test_the_parts_add_up_to_the_image(integrator: Any, groups: set[str], room: 
         assert 0 < group["occluded"] <= group["queries"] == group["rays"]
 
 
-def test_pixels_of_one_seed_share_no_samples() -> None:
+def test_pixels_of_one_seed_share_no_samples():
     """Neighbours under one constant light differ, as do frames of other seeds."""
     plane = quad((-50, 0, -50), (0, 0, 100), (100, 0, 0))
     scene = Model(

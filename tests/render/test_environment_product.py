@@ -1,7 +1,5 @@
 """The environment by product sampling and with visibility maps: the same light, with less noise."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import replace
 from typing import Any
@@ -68,9 +66,7 @@ MAPS = [
 
 
 @pytest.mark.stat
-def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
-    scene: vc.Scene,
-) -> None:
+def test_product_sampling_brings_the_light_of_multiple_importance_sampling(scene):
     usual = images(48, scene, vc.Direct(n_environment=16, n_brdf=16), seed=500)
     for points in ("even", "independent"):
         ours = images(48, scene, direct(points=points))
@@ -82,7 +78,7 @@ def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("maps", MAPS, ids=lambda m: f"{m['alpha']}-{m['sampling']}")
-def test_maps_do_not_change_the_mean(scene: vc.Scene, usual: Images, maps: dict[str, Any]) -> None:
+def test_maps_do_not_change_the_mean(scene, usual, maps):
     ours = images(40, scene, direct(passes=2), vc.VisMaps(n_startup=60, **maps))
     result = compare(ours, usual)
     assert result.same, str(result)
@@ -91,7 +87,7 @@ def test_maps_do_not_change_the_mean(scene: vc.Scene, usual: Images, maps: dict[
 
 @pytest.mark.stat
 @pytest.mark.parametrize("kind", ["random", "full", "empty"])
-def test_whatever_the_maps_hold_the_mean_stays(scene: vc.Scene, usual: Images, kind: str) -> None:
+def test_whatever_the_maps_hold_the_mean_stays(scene, usual, kind):
     maps = {
         "random": np.random.default_rng(3).random((3, 32, 32)) < 0.3,
         "full": np.ones((3, 32, 32), bool),
@@ -121,13 +117,13 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     return made["layers"]["environment"]
 
 
-def test_an_empty_cache_reports_its_own_settings(scene: vc.Scene) -> None:
+def test_an_empty_cache_reports_its_own_settings(scene):
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=4, n_best=2))
     said = vc.VisMaps(cache=cache, m=6).parameters()
     assert len(cache) == 0 and (said["cache"], said["m"], said["n_best"]) == (True, 4, 2)
 
 
-def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Scene) -> None:
+def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene):
     plain, empty = shown(scene).image, vc.VisibilityMapCache(scene)
     zero = vc.VisMaps(n_startup=60, alpha="zero", sampling="product")
     for maps in (vc.VisMaps(cache=empty, update=False), zero):
@@ -141,7 +137,7 @@ def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Sce
 
 
 @pytest.mark.parametrize("first", ["pilot", "one"])
-def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene: vc.Scene, first: Any) -> None:
+def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene, first):
     given: dict[str, Any] = {"n_startup": 60, "sampling": "product"}
     frame = shown(scene, maps=vc.VisMaps(first_alpha=first, **given))
     pilot = frame.counters["pilot_alpha"] if first == "pilot" else None
@@ -150,7 +146,7 @@ def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene: vc.Scene, fi
         assert np.array_equal(frame.image, other.image) == same
 
 
-def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
+def test_other_lights_are_traced_as_ever(scene):
     plain = shown(scene, vc.Direct())
     for use in ("correct", "replace"):
         frame = shown(scene, direct(n_area=16), vc.VisMaps(n_startup=60), use=use)
@@ -158,7 +154,7 @@ def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
         assert frame.counters["groups"]["point"] == plain.counters["groups"]["point"]
 
 
-def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene: vc.Scene) -> None:
+def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene):
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_startup=60))
     cache.update(size=(16, 12))
 
@@ -177,7 +173,7 @@ def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene: 
     assert fresh.counters["records_inserted"] > 0 and fresh.parameters["visibility"]["update"]
 
 
-def test_replacing_traces_no_ray_and_comes_near(scene: vc.Scene) -> None:
+def test_replacing_traces_no_ray_and_comes_near(scene):
     cache, size = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6)), (48, 32)
     given: dict[str, Any] = {"maps": vc.VisMaps(cache=cache, update=True), "size": size}
     frame = shown(scene, use="replace", **given)
@@ -199,7 +195,7 @@ def test_replacing_traces_no_ray_and_comes_near(scene: vc.Scene) -> None:
     assert abs(light[1] - light[0]).sum() / light[0].sum() > 0.03
 
 
-def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
+def test_the_counters_tell_what_was_done(scene):
     frame = shown(scene, direct(passes=3), vc.VisMaps(n_startup=60, sampling="guided"))
     c, t = frame.counters, frame.timings
     parts = ("product_guided", "product_without_record", "product_dark")
@@ -215,7 +211,7 @@ def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
     assert sum(t[p] for p in parts) <= t["contributions_cpu_s"] * (1 + 1e-6)
 
 
-def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
+def test_the_records_learn_how_often_they_were_wrong(scene):
     """One record a point: one comparison a ray, for any number of threads."""
     counted, at = [], {"size": (40, 24)}
     for threads in (1, 3):
@@ -234,7 +230,7 @@ def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
     assert cache.records().rays.sum() == counted[1][0].sum()
 
 
-def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
+def test_guided_rays_count_as_those_of_product_sampling_would():
     """Counted one for one, the window's border would make records wrong twenty times as often."""
     room = vc.scenes.window_room()
     given, at = direct(n_environment=64, centred=True), {"size": (32, 24)}
@@ -259,7 +255,7 @@ def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("sampling", ["product", "guided"])
-def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampling: Any) -> None:
+def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampling):
     globe = ball((0, 0, 0), 1, look=Look(base_color=(1, 1, 1)))
     furnace = Model((globe,), env=(1, 1, 1), target=(0, 0, 0)).to_viscache()
     cache = vc.VisibilityMapCache(furnace, vc.MapSettings(n_startup=200))
@@ -280,7 +276,7 @@ def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampli
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("guided", [True, False], ids=["room", "garden"])
-def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean(guided: bool) -> None:
+def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean(guided):
     scene = vc.scenes.window_room() if guided else vc.scenes.garden(triangles=60_000)
     cache = vc.VisibilityMapCache(scene)
     cache.update(size=(48, 36))
@@ -311,6 +307,6 @@ BAD: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("given", "message"), BAD)
-def test_what_cannot_be_is_refused(scene: vc.Scene, given: dict[str, Any], message: str) -> None:
+def test_what_cannot_be_is_refused(scene, given, message):
     with pytest.raises(ValueError, match=message):
         shown(**{"scene": scene, "maps": vc.VisMaps(), **given})

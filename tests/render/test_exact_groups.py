@@ -1,7 +1,5 @@
 """Light groups of the quantized cache that exact rays answer."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -35,9 +33,7 @@ def render(scene: vc.Scene, visibility: Any, integrator: Any = MIXED, **options:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_named_groups_have_the_bytes_and_counts_of_exact_visibility(
-    scene: vc.Scene, form: str
-) -> None:
+def test_named_groups_have_the_bytes_and_counts_of_exact_visibility(scene, form):
     exact = render(scene, vc.Exact())
     none = render(scene, replace(FORMS[form], exact_groups=()))
     chosen = ("point", "area")
@@ -55,7 +51,7 @@ def test_named_groups_have_the_bytes_and_counts_of_exact_visibility(
 
 
 @pytest.mark.parametrize("form", ["waves", "by contribution"])
-def test_the_other_groups_keep_their_bytes(scene: vc.Scene, form: str) -> None:
+def test_the_other_groups_keep_their_bytes(scene, form):
     none = render(scene, replace(FORMS[form], exact_groups=()))
     some = render(scene, replace(FORMS[form], exact_groups={"point", "environment"}))
     for group in ("directional", "area", "vpl"):
@@ -64,9 +60,7 @@ def test_the_other_groups_keep_their_bytes(scene: vc.Scene, form: str) -> None:
 
 
 @pytest.mark.parametrize("preset", ["default", "fast"])
-def test_own_samples_and_groups_of_few_lights_are_exact_by_default(
-    scene: vc.Scene, preset: Any
-) -> None:
+def test_own_samples_and_groups_of_few_lights_are_exact_by_default(scene, preset):
     cache, exact = vc.Aqvc(preset=preset), render(scene, vc.Exact())
     frame = render(scene, cache)
     assert cache.exact_groups == "auto" == frame.parameters["visibility"]["exact_groups"]
@@ -81,14 +75,14 @@ def test_own_samples_and_groups_of_few_lights_are_exact_by_default(
 
 
 @pytest.mark.parametrize("lights", [8, 9])
-def test_few_are_up_to_eight(lights: int) -> None:
+def test_few_are_up_to_eight(lights):
     room = q.scene("room", triangles=2000, lights=lights)
     counts = render(room, vc.Aqvc(), vc.Direct()).counters["groups"]["point"]
     assert (counts["rays"] == counts["queries"]) == (lights == 8)
 
 
 @pytest.mark.parametrize("lights", [32, 33])
-def test_few_are_up_to_32_with_corrections(lights: int) -> None:
+def test_few_are_up_to_32_with_corrections(lights):
     """The answers of each of few lights would be checked often; the frame tells what it did."""
     room, direct = q.scene("room", triangles=2000, lights=lights), vc.Direct(n_area=2)
     found = render(room, vc.Aqvc(), direct, use="correct")
@@ -106,7 +100,7 @@ def test_few_are_up_to_32_with_corrections(lights: int) -> None:
 
 
 @pytest.mark.parametrize("n_vpls", [135, 134])
-def test_a_small_part_of_the_shared_lights_is_exact(n_vpls: int) -> None:
+def test_a_small_part_of_the_shared_lights_is_exact(n_vpls):
     """Nine lamps are a sixteenth of 9 + 135 lights."""
     room = q.scene("room", triangles=2000, lights=9)
     low, high = room.bounds
@@ -117,7 +111,7 @@ def test_a_small_part_of_the_shared_lights_is_exact(n_vpls: int) -> None:
     assert counts["vpl"]["rays"] < counts["vpl"]["queries"]
 
 
-def test_directions_that_all_share_stay_in_the_cache_by_default(scene: vc.Scene) -> None:
+def test_directions_that_all_share_stay_in_the_cache_by_default(scene):
     shared = vc.Direct(environment="shared", n_environment=32)
     counts = {
         named: render(scene, vc.Aqvc(exact_groups=named), shared).counters["groups"]["environment"]
@@ -127,7 +121,7 @@ def test_directions_that_all_share_stay_in_the_cache_by_default(scene: vc.Scene)
     assert counts["environment",]["rays"] == counts["environment",]["queries"]
 
 
-def test_ambient_occlusion_stays_in_the_cache_by_default() -> None:
+def test_ambient_occlusion_stays_in_the_cache_by_default():
     ambient, scene = vc.AmbientOcclusion(n_samples=16, max_distance=None), q.scene("slats")
     counts = render(scene, vc.Aqvc(), ambient).counters["groups"]["ambient"]
     assert counts["rays"] < counts["queries"]
@@ -144,14 +138,12 @@ def test_ambient_occlusion_stays_in_the_cache_by_default() -> None:
     ],
     ids=["paper", "as printed", "pairs"],
 )
-def test_the_paper_form_caches_every_group_unless_one_is_named(
-    scene: vc.Scene, cache: vc.Aqvc
-) -> None:
+def test_the_paper_form_caches_every_group_unless_one_is_named(scene, cache):
     counts = render(scene, cache).counters["groups"]
     assert all(count["rays"] < count["queries"] for count in counts.values())
 
 
-def test_a_kept_table_holds_no_bits_of_named_groups(scene: vc.Scene) -> None:
+def test_a_kept_table_holds_no_bits_of_named_groups(scene):
     def second(**named: Any) -> Any:
         """Counts of a frame that finds the table of the one before."""
         table = vc.AqvcTable(table_bytes=1 << 25)  # large enough for every cell
@@ -165,7 +157,7 @@ def test_a_kept_table_holds_no_bits_of_named_groups(scene: vc.Scene) -> None:
     assert second()["rays"] == second(exact_groups=())["rays"] == 0
 
 
-def test_bidirectional_paths_fill_the_table_unless_a_group_is_named() -> None:
+def test_bidirectional_paths_fill_the_table_unless_a_group_is_named():
     scene, bdpt = q.scene("cornell_box"), vc.Bdpt(max_depth=4)
     options: dict[str, Any] = {"integrator": bdpt, "spp": 2}
     exact = render(scene, vc.Exact(), **options)
@@ -181,9 +173,7 @@ def test_bidirectional_paths_fill_the_table_unless_a_group_is_named() -> None:
     assert frames[0].counters["groups"]["connection"] == groups["connection"]
 
 
-def test_the_log_of_queries_says_that_exact_groups_are_exact(
-    scene: vc.Scene, tmp_path: Any
-) -> None:
+def test_the_log_of_queries_says_that_exact_groups_are_exact(scene, tmp_path):
     import xarray
 
     conn = vc.connections(scene, MIXED, size=SIZE)
@@ -198,7 +188,7 @@ def test_the_log_of_queries_says_that_exact_groups_are_exact(
     assert len(np.unique(clusters)) == len(clusters)
 
 
-def test_sets_are_kept_in_the_order_of_the_groups_and_others_are_refused() -> None:
+def test_sets_are_kept_in_the_order_of_the_groups_and_others_are_refused():
     assert vc.Aqvc(exact_groups={"vpl", "area"}) == vc.Aqvc(exact_groups=["area", "vpl"])
     assert vc.Aqvc(exact_groups={"vpl", "area"}).resolved()["exact_groups"] == ("area", "vpl")
     for given, message in (

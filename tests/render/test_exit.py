@@ -1,7 +1,5 @@
 """The interpreter ends while other threads are in long calls: the process ends without a word."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path
@@ -78,12 +76,12 @@ def run(
         pytest.param(ORACLE, 1, 1000, id="a call that never ends", marks=pytest.mark.slow),
     ],
 )
-def test_the_process_ends_quietly_while_a_daemon_works(body: str, n: int, pause: float) -> None:
+def test_the_process_ends_quietly_while_a_daemon_works(body, n, pause):
     ended = run(body, n=n, pause=pause)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "end\n", "")
 
 
-def test_the_thread_that_ends_the_interpreter_may_still_render() -> None:
+def test_the_thread_that_ends_the_interpreter_may_still_render():
     # Hooks that were registered before the import run after ours.
     before = """if True:
     import atexit
@@ -96,7 +94,7 @@ def test_the_thread_that_ends_the_interpreter_may_still_render() -> None:
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "end\n(8, 8, 3)\n", "")
 
 
-def test_a_forked_process_does_not_wait_for_the_threads_of_its_parent() -> None:
+def test_a_forked_process_does_not_wait_for_the_threads_of_its_parent():
     fork = """
     begun.set()
     vc.render(scene, vc.Direct(n_area=64), **BIG)
@@ -120,7 +118,7 @@ atexit.register(forked)
     assert ended.stdout.splitlines()[-1] == "child 0 True"
 
 
-def test_a_thread_that_is_no_daemon_ends_its_frame_first() -> None:
+def test_a_thread_that_is_no_daemon_ends_its_frame_first():
     frame = "vc.render(scene, vc.Direct(n_area=64), size=(128, 128), threads=1)"
     ended = run(f"begun.set(); print({frame}.image.shape)", daemon=False)
     assert (ended.returncode, ended.stderr) == (0, "")

@@ -1,7 +1,5 @@
 """Eye points and their density D_e, cameras, and scenes at the edge of what there is to see."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -30,7 +28,7 @@ def rendered(model: Model, integrator: Any = None, edge: int = 8) -> vc.Frame:
 
 
 @pytest.mark.parametrize("spp", [1, 4, 9])
-def test_one_over_the_density_adds_up_to_the_area_in_view(spp: int) -> None:
+def test_one_over_the_density_adds_up_to_the_area_in_view(spp):
     """Each eye point stands for 1/D_e of surface: on a floor in full view, the view's trapezoid."""
     scene = Model((FLOOR,), **VIEW).to_viscache()
     found = eye_points(scene, vc.Direct(), (60, 40), spp)
@@ -60,7 +58,7 @@ def density_from(camera: Any, eye: Any, axis: Any, found: dict[str, Any], size: 
     return np.maximum(at_point, 0.05) / (pixel * at_camera**3 * distance**2)
 
 
-def test_the_density_is_that_of_the_camera_and_in_a_plane_mirror_of_its_image() -> None:
+def test_the_density_is_that_of_the_camera_and_in_a_plane_mirror_of_its_image():
     mirror = quad((-1.5, 0, -1), (3, 0, 0.3), (0, 2, 0), look=Look(kind="mirror"))
     scene, size = Model((FLOOR, mirror), **VIEW).to_viscache(), (90, 60)
     camera = scene.cameras[0]
@@ -79,7 +77,7 @@ def test_the_density_is_that_of_the_camera_and_in_a_plane_mirror_of_its_image() 
     assert by_image.sum() > 100, "the mirror shows the floor"
 
 
-def test_grazing_views_clamp_the_cosine() -> None:
+def test_grazing_views_clamp_the_cosine():
     floor = quad((-300, 0, -300), (0, 0, 600), (600, 0, 0))
     low = Model((floor,), origin=(0, 0.1, 5), target=(0, 0, -100)).to_viscache()
     found, camera = eye_points(low, vc.Direct(), (30, 20)), low.cameras[0]
@@ -91,7 +89,7 @@ def test_grazing_views_clamp_the_cosine() -> None:
     assert 0.1 < flat.mean() < 0.9, "some views are clamped, others not"
 
 
-def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> None:
+def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface():
     scene = Model((FLOOR, box((-0.5, 0, -0.5), (0.5, 1, 0.5)).reversed()), **VIEW).to_viscache()
     found = eye_points(scene, vc.Direct(), (60, 40))
     to_eye = np.array(scene.cameras[0].origin) - found["position"]
@@ -106,7 +104,7 @@ def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> Non
 # Cameras
 
 
-def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
+def test_depth_normal_and_albedo_are_those_of_the_first_hit():
     look = Look(base_color=(0.1, 0.2, 0.3))
     wall = quad((-9, -9, -2), (18, 0, 0), (0, 18, 0), look=look)
     layers = rendered(Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)), edge=9).layers
@@ -117,7 +115,7 @@ def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
 
 
 @pytest.mark.parametrize("spec", ["room?triangles=2000", "courtyard?triangles=5000"])
-def test_packets_of_primary_rays_find_what_single_rays_find(spec: str) -> None:
+def test_packets_of_primary_rays_find_what_single_rays_find(spec):
     """Also through instances, where Embree's wide coherent packets are unsound."""
     scene = vc.scenes.build(spec)
     width, height = 61, 43  # no multiple of a packet
@@ -139,7 +137,7 @@ def test_packets_of_primary_rays_find_what_single_rays_find(spec: str) -> None:
     assert close.mean() > 0.998
 
 
-def test_first_hits_are_means_over_the_samples_that_hit_and_zero_where_none_did() -> None:
+def test_first_hits_are_means_over_the_samples_that_hit_and_zero_where_none_did():
     """A wall that ends within a column of pixels: its edge is as far and as red as its middle."""
     look = Look(base_color=(0.8, 0.2, 0.1))
     wall = quad((-9, -9, -2), (9.02, 0, 0), (0, 18, 0), look=look)
@@ -165,7 +163,7 @@ def test_first_hits_are_means_over_the_samples_that_hit_and_zero_where_none_did(
         assert not layers[name][~hit].any(), name
 
 
-def test_right_is_right_and_up_is_up() -> None:
+def test_right_is_right_and_up_is_up():
     """A red square to the upper right, a green one to the lower left, and nothing else."""
     parts = (
         quad((0.5, 0.5, 0), (1, 0, 0), (0, 1, 0), emission=(1, 0, 0)),
@@ -186,12 +184,12 @@ def test_right_is_right_and_up_is_up() -> None:
         *(((0, 0, 0), (0, 0, 1), fov) for fov in (0.0, 180.0, np.nan, -30.0)),
     ],
 )
-def test_cameras_that_cannot_look_are_refused(origin: Any, target: Any, fov: float) -> None:
+def test_cameras_that_cannot_look_are_refused(origin, target, fov):
     with pytest.raises(ValueError, match=r"camera 'camera': |fov_deg must be in"):
         vc.look_at(origin, target, (0, 1, 0), fov)
 
 
-def test_a_camera_that_was_broken_later_is_refused() -> None:
+def test_a_camera_that_was_broken_later_is_refused():
     scene = Model((FLOOR,), **VIEW).to_viscache()
     broken = scene.cameras[0]
     broken.fov_rad = float("nan")
@@ -200,7 +198,7 @@ def test_a_camera_that_was_broken_later_is_refused() -> None:
 
 
 @pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -1), (0, 0, 0), (0, 0, 1e-30)])
-def test_an_up_along_the_view_is_replaced(up: Any) -> None:
+def test_an_up_along_the_view_is_replaced(up):
     camera = vc.look_at((0, 0, 5), (0, 0, 0), up, 30)
     axes = np.array([camera.right, camera.up, camera.forward])
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-6)
@@ -214,7 +212,7 @@ def test_an_up_along_the_view_is_replaced(up: Any) -> None:
     [vc.Direct(), vc.Whitted(n_vpls=16), vc.AmbientOcclusion(n_samples=4)],
     ids=lambda i: type(i).__name__,
 )
-def test_scenes_with_little_in_them_render(integrator: Any) -> None:
+def test_scenes_with_little_in_them_render(integrator):
     empty = vc.SceneDescription()
     sky = vc.SceneDescription()
     sky.set_environment((1, 2, 3))
@@ -233,13 +231,13 @@ def test_scenes_with_little_in_them_render(integrator: Any) -> None:
     np.testing.assert_array_equal(seen, np.broadcast_to(np.float32(expected), seen.shape))
 
 
-def test_a_scene_without_light_is_black_and_says_so() -> None:
+def test_a_scene_without_light_is_black_and_says_so():
     frame = rendered(Model((FLOOR,), **VIEW), vc.Whitted(n_vpls=16))
     assert not frame.image.any() and any("no light" in w for w in frame.warnings)
     assert frame.counters["rays"] == 0
 
 
-def test_a_camera_inside_a_body_sees_its_inner_side() -> None:
+def test_a_camera_inside_a_body_sees_its_inner_side():
     inside = Model(
         (ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), origin=(0, 0, 0.1),
         target=(0, 0, -1),
@@ -249,7 +247,7 @@ def test_a_camera_inside_a_body_sees_its_inner_side() -> None:
     assert not rendered(replace(inside, parts=(part,))).image.any()
 
 
-def test_direct_shows_light_after_one_bounce_only() -> None:
+def test_direct_shows_light_after_one_bounce_only():
     """Two mirrors face to face with the sky above, which is many bounces away, or one."""
     mirror = Look(kind="mirror", specular=(0.5, 0.5, 0.5))
     walls = tuple(quad((x, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror) for x in (0.0, 1.0))
@@ -272,7 +270,7 @@ def lit_by(power: float) -> vc.Frame:
 
 
 @pytest.mark.extreme
-def test_pixels_that_are_not_finite_are_counted_and_warned_of() -> None:
+def test_pixels_that_are_not_finite_are_counted_and_warned_of():
     for power, finite in ((1e38, False), (1.0, True)):
         made = lit_by(power)
         count = int((~np.isfinite(made.image).all(axis=2)).sum())

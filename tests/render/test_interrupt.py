@@ -5,8 +5,6 @@ far longer, and the process prints how long KeyboardInterrupt took. The promise 
 an idle machine; tests share their cores with others, so the best of three counts.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path
@@ -93,11 +91,11 @@ CALLS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CALLS)
-def test_ctrl_c_stops_a_render_soon(name: str) -> None:
+def test_ctrl_c_stops_a_render_soon(name):
     assert quickest_stop(f"vc.render(scene, {CALLS[name]})") < LIMIT
 
 
-def test_ctrl_c_stops_a_long_query_soon() -> None:
+def test_ctrl_c_stops_a_long_query_soon():
     call = (
         "import numpy as np; x = np.random.default_rng(0).uniform(-3, 3, (4_000_000, 3));"
         " x = x.astype('f4'); [scene.visible(x, x[::-1]) for _ in range(250)]"
@@ -105,7 +103,7 @@ def test_ctrl_c_stops_a_long_query_soon() -> None:
     assert quickest_stop(call, delay=1.5) < LIMIT
 
 
-def test_progress_counts_tiles_to_the_end() -> None:
+def test_progress_counts_tiles_to_the_end():
     seen: list[tuple[int, int]] = []
     given: dict[str, Any] = {"size": (64, 64), "spp": 16, "progress": lambda *at: seen.append(at)}
     vc.render(busy_scene(), vc.Direct(n_area=1), **given)
@@ -114,7 +112,7 @@ def test_progress_counts_tiles_to_the_end() -> None:
     assert len(set(total) - {0}) == 1
 
 
-def test_an_error_in_progress_ends_the_render_and_comes_back() -> None:
+def test_an_error_in_progress_ends_the_render_and_comes_back():
     def broken(done: int, total: int) -> None:
         raise RuntimeError("no more")
 
@@ -124,7 +122,7 @@ def test_an_error_in_progress_ends_the_render_and_comes_back() -> None:
     assert vc.render(scene, vc.Direct(), size=(8, 8)).image.any()
 
 
-def test_other_python_threads_run_while_rendering() -> None:
+def test_other_python_threads_run_while_rendering():
     import threading
 
     scene, ticks, stop = busy_scene(), [0], threading.Event()

@@ -1,9 +1,6 @@
 """Area lights are chosen by what they can contribute, and the picture's mean stays the same."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -109,7 +106,7 @@ def told(lights: Lights, way: str, i: int, n: Array | None = None) -> Array:
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", range(6))
-def test_every_light_that_contributes_can_be_chosen(way: str, seed: int) -> None:
+def test_every_light_that_contributes_can_be_chosen(way, seed):
     lights = Lights(seed)
     pmf = testing.light_probabilities(lights.scene._core, way, lights.x, lights.n)
     light = lights.light()
@@ -125,7 +122,7 @@ def test_every_light_that_contributes_can_be_chosen(way: str, seed: int) -> None
 
 
 @pytest.mark.parametrize(("way", "largest", "share"), [("each", 2.0, 0.02), ("tree", 0.05, 0.5)])
-def test_estimates_follow_the_light(way: str, largest: float, share: float) -> None:
+def test_estimates_follow_the_light(way, largest, share):
     """Variance of one sample without shadows, against that of a choice by power."""
     spread: dict[str, list[float]] = {"power": [], way: []}
     for seed in range(5):
@@ -144,7 +141,7 @@ def test_estimates_follow_the_light(way: str, largest: float, share: float) -> N
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", [1, 3, 4])
-def test_probabilities_are_those_of_the_numbers(way: str, seed: int) -> None:
+def test_probabilities_are_those_of_the_numbers(way, seed):
     """Each light gets an interval of u as long as its probability; what is left over gets none."""
     lights, told_apart = Lights(seed), 0
     u = (np.arange(20000) + 0.5) / 20000
@@ -182,7 +179,7 @@ def lamps(count: int) -> Model:
 @pytest.mark.mitsuba
 @pytest.mark.stat
 @pytest.mark.slow
-def test_many_area_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
+def test_many_area_lights_are_mitsubas(mi, tmp_path):
     """Noise has heavy tails at the lamps, on both sides: means of 4 × 4 pixels are compared.
 
     One percent of the energy would need far more frames; three are seen.
@@ -196,7 +193,7 @@ def test_many_area_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.stat
-def test_both_choices_have_the_same_mean() -> None:
+def test_both_choices_have_the_same_mean():
     scene = lamps(60).to_viscache()
     by_one = area_layers(scene, vc.Direct(n_area=512, centred=True), first=100)
     by_tree = area_layers(scene, vc.Direct(n_area=2, centred=True), spp=128)

@@ -1,7 +1,5 @@
 """render/light_pick.h: eye points pick some of the shared lights, and the mean stays the same."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -31,7 +29,7 @@ MANY = st.lists(st.floats(0, 1e4, width=32, allow_subnormal=False), min_size=1, 
 
 
 @given(contributions=MANY, most=st.integers(1, 40))
-def test_the_mean_over_all_offsets_is_every_light_once(contributions: Any, most: int) -> None:
+def test_the_mean_over_all_offsets_is_every_light_once(contributions, most):
     c = np.asarray(contributions, np.float64)
     w = weights(c, most)
     assert ((w > 0).sum(axis=1) <= most).all() or (w == 1).all()
@@ -45,7 +43,7 @@ def test_the_mean_over_all_offsets_is_every_light_once(contributions: Any, most:
 
 
 @given(contributions=MANY, most=st.integers(1, 40), u=st.floats(0, 1, exclude_max=True))
-def test_the_weights_are_inverse_probabilities(contributions: Any, most: int, u: float) -> None:
+def test_the_weights_are_inverse_probabilities(contributions, most, u):
     c = np.asarray(contributions, np.float64)
     (w,) = weights(c, most, u)
     if (c > 0).sum() <= most:
@@ -62,7 +60,7 @@ def test_the_weights_are_inverse_probabilities(contributions: Any, most: int, u:
         np.testing.assert_allclose((w * c).sum(), c.sum(), rtol=1e-5)
 
 
-def test_weights_without_the_certain_ones_are_wrong() -> None:
+def test_weights_without_the_certain_ones_are_wrong():
     """The sum over one light that is longer than the distance, and ten short ones."""
     c = np.array([5.0] + [0.1] * 10)
     w = weights(c, 4)
@@ -71,7 +69,7 @@ def test_weights_without_the_certain_ones_are_wrong() -> None:
     assert (alike @ c).mean() < 0.5 * c.sum()
 
 
-def test_sums_that_are_not_finite_pick_nothing() -> None:
+def test_sums_that_are_not_finite_pick_nothing():
     for bad in (np.inf, np.nan):
         assert (weights([bad, 1, 1, 1], 2) == 1).all()
     assert (weights([3e38] * 8, 2).sum(axis=1) == 8).all()  # the sum is above the range of float
@@ -130,7 +128,7 @@ def whitted(pick: int) -> vc.Whitted:
 
 
 @pytest.mark.parametrize("make", [direct, whitted])
-def test_as_many_picks_as_lights_give_the_same_bytes(make: Any, scene: vc.Scene) -> None:
+def test_as_many_picks_as_lights_give_the_same_bytes(make, scene):
     frames = [vc.render(scene, make(n), size=(48, 32), spp=2) for n in (0, 64, 1000)]
     assert len({f.sha256 for f in frames}) == 1
     assert frames[1].counters["groups"] == frames[0].counters["groups"]
@@ -143,7 +141,7 @@ def test_as_many_picks_as_lights_give_the_same_bytes(make: Any, scene: vc.Scene)
         assert group["queries"] < frames[0].counters["groups"][name]["queries"]
 
 
-def test_any_number_of_parts_gives_the_same_bytes(scene: vc.Scene) -> None:
+def test_any_number_of_parts_gives_the_same_bytes(scene):
     options: dict[str, Any] = {"size": (70, 66), "spp": 4, "seed": 3}
     whole = vc.render(scene, whitted(4), **options).image
     parts = [render_part(BareShot(scene, whitted(4), **options), (i, 3)).image for i in range(3)]

@@ -4,8 +4,6 @@ Mitsuba renders with `path`: its `direct` counts a delta light `emitter_samples`
 is direct light. Both sides use a box filter of one pixel.
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -24,7 +22,7 @@ from viscache import _core
 pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
 
 
-def test_the_cornell_box_has_mitsubas_direct_light(mi: Any) -> None:
+def test_the_cornell_box_has_mitsubas_direct_light(mi):
     path = Path(os.environ.get("VISCACHE_SCENES", "../shared/scenes")) / "cornell-box" / "scene.xml"
     if not path.exists():
         pytest.skip(f"there is no {path}")
@@ -249,9 +247,7 @@ CASES = {
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow) if c.slow else n for n, c in CASES.items()]
 )
-def test_frames_are_mitsubas_and_wrong_ones_are_told_apart(
-    name: str, mi: Any, tmp_path: Path
-) -> None:
+def test_frames_are_mitsubas_and_wrong_ones_are_told_apart(name, mi, tmp_path):
     case = CASES[name]
     reference = theirs(mi, case.model.to_mitsuba(mi, SIZE, tmp_path), **case.theirs)
     scene = case.model.to_viscache()
@@ -266,7 +262,7 @@ def test_frames_are_mitsubas_and_wrong_ones_are_told_apart(
         assert not compare(made, reference, tolerance=case.tolerance).same
 
 
-def test_parts_are_what_they_say() -> None:
+def test_parts_are_what_they_say():
     """The helper's own fronts look outwards; else two-sidedness above would prove nothing."""
     for part in (box((0, 0, 0), (1, 1, 1)), ball((0.5, 0.5, 0.5), 0.5)):
         a, b, c = (part.vertices[part.triangles[:, i]] for i in range(3))

@@ -1,7 +1,5 @@
 """C_E is a knob: with a larger one rays fall and the error rises, and neither turns back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import Any
@@ -95,18 +93,18 @@ def assert_monotone(name: str, c_es: Sequence[float], seeds: int, **options: Any
         assert logs.mean(1)[-1] > logs.mean(1)[0] + np.log(1.3)
 
 
-def test_error_and_reduction_do_not_turn_back() -> None:
+def test_error_and_reduction_do_not_turn_back():
     assert_monotone("room", FEW, seeds=8)
 
 
-def test_a_list_that_ends_where_division_ends_turns_back() -> None:
+def test_a_list_that_ends_where_division_ends_turns_back():
     """The negative control: C_E 7 errs more than 8, for it has no level of 4 eye samples."""
     error, reduction = trade("room", list_ends_where_division_ends, FEW, 8)
     for logs in (error, reduction):
         assert any(pair.startswith("7 to 8:") for pair in turned_back(logs, FEW))
 
 
-def test_clusters_smaller_than_a_pixel_do_not_turn_it_back() -> None:
+def test_clusters_smaller_than_a_pixel_do_not_turn_it_back():
     """C_E = 8 is a pixel here. The control refines larger clusters only."""
     c_es = (6.0, 8.0, 8.1)
     many: dict[str, Any] = {"size": (20, 20), "spp": 64}
@@ -125,5 +123,5 @@ def test_clusters_smaller_than_a_pixel_do_not_turn_it_back() -> None:
         for name in CASES
     ],
 )
-def test_error_and_reduction_do_not_turn_back_in_fine_steps(name: str, preset: str) -> None:
+def test_error_and_reduction_do_not_turn_back_in_fine_steps(name, preset):
     assert_monotone(name, MANY, seeds=6, size=(128, 128), preset=preset)

@@ -1,7 +1,5 @@
 """A table per thread, kept over the tiles of 32² pixels that the thread works on."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 
@@ -23,7 +21,7 @@ def kept(threads: int, **given: Any) -> vc.Frame:
     return render(room(), LAMPS, storage="paper_tiles", threads=threads, **{**PAIRS, **given})
 
 
-def test_a_frame_is_the_same_for_the_same_number_of_threads() -> None:
+def test_a_frame_is_the_same_for_the_same_number_of_threads():
     for threads in (1, 2, 3):
         first, again = kept(threads), kept(threads)
         assert first.sha256 == again.sha256 and first.counters == again.counters
@@ -31,7 +29,7 @@ def test_a_frame_is_the_same_for_the_same_number_of_threads() -> None:
     assert kept(1).sha256 != kept(3).sha256
 
 
-def test_one_kept_table_traces_a_key_once_in_all_tiles() -> None:
+def test_one_kept_table_traces_a_key_once_in_all_tiles():
     """Without refinement a key costs a ray. Tables that are cleared trace some keys in several."""
     options: dict[str, Any] = {"c_e": 8, "refinement": "off"}
     cleared = render(room(), LAMPS, storage="exact", **{**PAIRS, **options})
@@ -49,20 +47,20 @@ def test_one_kept_table_traces_a_key_once_in_all_tiles() -> None:
     assert all(a < b for a, b in itertools.pairwise(rays)) and rays[-1] < 1.5 * rays[0]
 
 
-def test_a_table_is_counted_once_per_thread() -> None:
+def test_a_table_is_counted_once_per_thread():
     slots = kept(1).counters["table_slots"]
     assert slots <= (16 << 20) // 4
     assert kept(3).counters["table_slots"] == 3 * slots
 
 
-def test_errors_are_those_of_tables_that_are_cleared() -> None:
+def test_errors_are_those_of_tables_that_are_cleared():
     reference = exact(room(), LAMPS, SIZE).image
     cleared = render(room(), LAMPS, c_e=8, **PAIRS)
     errors = [rel_l1(frame.image, reference) for frame in (kept(2, c_e=8), cleared)]
     assert 0.7 < errors[0] / errors[1] < 1.4 and errors[0] < 0.15
 
 
-def test_one_table_of_the_frame_and_parts_of_a_frame_refuse_it() -> None:
+def test_one_table_of_the_frame_and_parts_of_a_frame_refuse_it():
     with pytest.raises(ValueError, match=r"storage must be table, exact or shared .* paper_tiles"):
         vc.render(
             room(),

@@ -1,7 +1,5 @@
 """Frames in parts have the bytes of one piece; tiles are small and follow from the frame alone."""
 
-from __future__ import annotations
-
 import math
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cache
@@ -48,9 +46,7 @@ def assert_same(a: vc.Frame, b: vc.Frame) -> None:
         (vc.Aqvc(paper=vc.PaperForm(form="pairs")), 4),
     ],
 )
-def test_any_number_of_parts_gives_the_same_bytes(
-    scene: vc.Scene, visibility: Any, parts: int
-) -> None:
+def test_any_number_of_parts_gives_the_same_bytes(scene, visibility, parts):
     whitted = vc.Whitted(n_vpls=8)
     whole = in_one_piece(scene, whitted, visibility)
     found = tiles.render(scene, whitted, visibility=visibility, parts=parts, **SIZE)
@@ -58,7 +54,7 @@ def test_any_number_of_parts_gives_the_same_bytes(
     assert whole.counters["light_rays"] > 0
 
 
-def test_parts_join_where_only_some_processes_have_the_tree_of_shafts() -> None:
+def test_parts_join_where_only_some_processes_have_the_tree_of_shafts():
     scenes = [vc.scenes.build(SCENE) for _ in range(2)]
     scenes[1].shafts().memory_bytes()  # builds the tree
     small: dict[str, Any] = {"size": (300, 40), "seed": 3}  # at least two tiles
@@ -77,7 +73,7 @@ def test_parts_join_where_only_some_processes_have_the_tree_of_shafts() -> None:
         assert work["shaft_queries"] + work["left_to_packets"] > 0
 
 
-def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
+def test_workers_give_the_same_bytes_in_whatever_order_they_finish():
     import multiprocessing
 
     ao = vc.AmbientOcclusion(n_samples=2, max_distance=None)
@@ -88,9 +84,7 @@ def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
         assert_same(whole, tiles.render(SCENE, ao, executor=pool, threads=1, **SIZE))
 
 
-def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refused(
-    scene: vc.Scene,
-) -> None:
+def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refused(scene):
     shot = BareShot(scene, vc.Direct(), **SIZE)
     cut = [tiles.cut(render_part(shot, (i, 4)), i, 4) for i in range(4)]
     assert_same(tiles.merge(cut), tiles.merge(cut[::-1]))
@@ -100,7 +94,7 @@ def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refuse
             tiles.merge(wrong)
 
 
-def test_boxes_of_all_parts_cover_every_pixel_once() -> None:
+def test_boxes_of_all_parts_cover_every_pixel_once():
     for size, edge, parts in (((150, 140), 64, 5), ((1, 1), 4, 3), ((640, 400), 128, 20)):
         seen = np.zeros(size[::-1], int)
         for i in range(parts):
@@ -109,7 +103,7 @@ def test_boxes_of_all_parts_cover_every_pixel_once() -> None:
         assert (seen == 1).all()
 
 
-def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
+def test_a_live_view_sees_the_frame_grow(scene):
     seen: list[tuple[float, int, int]] = []
 
     def show(frame: vc.Frame, done: int, total: int) -> None:
@@ -121,7 +115,7 @@ def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
     assert 0 < shares[0] < shares[1] < shares[2] == (frame.layers["coverage"] > 0).mean()
 
 
-def test_a_part_out_of_range_is_refused(scene: vc.Scene) -> None:
+def test_a_part_out_of_range_is_refused(scene):
     for part in ((2, 2), (-1, 2), (0, 0), (0, True)):
         with pytest.raises(ValueError, match=r"parts? must be in"):
             render_part(BareShot(scene, vc.Direct(), size=(8, 8)), part)
@@ -150,21 +144,19 @@ def edge(cube: vc.Scene, size: tuple[int, int], spp: int = 1, **options: Any) ->
     ("size", "spp", "pixels"),
     [((512, 512), 1, 64), ((511, 448), 1, 32), ((192, 192), 1, 32), ((128, 128), 16, 16)],
 )
-def test_a_tile_has_64_squared_eye_samples_in_frames_of_64_tiles_or_more(
-    cube: vc.Scene, size: tuple[int, int], spp: int, pixels: int
-) -> None:
+def test_a_tile_has_64_squared_eye_samples_in_frames_of_64_tiles_or_more(cube, size, spp, pixels):
     assert edge(cube, size, spp) == pixels
     assert math.prod(math.ceil(n / pixels) for n in size) >= 36
 
 
-def test_tiles_of_many_shared_directions_are_larger(cube: vc.Scene) -> None:
+def test_tiles_of_many_shared_directions_are_larger(cube):
     """The aligned batch sorts triangles once for all points of a tile."""
     sizes = ((256, 256), (512, 512), (1024, 1024))
     assert [edge(cube, size, integrator=SHARED_SKY) for size in sizes] == [64, 128, 256]
     assert edge(cube, (512, 512), integrator=FEW_DIRECTIONS) == 64
 
 
-def test_tiles_depend_on_no_oracle_and_no_threads(cube: vc.Scene) -> None:
+def test_tiles_depend_on_no_oracle_and_no_threads(cube):
     for visibility in ("exact", vc.Aqvc(exact_groups=()), vc.Exact(sky_engine="batch")):
         for threads in (1, 3):
             options = {"visibility": visibility, "threads": threads, "integrator": SHARED_SKY}

@@ -1,7 +1,5 @@
 """The eye points of a pixel share the sequences of their samples and picks, over all passes."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -72,13 +70,13 @@ def passes(kind: str, seed: int) -> Any:
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "sets", "lobes"])
-def test_frames_that_go_on_have_the_samples_of_one_frame(kind: str) -> None:
+def test_frames_that_go_on_have_the_samples_of_one_frame(kind):
     together, apart = picture(kind, SPP, 5), passes(kind, 5)
     np.testing.assert_allclose(apart, together, rtol=1e-5, atol=1e-6)
     assert np.abs(apart - passes(kind, 6)).max() > 0.01  # other samples would show
 
 
-def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_it() -> None:
+def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_it():
     """Else what they learnt would tell something about samples that are still to come."""
     scene, camera, product = made("product")
 
@@ -93,14 +91,14 @@ def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_sequences_end_after_512_samples(kind: str) -> None:
+def test_sequences_end_after_512_samples(kind):
     """Sample 512 is not the sequence's next one: it begins a sequence of its own."""
     first, next_one, other = (picture(kind, 1, 5, n) for n in (0, 511, 512))
     assert np.abs(other - first).max() > 0.01
     assert np.abs(other - next_one).max() > 0.01
 
 
-def test_picks_of_a_pixel_are_spread_better_than_independent_ones() -> None:
+def test_picks_of_a_pixel_are_spread_better_than_independent_ones():
     """Beside all lights at the same eye points."""
     scene, camera, _ = made("picks")
 
@@ -114,7 +112,7 @@ def test_picks_of_a_pixel_are_spread_better_than_independent_ones() -> None:
 
 
 @pytest.mark.parametrize("kind", ["ambient", "sky", "even sky", "product"])
-def test_samples_of_a_pixel_are_spread_better_than_independent_ones(kind: str) -> None:
+def test_samples_of_a_pixel_are_spread_better_than_independent_ones(kind):
     truth = np.mean([picture(kind, 64, 100 + i) for i in range(2)], axis=0)
     together = [np.mean((picture(kind, SPP, seed) - truth) ** 2) for seed in range(4)]
     independent = [
@@ -127,7 +125,7 @@ def test_samples_of_a_pixel_are_spread_better_than_independent_ones(kind: str) -
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "product"])
-def test_the_mean_over_seeds_is_that_of_independent_samples(kind: str) -> None:
+def test_the_mean_over_seeds_is_that_of_independent_samples(kind):
     """Energies of 64 seeds each: within 4 standard errors, unless one is a tenth darker."""
     together = np.array([picture(kind, SPP, seed).mean() for seed in range(64)])
     alone = np.array([picture(kind, 1, 5000 + seed).mean() for seed in range(64)])

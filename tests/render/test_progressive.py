@@ -1,8 +1,5 @@
 """vc.Progressive: passes of new eye samples, and what the quantized cache keeps between them."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +19,7 @@ def picture(scene: vc.Scene, **options: Any) -> vc.Progressive:
     return vc.Progressive(scene, LIGHTS, **given)
 
 
-def test_passes_of_exact_visibility_are_frames_of_more_samples(room: vc.Scene) -> None:
+def test_passes_of_exact_visibility_are_frames_of_more_samples(room):
     """The first samples of a pixel are the same in both."""
     passes = picture(room, visibility="exact").passes(4)
     whole = vc.render(room, LIGHTS, size=SIZE, spp=4)
@@ -33,7 +30,7 @@ def test_passes_of_exact_visibility_are_frames_of_more_samples(room: vc.Scene) -
     assert passes.image.sum() == pytest.approx(whole.image.sum(), rel=0.01)
 
 
-def test_a_later_pass_traces_what_is_new(room: vc.Scene) -> None:
+def test_a_later_pass_traces_what_is_new(room):
     alone = [
         vc.render(room, LIGHTS, visibility=vc.Aqvc(c_e=12), size=SIZE, first_sample=n).counters
         for n in range(6)
@@ -48,7 +45,7 @@ def test_a_later_pass_traces_what_is_new(room: vc.Scene) -> None:
     assert kept.rows.bytes > 0
 
 
-def test_what_rows_answer_is_the_cache_of_all_passes(room: vc.Scene) -> None:
+def test_what_rows_answer_is_the_cache_of_all_passes(room):
     """A second frame of the same samples finds every bit, and repeats the first."""
     rows, options = vc.AqvcRows(), {"visibility": vc.Aqvc(c_e=12), "size": SIZE}
     first, second = (vc.render(room, LIGHTS, keep=rows, **options) for _ in range(2))
@@ -58,7 +55,7 @@ def test_what_rows_answer_is_the_cache_of_all_passes(room: vc.Scene) -> None:
     assert np.abs(second.image - first.image).sum() < 0.02 * first.image.sum()
 
 
-def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
+def test_parts_of_two_machines_merge(room):
     exact = {"visibility": "exact"}
     whole = picture(room, **exact).passes(6)
     first, second = picture(room, **exact), picture(room, first_pass=4, **exact)
@@ -80,7 +77,7 @@ def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
         first.merge(picture(room, seed=1, **exact))
 
 
-def test_corrected_passes_have_larger_cells_unless_told_otherwise(room: vc.Scene) -> None:
+def test_corrected_passes_have_larger_cells_unless_told_otherwise(room):
     def cache(given: vc.Aqvc | str, use: Any = None) -> Any:
         return vc.Progressive(room, LIGHTS, visibility=given, use=use, size=SIZE).visibility
 
@@ -95,9 +92,7 @@ def test_corrected_passes_have_larger_cells_unless_told_otherwise(room: vc.Scene
     assert picture.passes(1).parameters["visibility"]["c_n"] == 2
 
 
-def test_passes_whose_lights_are_all_exact_cost_nothing_more(
-    room: vc.Scene, tmp_path: Path
-) -> None:
+def test_passes_whose_lights_are_all_exact_cost_nothing_more(room, tmp_path):
     """After the first one they are exact passes; with more lights they are not."""
     few, many = vc.Whitted(n_vpls=16), vc.Whitted(n_vpls=64)
 
@@ -121,14 +116,14 @@ def test_passes_whose_lights_are_all_exact_cost_nothing_more(
         assert p._drawn()[0] == p.visibility
 
 
-def test_lights_are_renewed(room: vc.Scene) -> None:
+def test_lights_are_renewed(room):
     renewed = picture(room, renew=2, use="replace")
     rays = np.diff([0, *(renewed.passes(1).counters["rays"] for _ in range(4))])
     assert rays[1] < 0.9 * rays[0]
     assert rays[2] > 1.5 * rays[1]
 
 
-def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
+def test_little_room_is_for_whole_tiles(room):
     """What is saved is the share of the rows that have room."""
     cache = {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",)), "use": "replace"}
     small, whole = (
@@ -152,7 +147,7 @@ def test_little_room_is_for_whole_tiles(room: vc.Scene) -> None:
 
 
 @pytest.mark.stat
-def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room: vc.Scene) -> None:
+def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room):
     """Shares by class and the scale come from the first two passes: all 16 are unbiased."""
 
     def alone(p: vc.Progressive) -> list[Any]:
@@ -173,7 +168,7 @@ def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room: vc
         )
 
 
-def test_the_error_is_estimated_from_the_passes(room: vc.Scene) -> None:
+def test_the_error_is_estimated_from_the_passes(room):
     options: dict[str, Any] = {"visibility": "exact"}
     truth = vc.render(room, LIGHTS, size=SIZE, spp=128, first_sample=1024).image
     short = picture(room, **options)
@@ -186,7 +181,7 @@ def test_the_error_is_estimated_from_the_passes(room: vc.Scene) -> None:
     assert done.parameters["passes"] <= 32
 
 
-def test_the_error_of_well_spread_samples_is_not_that_of_single_passes() -> None:
+def test_the_error_of_well_spread_samples_is_not_that_of_single_passes():
     """The noise between 64 passes of ambient occlusion tells more than twice their error."""
 
     def made(first: int) -> vc.Progressive:
@@ -206,7 +201,7 @@ def test_the_error_of_well_spread_samples_is_not_that_of_single_passes() -> None
 
 @pytest.mark.stat
 @pytest.mark.parametrize("n", [2, 3, 5, 8, 11, 24, 64])
-def test_parts_of_independent_passes_tell_the_error_of_their_mean(n: int) -> None:
+def test_parts_of_independent_passes_tell_the_error_of_their_mean(n):
     rng = np.random.Generator(np.random.PCG64(n))
     sums, truth = Sums(), 5.0
     for k in range(n):
@@ -220,7 +215,7 @@ def test_parts_of_independent_passes_tell_the_error_of_their_mean(n: int) -> Non
     assert len(sums.parts) <= 2
 
 
-def test_until_stops_by_seconds_or_passes(room: vc.Scene) -> None:
+def test_until_stops_by_seconds_or_passes(room):
     quick = picture(room)
     quick.until(seconds=1e-9)
     assert quick.n_passes == 1
@@ -228,9 +223,7 @@ def test_until_stops_by_seconds_or_passes(room: vc.Scene) -> None:
     assert quick.n_passes == 3
 
 
-def test_notebooks_show_the_picture_while_it_gets_better(
-    room: vc.Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_notebooks_show_the_picture_while_it_gets_better(room, monkeypatch):
     from IPython import display
 
     shown: list[str] = []
@@ -247,7 +240,7 @@ def test_notebooks_show_the_picture_while_it_gets_better(
     assert shown[-1] == p._repr_html_() != shown[0]
 
 
-def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:
+def test_wrong_input_is_refused(room, tmp_path):
     p = picture(room)
     with pytest.raises(ValueError, match="there must be a pass"):
         _ = p.frame
@@ -266,7 +259,7 @@ def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:
         vc.render(room, LIGHTS, size=SIZE, spp=2, first_sample=1)
 
 
-def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) -> None:
+def test_states_of_something_else_are_refused(room, tmp_path):
     file = tmp_path / "state.npz"
     p = picture(room)
     p.passes(1)
@@ -285,7 +278,7 @@ def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) ->
     assert p.n_passes == 1
 
 
-def test_numbers_of_numpy_are_saved(room: vc.Scene, tmp_path: Path) -> None:
+def test_numbers_of_numpy_are_saved(room, tmp_path):
     numbers = {name: np.uint64(2) for name in ("seed", "spp", "renew", "first_pass")}
     p = picture(room, visibility="exact", **numbers)
     p.passes(1)

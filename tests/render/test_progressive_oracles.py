@@ -1,10 +1,7 @@
 """vc.Progressive with every oracle: what passes keep, threads, stops, states and expectations."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -62,9 +59,7 @@ LITTLE_ROOM: dict[str, Any] = {"size": (256, 160), "max_bytes": 1 << 20}
 @pytest.mark.parametrize(
     ("visibility", "use"), CASES, ids=[f"{type(v).__name__}-{u}" for v, u in CASES]
 )
-def test_bytes_depend_on_neither_threads_nor_stops(
-    room: vc.Scene, window: vc.Scene, tmp_path: Path, visibility: Any, use: Any
-) -> None:
+def test_bytes_depend_on_neither_threads_nor_stops(room, window, tmp_path, visibility, use):
     scene = window if isinstance(visibility, vc.VisMaps) else room
     little = LITTLE_ROOM if isinstance(visibility, vc.Aqvc) and visibility.c_e == 4 else {}
     # From the third pass on the quantized cache uses what the first two have learnt
@@ -100,13 +95,7 @@ def test_bytes_depend_on_neither_threads_nor_stops(
     [vc.Aqvc(c_e=12), vc.VisMaps(), vc.VisMaps(count_misses=True), VOXELS],
     ids=["rows", "maps", "misses", "voxels"],
 )
-def test_an_interrupted_pass_leaves_nothing(
-    room: vc.Scene,
-    window: vc.Scene,
-    visibility: Any,
-    before: int,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_interrupted_pass_leaves_nothing(room, window, visibility, before, monkeypatch):
     scene = window if isinstance(visibility, vc.VisMaps) else room
     want = picture(scene, visibility).passes(before + 2).sha256
     stopped = picture(scene, visibility)
@@ -125,7 +114,7 @@ def test_an_interrupted_pass_leaves_nothing(
     assert stopped.passes(2).sha256 == want
 
 
-def test_a_later_pass_adds_the_records_that_it_lacks(window: vc.Scene) -> None:
+def test_a_later_pass_adds_the_records_that_it_lacks(window):
     maps = picture(window, vc.VisMaps(n_startup=20))
     assert maps.maps is not None
     records = []
@@ -139,7 +128,7 @@ def test_a_later_pass_adds_the_records_that_it_lacks(window: vc.Scene) -> None:
     assert picture(window, vc.Exact(), sky=True).maps is None
 
 
-def test_wrong_records_are_removed_where_misses_are_counted(window: vc.Scene) -> None:
+def test_wrong_records_are_removed_where_misses_are_counted(window):
     """Their number falls where nearly every error counts as too many."""
     strict = vc.VisMaps(count_misses=True, eps_max=1e-4)
     pictures = [picture(window, v) for v in (strict, vc.VisMaps(eps_max=1e-4))]
@@ -152,7 +141,7 @@ def test_wrong_records_are_removed_where_misses_are_counted(window: vc.Scene) ->
     assert len(pictures[1].maps.cache) == pictures[1].frame.counters["records_inserted"]
 
 
-def test_a_given_cache_stays_as_it_is(window: vc.Scene) -> None:
+def test_a_given_cache_stays_as_it_is(window):
     cache = vc.VisibilityMapCache(window)
     cache.update(size=(16, 12))
     before = len(cache)
@@ -175,7 +164,7 @@ def test_a_given_cache_stays_as_it_is(window: vc.Scene) -> None:
     assert want != fixed.frame.sha256
 
 
-def test_voxels_go_on_from_pass_to_pass(room: vc.Scene) -> None:
+def test_voxels_go_on_from_pass_to_pass(room):
     p = picture(room, VOXELS)
     assert p.counts is not None
     learnt = []
@@ -196,8 +185,8 @@ def test_voxels_go_on_from_pass_to_pass(room: vc.Scene) -> None:
     ids=["sums", "voxels", "maps"],
 )
 def test_a_state_that_lacks_something_is_refused_and_changes_nothing(
-    room: vc.Scene, window: vc.Scene, tmp_path: Path, visibility: Any, lost: str
-) -> None:
+    room, window, tmp_path, visibility, lost
+):
     """Even where its hash fits."""
     scene, file = window if isinstance(visibility, vc.VisMaps) else room, tmp_path / "state.npz"
     p, other = (picture(scene, visibility) for _ in range(2))
@@ -235,9 +224,7 @@ def exact(room: vc.Scene) -> Any:
     ],
     ids=["means", "roulette", "own", "own, even"],
 )
-def test_passes_converge_to_exact_visibility(
-    room: vc.Scene, exact: Any, visibility: Any, use: Any
-) -> None:
+def test_passes_converge_to_exact_visibility(room, exact, visibility, use):
     """2.5 percent of the light would show, and so does the bias of an oracle alone."""
     assert_unbiased(passes(picture(room, visibility, use)), exact, energy=0.025, paired=True)
     if visibility == HalfBlind() and use == "correct":
@@ -259,9 +246,7 @@ def product(window: vc.Scene) -> Any:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("options", [{}, {"count_misses": True}], ids=["grow", "removed too"])
-def test_passes_of_refined_maps_converge_to_exact_visibility(
-    window: vc.Scene, product: Any, options: dict[str, Any]
-) -> None:
+def test_passes_of_refined_maps_converge_to_exact_visibility(window, product, options):
     maps = vc.VisMaps(**COARSE, **options)
     assert_unbiased(passes(picture(window, maps), MANY), product, energy=0.03, paired=True)
     if not options:  # in place of visibility they are found wrong

@@ -1,7 +1,5 @@
 """Whole frames with extreme inputs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

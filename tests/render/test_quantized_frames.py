@@ -1,7 +1,5 @@
 """Whole frames with the quantized cache: the properties that AQVC promises."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -76,7 +74,7 @@ LIMIT: dict[str, tuple[Any, tuple[str, ...], float, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("name", LIMIT)
-def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(name: str) -> None:
+def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(name):
     """All kinds of light, mirrors of the key included, bit for bit."""
     integrator, lit, c_e, given = LIMIT[name]
     scene = q.lit_box() if integrator is q.SHARED else every_light()

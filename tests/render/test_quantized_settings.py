@@ -1,7 +1,5 @@
 """Settings of the quantized cache in whole frames, and samples of each eye point's own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """`rays=` reaches every integrator, oracle and query; images are Embree's but for edges."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -30,7 +28,7 @@ STACKS: list[tuple[Any, dict[str, Any]]] = [
 
 
 @pytest.mark.parametrize(("integrator", "options"), STACKS)
-def test_every_stack_gives_embrees_image(integrator: Any, options: dict[str, Any]) -> None:
+def test_every_stack_gives_embrees_image(integrator, options):
     scene = vc.scenes.room(triangles=5000, lights=6)
     frames = [vc.render(scene, integrator, rays=rays, size=SIZE, **options) for rays in (None, BSP)]
     assert frames[1].image.max() > 0
@@ -39,9 +37,7 @@ def test_every_stack_gives_embrees_image(integrator: Any, options: dict[str, Any
 
 
 @pytest.mark.parametrize("use", ["replace", "correct"])
-def test_records_of_visibility_maps_are_traced_by_the_same_caster(
-    use: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_records_of_visibility_maps_are_traced_by_the_same_caster(use, monkeypatch):
     def rendered(scene: vc.Scene, rays: Any) -> vc.Frame:
         given: dict[str, Any] = {"use": use, "size": SIZE, "env": (1, 1, 1)}
         product = vc.Direct(environment="product")

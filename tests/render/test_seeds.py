@@ -1,7 +1,5 @@
 """Pictures of different seeds have nothing in common, however close the seeds are."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -49,7 +47,7 @@ def correlation_of_neighbours(pictures: list[Any]) -> float:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("name", CASES)
-def test_pictures_of_neighbouring_seeds_are_uncorrelated(name: str) -> None:
+def test_pictures_of_neighbouring_seeds_are_uncorrelated(name):
     spec, integrator, more = CASES[name]
     options: dict[str, Any] = {"visibility": "exact", "size": SIZE, "threads": 1} | more
     scene = vc.scenes.build(spec)
@@ -63,7 +61,7 @@ def test_pictures_of_neighbouring_seeds_are_uncorrelated(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_first_pass_is_a_frame_of_the_seed(name: str) -> None:
+def test_the_first_pass_is_a_frame_of_the_seed(name):
     spec, integrator, more = CASES[name]
     options = {n: v for n, v in more.items() if n != "renew"}
     first = vc.Progressive(
@@ -73,7 +71,7 @@ def test_the_first_pass_is_a_frame_of_the_seed(name: str) -> None:
     assert first.parameters["seed"] == 5
 
 
-def test_seeds_of_later_passes_are_seeds() -> None:
+def test_seeds_of_later_passes_are_seeds():
     made = [seed_of(s, p, n) for s in range(64) for p in ("pass", "lights") for n in range(1, 64)]
     assert len(set(made)) == len(made) and all(0 <= seed < 1 << 64 for seed in made)
     assert {seed_of(7, purpose, 0) for purpose in ("pass", "lights")} == {7}

@@ -1,7 +1,5 @@
 """Directions that all eye points share, or those of a pixel in turns: the light of any engine."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 
@@ -52,9 +50,7 @@ def energy() -> float:
     ],
     ids=["no sets", "one set", "three sets", "unequal sets", "picks in sets"],
 )
-def test_means_over_seeds_are_those_of_samples_of_each_points_own(
-    integrator: vc.Direct, spp: int, power: float, energy: float
-) -> None:
+def test_means_over_seeds_are_those_of_samples_of_each_points_own(integrator, spp, power, energy):
     """z-test over independent frames of the mean of the picture, and its power."""
     frames = [frame_of(integrator, seed=s, spp=spp, **SMALL) for s in range(160)]
     means = np.array([light(frame).mean() for frame in frames])
@@ -63,7 +59,7 @@ def test_means_over_seeds_are_those_of_samples_of_each_points_own(
     assert abs((1 + power) * means.mean() - energy) > 3.5 * error
 
 
-def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once() -> None:
+def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once():
     """On an open plane under a constant sky, where no eye point differs from another."""
     quad = np.float32([[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]])
     scene = vc.Scene.from_arrays(quad, [[0, 2, 1], [0, 3, 2]], env=1.0)
@@ -80,14 +76,14 @@ def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once() -> None
     assert np.abs(values(SETS, 1) / whole - 1).max() > 1e-3  # one set is not all of them
 
 
-def test_each_eye_point_asks_its_share_of_the_directions() -> None:
+def test_each_eye_point_asks_its_share_of_the_directions():
     asked, all_asked = queries(frame_of()), queries(frame_of(WHOLE))
     assert asked == pytest.approx(all_asked / SETS, rel=0.05)
     assert queries(frame_of(with_sets(256, SETS, pick=4))) < asked / 2
 
 
 @pytest.mark.parametrize(("n", "sets"), [(100, 7), (130, 3), (300, 4)])
-def test_unequal_sets_are_each_asked_by_one_eye_point_of_a_pixel(n: int, sets: int) -> None:
+def test_unequal_sets_are_each_asked_by_one_eye_point_of_a_pixel(n, sets):
     """Sets end within words of bits and beyond them; rays through centres, so that all is equal."""
 
     def asked(integrator: vc.Direct, spp: int) -> int:
@@ -102,7 +98,7 @@ def squared_error(integrator: vc.Direct, truth: Any) -> float:
     return float(np.mean([np.square(f - truth).mean() for f in frames]))
 
 
-def test_sets_have_a_smaller_error_than_the_same_directions_for_all() -> None:
+def test_sets_have_a_smaller_error_than_the_same_directions_for_all():
     """As many rays: eight sets of sixteen directions, or sixteen for all eye points."""
     truth = light(frame_of(vc.Direct(n_environment=64, n_brdf=64, n_area=0), spp=64, seed=99))
     few = squared_error(with_sets(16, 1), truth)
@@ -122,16 +118,14 @@ def test_sets_have_a_smaller_error_than_the_same_directions_for_all() -> None:
     ],
     ids=["by light", "by pixel", "auto", "small cells", "small cells, no sets"],
 )
-def test_every_way_to_the_exact_answer_gives_the_same_bytes(
-    integrator: vc.Direct, visibility: Any
-) -> None:
+def test_every_way_to_the_exact_answer_gives_the_same_bytes(integrator, visibility):
     base = frame_of(integrator, threads=1, size=(90, 70))
     other = frame_of(integrator, visibility, threads=3, size=(90, 70))
     np.testing.assert_array_equal(other.layers["environment"], base.layers["environment"])
 
 
 @pytest.mark.parametrize("integrator", [WHOLE, SKY], ids=["no sets", "sets"])
-def test_the_cache_answers_them_with_fewer_rays_at_a_small_error(integrator: vc.Direct) -> None:
+def test_the_cache_answers_them_with_fewer_rays_at_a_small_error(integrator):
     exact, cached = (frame_of(integrator, v, size=(160, 120)) for v in (vc.Exact(), vc.Aqvc(c_e=8)))
     assert cached.counters["ray_reduction"] > 1.2
     assert vc.metrics.rel_l1(cached.image, exact.image) < 0.03
@@ -142,7 +136,7 @@ def test_the_cache_answers_them_with_fewer_rays_at_a_small_error(integrator: vc.
     [(SPHERES, WHOLE), (SPHERES, SKY), (vc.scenes.courtyard(triangles=8000), WHOLE)],
     ids=["spheres", "sets", "masks"],
 )
-def test_engines_agree_but_for_rounding(scene: vc.Scene, integrator: Any) -> None:
+def test_engines_agree_but_for_rounding(scene, integrator):
     given: dict[str, Any] = {"scene": scene, "size": (64, 48), "spp": 2, "env": gradient()}
     base, batch = (frame_of(integrator, by(engine), **given) for engine in ("embree", "batch"))
     assert "engine" not in base.parameters
@@ -156,7 +150,7 @@ def test_engines_agree_but_for_rounding(scene: vc.Scene, integrator: Any) -> Non
     assert np.abs(base.image - batch.image).mean() < 1e-4 * base.image.mean()
 
 
-def test_the_engine_is_chosen_by_predicted_cost() -> None:
+def test_the_engine_is_chosen_by_predicted_cost():
     """Few points before many triangles go to Embree, a frame of points before few to the batch."""
 
     def asked(triangles: int, edge: int) -> Any:
@@ -174,7 +168,7 @@ def test_the_engine_is_chosen_by_predicted_cost() -> None:
         assert many["batch_ns"] < 0.9 * many["embree_ns"]
 
 
-def test_directional_lights_and_whitted_go_the_same_way() -> None:
+def test_directional_lights_and_whitted_go_the_same_way():
     d = _core.description_of(SPHERES._core)
     r = np.random.default_rng(0).normal(size=(20, 3))
     for w in r / np.linalg.norm(r, axis=1, keepdims=True):
@@ -190,14 +184,14 @@ def test_directional_lights_and_whitted_go_the_same_way() -> None:
     assert batch.parameters["engine"]["batch_rays"] == sum(rays)
 
 
-def test_whitted_and_passes_take_sets() -> None:
+def test_whitted_and_passes_take_sets():
     both = vc.Whitted(environment="shared", n_environment=64, interleave=4, n_vpls=8, n_area=0)
     passes = vc.Progressive(SPHERES, both, visibility=vc.Exact(), size=(40, 30))
     together = light(frame_of(both, spp=4))
     np.testing.assert_allclose(light(passes.passes(4)), together, rtol=1e-5, atol=1e-6)
 
 
-def test_without_shared_directions_nothing_is_chosen_or_built() -> None:
+def test_without_shared_directions_nothing_is_chosen_or_built():
     scene = vc.scenes.bumpy_spheres(triangles=500)
     frame = frame_of(vc.Direct(n_environment=4, n_brdf=4), by("batch"), scene, env=gradient())
     assert "engine" not in frame.parameters and "aligned_batch" not in scene._made

@@ -1,7 +1,5 @@
 """Samples of lobes beside shared directions of the sky, by the balance heuristic."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -75,7 +73,7 @@ EXPECTED = {
 @pytest.mark.parametrize(
     ("name", "look"), [(name, look) for name, (_, _, looks) in EXPECTED.items() for look in looks]
 )
-def test_means_over_seeds_are_those_of_own_samples(name: str, look: str) -> None:
+def test_means_over_seeds_are_those_of_own_samples(name, look):
     """z-test of the picture and of its parts; the control is 10 % brighter."""
     integrator, seeds, _ = EXPECTED[name]
     frames = [light(frame_of(integrator, look=LOOKS[look], seed=s)) for s in range(seeds)]
@@ -96,7 +94,7 @@ def squared_error(n_brdf: int, look: Look, n: int = 64) -> float:
 
 
 @pytest.mark.parametrize("look", [LOOKS["metal"], LOOKS["smooth coat"]], ids=["metal", "coat"])
-def test_lobes_find_what_shared_directions_miss(look: Look) -> None:
+def test_lobes_find_what_shared_directions_miss(look):
     none, one = squared_error(0, look), squared_error(1, look)
     assert one < none / 4
     # It is the lobe that helps, not one ray more: 72 instead of 64 directions
@@ -106,13 +104,13 @@ def test_lobes_find_what_shared_directions_miss(look: Look) -> None:
 @pytest.mark.parametrize(
     "look", [Look(base_color=(0.4, 0.3, 0.2)), LOOKS["rough metal"]], ids=["diffuse", "broad lobe"]
 )
-def test_a_frame_without_sharp_lobes_does_not_change(look: Look) -> None:
+def test_a_frame_without_sharp_lobes_does_not_change(look):
     without, with_lobes = (frame_of(shared(n), look=look) for n in (0, 4))
     assert with_lobes.sha256 == without.sha256 and with_lobes.counters == without.counters
     assert frame_of(shared(4)).sha256 != frame_of(shared(0)).sha256
 
 
-def test_each_eye_point_with_a_lobe_asks_for_its_samples() -> None:
+def test_each_eye_point_with_a_lobe_asks_for_its_samples():
     asked = [frame_of(shared(n)).counters["groups"]["environment"]["queries"] for n in (0, 1, 4)]
     hits = float(frame_of(shared(0)).layers["coverage"].sum()) * SETS
     assert 0 < asked[1] - asked[0] <= hits
@@ -124,13 +122,13 @@ def test_each_eye_point_with_a_lobe_asks_for_its_samples() -> None:
     [vc.Exact(order="by_light"), vc.Exact(order="by_pixel"), vc.Aqvc(c_e=1e-3)],
     ids=["by light", "by pixel", "cache with small cells"],
 )
-def test_every_way_to_the_exact_answer_gives_the_same_bytes(visibility: Any) -> None:
+def test_every_way_to_the_exact_answer_gives_the_same_bytes(visibility):
     base = frame_of(shared(2), threads=1, size=(90, 70))
     other = frame_of(shared(2), visibility=visibility, threads=3, size=(90, 70))
     np.testing.assert_array_equal(light(other), light(base))
 
 
-def test_the_cache_answers_lobes_and_corrections_undo_its_errors() -> None:
+def test_the_cache_answers_lobes_and_corrections_undo_its_errors():
     """Means over seeds of corrected frames are those of exact ones, where the cache's are not."""
     common: dict[str, Any] = {"size": (48, 36), "spp": 2}
     coarse = vc.Aqvc(c_e=20, c_finest=20, refinement="off", exact_groups=())
@@ -148,7 +146,7 @@ def test_the_cache_answers_lobes_and_corrections_undo_its_errors() -> None:
         assert (abs(z) > 4) == biased
 
 
-def test_connections_have_lobes_of_their_own_name() -> None:
+def test_connections_have_lobes_of_their_own_name():
     conn = vc.connections(scene(PLASTIC), shared(2), size=SIZE, spp=SETS)
     assert set(conn.groups) == {"environment"} and set(conn.samples) == {"lobes"}
     answers = conn.answers(vc.Aqvc(c_e=8))
@@ -158,7 +156,7 @@ def test_connections_have_lobes_of_their_own_name() -> None:
     assert (dark <= light(made)).all() and dark.mean() < 0.98 * light(made).mean()
 
 
-def test_audits_count_lobes() -> None:
+def test_audits_count_lobes():
     """The audited bias of all queries is the difference of the frames."""
     coarse = vc.Aqvc(c_e=30, exact_groups=())
     cached = frame_of(shared(4), coarse, size=(48, 36), audit=vc.AuditQueries(share=1.0))

@@ -1,7 +1,5 @@
 """Lights without an extent do not show in the mirror of a smooth coat; lights with one do."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -40,7 +38,7 @@ def picture(light: str, integrator: Any = None, **material: Any) -> Any:
 
 
 @pytest.mark.parametrize("light", ["point", "spot", "direction"])
-def test_a_light_without_an_extent_leaves_the_diffuse_part_alone(light: str) -> None:
+def test_a_light_without_an_extent_leaves_the_diffuse_part_alone(light):
     made = picture(light).image
     assert made.mean() > 0
     assert np.array_equal(made, picture(light, specular=(0, 0, 0)).image)
@@ -58,7 +56,7 @@ def mirrored(light: str, **material: Any) -> float:
 
 
 @pytest.mark.parametrize("light, tolerance", [("globe", 0.02), ("sky", 0.003)])
-def test_a_light_with_an_extent_shows(light: str, tolerance: float) -> None:
+def test_a_light_with_an_extent_shows(light, tolerance):
     """As much as in microfacets of the same roughness, within four deviations over seeds."""
     made = mirrored(light)
     assert made == pytest.approx(mirrored(light, coat=CoatKind.ROUGH), rel=tolerance)
@@ -66,13 +64,13 @@ def test_a_light_with_an_extent_shows(light: str, tolerance: float) -> None:
     assert made != pytest.approx(mirrored(light, coat=CoatKind.ROUGH, eta=1.55), rel=tolerance)
 
 
-def test_shared_directions_of_a_sky_show_too() -> None:
+def test_shared_directions_of_a_sky_show_too():
     shared = vc.Direct(environment="shared", n_environment=1024)
     made = picture("sky", shared, roughness=0.2).image.mean()
     assert made > 1.03 * picture("sky", shared, specular=(0, 0, 0)).image.mean()
 
 
-def test_frames_of_bidirectional_paths_say_that_they_show_such_lights() -> None:
+def test_frames_of_bidirectional_paths_say_that_they_show_such_lights():
     paths = vc.Bdpt(max_depth=2)
     made = picture("point", paths)
     assert made.image.max() > 3 * picture("point").image.max()

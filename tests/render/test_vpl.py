@@ -1,7 +1,5 @@
 """Virtual point lights: their expectation is the indirect light, whatever their number."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -69,9 +67,7 @@ def mitsubas(mi: Any, lit: Model, folder: Path, depth: int, seeds: int) -> Image
     "light",
     [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS],
 )
-def test_the_expectation_over_seeds_is_mitsubas_indirect_light(
-    light: str, mi: Any, tmp_path: Path
-) -> None:
+def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light, mi, tmp_path):
     """3 bounces of a light path, one to the eye: edges 3 to 5."""
     reference = mitsubas(mi, model(light), tmp_path, 5, 16)
     made = indirect(model(light).to_viscache(), 32)
@@ -83,7 +79,7 @@ def test_the_expectation_over_seeds_is_mitsubas_indirect_light(
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_resampling_does_not_change_the_expectation() -> None:
+def test_resampling_does_not_change_the_expectation():
     """Few and many of the candidates carry the light of paths of 3 to 5 edges."""
     scene = model("point").to_viscache()
 
@@ -96,7 +92,7 @@ def test_resampling_does_not_change_the_expectation() -> None:
     assert not compare(0.96 * indirect(scene, 24), reference, tolerance=1e-4).same
 
 
-def test_virtual_lights_carry_no_direct_light() -> None:
+def test_virtual_lights_carry_no_direct_light():
     """Nothing reflects twice from a plane: all its light is direct, its VPLs give it none."""
     for light in LIGHTS:
         extra = dict(LIGHTS[light])
@@ -107,7 +103,7 @@ def test_virtual_lights_carry_no_direct_light() -> None:
         assert not frame.layers["vpl"].any() and frame.counters["groups"]["vpl"]["queries"] == 0
 
 
-def test_the_number_of_virtual_lights_is_at_most_what_is_asked_for() -> None:
+def test_the_number_of_virtual_lights_is_at_most_what_is_asked_for():
     scene = model("area").to_viscache()
     for n in (1, 7, 64, 1000):
         vpls = vc.render(scene, vc.Whitted(n_vpls=n), size=(8, 6)).counters["vpls"]
@@ -115,7 +111,7 @@ def test_the_number_of_virtual_lights_is_at_most_what_is_asked_for() -> None:
     assert vc.render(scene, vc.Whitted(n_vpls=0), size=(8, 6)).counters["vpls"] == 0
 
 
-def test_a_bound_takes_light_away_and_the_default_little() -> None:
+def test_a_bound_takes_light_away_and_the_default_little():
     scene = model("point").to_viscache()
     free, slight, strong = (
         indirect(scene, 4, n_vpls=1024, vpl_bound=b).mean() for b in (0.0, 0.01, 0.2)
@@ -124,7 +120,7 @@ def test_a_bound_takes_light_away_and_the_default_little() -> None:
     assert 0.9 * free < slight < 1.05 * free
 
 
-def test_a_scene_that_leaves_no_virtual_light_renders() -> None:
+def test_a_scene_that_leaves_no_virtual_light_renders():
     black, one_sided = Look(base_color=(0, 0, 0)), Look(two_sided=False)
     for lone in (
         Model((replace(FLOOR, look=black),), points=(((0, 1, 0), (1, 1, 1)),)),
@@ -136,7 +132,7 @@ def test_a_scene_that_leaves_no_virtual_light_renders() -> None:
 
 
 @pytest.mark.stat
-def test_light_by_way_of_a_mirror_reaches_the_floor() -> None:
+def test_light_by_way_of_a_mirror_reaches_the_floor():
     """VPLs at the end of light → mirror → ceiling: more than without the mirror."""
     roof = quad((-2, 2, -2), (4, 0, 0), (0, 0, 4), look=WHITE)
     wall = quad((-2, 0, -2), (4, 0, 0), (0, 2, 0), look=WHITE)
@@ -180,7 +176,7 @@ SHEET = quad((-1.5, 0, -1.5), (0, 0, 3), (3, 0, 0), look=WHITE)
 
 
 @pytest.mark.parametrize("degrees", [20, 60, 89])
-def test_virtual_lights_take_up_light_by_the_shading_normal(degrees: float) -> None:
+def test_virtual_lights_take_up_light_by_the_shading_normal(degrees):
     expected = np.cos(np.radians(degrees)) * on_the_wall(bent(SHEET, 0))
     assert on_the_wall(bent(SHEET, degrees)) == pytest.approx(expected, rel=1e-4)
     assert on_the_wall(bent(SHEET, 0)) == on_the_wall(SHEET) > 0.01
@@ -189,7 +185,7 @@ def test_virtual_lights_take_up_light_by_the_shading_normal(degrees: float) -> N
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.mitsuba
-def test_light_of_bent_normals_is_mitsubas(mi: Any, tmp_path: Path) -> None:
+def test_light_of_bent_normals_is_mitsubas(mi, tmp_path):
     lit = Model((bent(SHEET, 40), WALL), points=(((0.3, 2.2, 1.0), (8, 8, 8)),), **AT_THE_WALL)
     reference = mitsubas(mi, lit, tmp_path, 3, 8)
     settings = {"vpl_max_depth": 1, "n_vpls": 1024}
@@ -200,7 +196,7 @@ def test_light_of_bent_normals_is_mitsubas(mi: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.stat
-def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look() -> None:
+def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look():
     """Its beam is that of a mirror turned by as much and cut to the beam's width."""
     angle, look = np.radians(20), Look(kind="mirror")
     flat = quad((-0.5, 0, -0.5), (0, 0, 1), (1, 0, 0), look=look)
@@ -223,9 +219,7 @@ def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look() -> None:
 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize("f0", [0.04, 0.5, 1.0])
-def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(
-    cosine: float, f0: float
-) -> None:
+def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(cosine, f0):
     plastic = Look(kind="glossy", base_color=(0.8, 0.8, 0.8), specular=(f0,) * 3)
     share = 0.99714 * (1 - f0) * (1 - (1 - cosine) ** 5)
     white, found = (
@@ -237,9 +231,7 @@ def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(
 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize("coat", list(CoatKind)[1:])
-def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(
-    cosine: float, coat: CoatKind
-) -> None:
+def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(cosine, coat):
     look = Look(kind="glossy", base_color=(0.8, 0.8, 0.8), coat=coat, nonlinear=True)
     direction = from_the_side(cosine)
     lit = ShadingPoint(
@@ -255,7 +247,7 @@ def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(
 
 
 @pytest.mark.stat
-def test_a_thin_plate_takes_from_virtual_lights_what_it_reflects() -> None:
+def test_a_thin_plate_takes_from_virtual_lights_what_it_reflects():
     def below(eta: float) -> float:
         look = Look(kind="dielectric", eta=eta, thin=True)
         plate = quad((-1.5, 4, -1.5), (0, 0, 3), (3, 0, 0), look=look)

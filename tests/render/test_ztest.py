@@ -18,7 +18,7 @@ def images(seeds: int, start: int, *, noise: float = 0.05) -> npt.NDArray[np.flo
 
 
 @pytest.mark.stat
-def test_equal_expectations_pass_as_often_as_they_should() -> None:
+def test_equal_expectations_pass_as_often_as_they_should():
     p = [compare(images(8, 2 * i), images(12, 2 * i + 1)).p for i in range(200)]
     # Uniform p: below 0.05 in about 10 of 200; heavy tails of the noise may add a few
     assert np.sum(np.array(p) < 0.05) <= 25
@@ -39,19 +39,19 @@ def test_equal_expectations_pass_as_often_as_they_should() -> None:
         ),
     ],
 )
-def test_a_wrong_image_fails(spoil) -> None:  # type: ignore[no-untyped-def]
+def test_a_wrong_image_fails(spoil):  # type: ignore[no-untyped-def]
     good = images(8, 100)
     assert compare(good, images(8, 101)).same
     assert not compare(spoil(good), images(8, 101)).same
 
 
-def test_images_without_noise_are_compared_up_to_rounding() -> None:
+def test_images_without_noise_are_compared_up_to_rounding():
     exact = np.repeat(images(1, 5, noise=0), 4, axis=0)
     assert compare(exact.astype(np.float32), exact).same
     assert not compare(exact * 1.001, exact).same
 
 
-def test_images_that_are_not_finite_are_refused() -> None:
+def test_images_that_are_not_finite_are_refused():
     broken = images(4, 7)
     broken[1, 2, 3, 0] = np.nan
     with pytest.raises(AssertionError):

@@ -5,8 +5,6 @@ or the whole image, of one channel; the variance of its mean is estimated from t
 t decides. The smallest p of all cells is corrected for their number (Šidák 1967).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

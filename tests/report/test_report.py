@@ -30,14 +30,14 @@ def page(directory: Path | None, target: Path, scene: str = "room") -> str:
     return report.write(ds, target).read_text("utf-8")
 
 
-def test_the_file_asks_the_network_for_nothing(tmp_path: Path) -> None:
+def test_the_file_asks_the_network_for_nothing(tmp_path):
     text = page(tmp_path / "s", tmp_path / "r.html")
     assert "default-src 'none'" in text
     assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", text)
     assert not re.search(r"https?://|@import|url\((?!#)|fetch\(|XMLHttpRequest", text)
 
 
-def test_every_setting_is_a_point_in_each_plot_a_row_and_a_picture(tmp_path: Path) -> None:
+def test_every_setting_is_a_point_in_each_plot_a_row_and_a_picture(tmp_path):
     text = page(tmp_path / "s", tmp_path / "r.html")
     assert len(re.findall(r'<path class="point"', text)) == 2 * 6
     assert len(re.findall(r'<tr data-id="s\d"', text)) == 6
@@ -59,7 +59,7 @@ def series(text: str) -> tuple[list[tuple[str, str]], list[list[str]]]:
     return [(fill, d) for d, fill in points], words
 
 
-def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(tmp_path: Path) -> None:
+def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(tmp_path):
     points, key = series(page(tmp_path / "s", tmp_path / "r.html"))
     assert len(points) == len(set(points)) == 6
     assert len({fill for fill, _ in points}) == 3 and len({shape for _, shape in points}) == 2
@@ -70,20 +70,20 @@ def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(tmp_path: P
     assert key == [first, second, ["Pareto front: nothing is better in both"]]
 
 
-def test_a_sweep_without_a_directory_has_a_report_without_pictures(tmp_path: Path) -> None:
+def test_a_sweep_without_a_directory_has_a_report_without_pictures(tmp_path):
     text = page(None, tmp_path / "r.html")
     assert len(re.findall(r'<path class="point"', text)) == 12
     data = pictures.model(text)
     assert data["pictures"] == {} and not any("difference" in s for s in data["settings"])
 
 
-def test_names_from_outside_cannot_break_out_of_the_page(tmp_path: Path) -> None:
+def test_names_from_outside_cannot_break_out_of_the_page(tmp_path):
     evil = "room?<!--<script></script><script>alert(1)</script>"
     text = page(tmp_path / "s", tmp_path / "r.html", scene=evil)
     assert "<script>alert" not in text and "<!--" not in text
 
 
-def test_a_directory_without_a_sweep_is_refused(tmp_path: Path) -> None:
+def test_a_directory_without_a_sweep_is_refused(tmp_path):
     with pytest.raises(ValueError, match="holds no sweep"):
         report.write(tmp_path)
 
@@ -95,7 +95,7 @@ def cells(text: str, plot: str) -> list[tuple[str, str]]:
     return [(which.strip().removeprefix("data-id=").strip('"'), shown) for which, shown in found]
 
 
-def test_a_grid_has_heat_maps_whose_cells_are_the_settings(tmp_path: Path) -> None:
+def test_a_grid_has_heat_maps_whose_cells_are_the_settings(tmp_path):
     text = page(None, tmp_path / "r.html")
     error = cells(text, "heatmap-rel_l1")
     assert [which for which, _ in error] == [f"s{i}" for i in range(6)]
@@ -104,7 +104,7 @@ def test_a_grid_has_heat_maps_whose_cells_are_the_settings(tmp_path: Path) -> No
     assert "<tspan" in text and "[px]" in text  # C_E with its index and unit
 
 
-def test_three_parameters_have_pair_plots_and_heat_maps_of_means(tmp_path: Path) -> None:
+def test_three_parameters_have_pair_plots_and_heat_maps_of_means(tmp_path):
     over = {"c_e": [4, 8], "c_n": [4, 8, 16], "integrator.n_vpls": [10, 30]}
     ds = sweep("room", "whitted", over=over, size=(16, 12), metrics=["rel_l1"])
     text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
@@ -119,7 +119,7 @@ def test_three_parameters_have_pair_plots_and_heat_maps_of_means(tmp_path: Path)
     assert "VPLs" in svg and "[px]" in svg
 
 
-def test_a_random_design_has_pair_plots_and_short_words(tmp_path: Path) -> None:
+def test_a_random_design_has_pair_plots_and_short_words(tmp_path):
     points = designs.latin_hypercube({"c_e": Range(2, 32, "log"), "c_n": Range(2, 64)}, 14)
     ds = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
     text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
@@ -131,7 +131,7 @@ def test_a_random_design_has_pair_plots_and_short_words(tmp_path: Path) -> None:
     assert len(key[0]) == 2 and key[0][0].endswith(f"= {ordered[0]:.5g} …")
 
 
-def test_axes_have_round_ticks_inside_their_range() -> None:
+def test_axes_have_round_ticks_inside_their_range():
     wide = Axis([0.001, 2.0], 0, 100)
     assert wide.log and 0.01 in wide.ticks() and wide(0.001) < wide(0.01) < wide(2.0)
     narrow = Axis([10.0, 12.0], 0, 100)
@@ -141,7 +141,7 @@ def test_axes_have_round_ticks_inside_their_range() -> None:
     assert [number(v) for v in (0.02, 15000, 2e6, 3.5)] == ["0.02", "15k", "2M", "3.5"]
 
 
-def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit() -> None:
+def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit():
     from viscache.base import tonemap
 
     image = np.full((20, 20, 3), 0.02, np.float32)

@@ -32,7 +32,7 @@ def data_of(a: np.ndarray, b: np.ndarray, step: int) -> tuple[dict[str, Any], di
     return data, packed
 
 
-def test_codes_are_half_floats_that_order_as_values_do() -> None:
+def test_codes_are_half_floats_that_order_as_values_do():
     values = random_picture(1)
     codes = pictures.codes(values, 2.0)
     np.testing.assert_array_equal(page.values(codes), (2 * values).astype(np.float16))
@@ -46,7 +46,7 @@ def test_codes_are_half_floats_that_order_as_values_do() -> None:
     )
 
 
-def test_packed_pictures_come_back_bit_for_bit() -> None:
+def test_packed_pictures_come_back_bit_for_bit():
     a, b = (pictures.codes(random_picture(seed), 1.0) for seed in (1, 2))
     a[3, 4] = pictures.NAN_CODE, -0x7BFF, 0x7BFF  # steps beyond 16 bits
     b[3, 4] = -0x7BFF, 0x7BFF, pictures.NAN_CODE
@@ -55,7 +55,7 @@ def test_packed_pictures_come_back_bit_for_bit() -> None:
     np.testing.assert_array_equal(page.picture(data, setting), a)
 
 
-def test_coarse_pictures_are_off_by_half_a_step_at_most() -> None:
+def test_coarse_pictures_are_off_by_half_a_step_at_most():
     b = pictures.codes(np.abs(random_picture(3)), 1.0)
     a = pictures.codes(np.abs(random_picture(3)) * np.linspace(0.9, 1.1, 14)[:, None], 1.0)
     data, setting = data_of(a, b, pictures.COARSE_STEP)
@@ -64,7 +64,7 @@ def test_coarse_pictures_are_off_by_half_a_step_at_most() -> None:
     assert len(setting["difference"]) < len(pictures.pack_difference(a, b))
 
 
-def test_shrunk_pictures_keep_their_mean_radiance() -> None:
+def test_shrunk_pictures_keep_their_mean_radiance():
     image = np.abs(random_picture(4, (40, 60, 3)))
     small = pictures.shrunk(image, 15)
     assert small.shape == (10, 15, 3)
@@ -79,7 +79,7 @@ def lightness(colors: np.ndarray) -> np.ndarray:
     return np.asarray(rgb2lab(colors[None] / 255.0))[0]
 
 
-def test_the_signed_scale_is_symmetric_about_zero() -> None:
+def test_the_signed_scale_is_symmetric_about_zero():
     colors = pictures.scale_colors("RdBu_r").astype(float)
     light = lightness(colors)[:, 0]
     assert light[127] > 96 and light[128] > 96  # 0 is white
@@ -99,7 +99,7 @@ def frames_of(directory: Path, setting: dict[str, Any]) -> tuple[np.ndarray, np.
         return store.frame(point["key"]).image, store.frame(point["paired"]).image
 
 
-def test_the_page_has_every_settings_radiance_and_flip_map(tmp_path: Path) -> None:
+def test_the_page_has_every_settings_radiance_and_flip_map(tmp_path):
     data = page.model(run(tmp_path, ("rel_l1", "flip"), flip_maps=9))
     assert data["frame"] == {"width": 48, "height": 32} and data["step"] == 1
     for setting in data["settings"]:
@@ -117,7 +117,7 @@ def test_the_page_has_every_settings_radiance_and_flip_map(tmp_path: Path) -> No
         assert setting["flip"]["mean"] == pytest.approx(setting["cells"]["flip"][0], rel=1e-6)
 
 
-def test_flip_maps_are_made_for_what_nothing_beats_first(tmp_path: Path) -> None:
+def test_flip_maps_are_made_for_what_nothing_beats_first(tmp_path):
     text = run(tmp_path, flip_maps=2)
     data = page.model(text)
     mapped = [s["values"] for s in data["settings"] if "flip" in s]
@@ -130,7 +130,7 @@ def test_flip_maps_are_made_for_what_nothing_beats_first(tmp_path: Path) -> None
         report.write(tmp_path, flip_maps=-1)
 
 
-def test_wide_frames_are_shown_by_means_and_the_page_says_so(tmp_path: Path) -> None:
+def test_wide_frames_are_shown_by_means_and_the_page_says_so(tmp_path):
     run(tmp_path)
     text = report.write(tmp_path, width=24, flip_maps=1).read_text("utf-8")
     data = page.model(text)
@@ -146,7 +146,7 @@ def test_wide_frames_are_shown_by_means_and_the_page_says_so(tmp_path: Path) -> 
         report.write(tmp_path, width=0)
 
 
-def test_a_page_of_two_pictures_has_their_radiance_and_errors(tmp_path: Path) -> None:
+def test_a_page_of_two_pictures_has_their_radiance_and_errors(tmp_path):
     reference = np.random.default_rng(5).uniform(0.01, 10, (12, 20, 1))
     image = reference * 1.25
     path = report.write_difference(image, reference, tmp_path / "p.html", name="<a>", width=20)
@@ -160,9 +160,7 @@ def test_a_page_of_two_pictures_has_their_radiance_and_errors(tmp_path: Path) ->
         report.write_difference(image, reference[:6], tmp_path / "q.html")
 
 
-def test_many_pixels_are_kept_coarsely_and_the_page_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_pixels_are_kept_coarsely_and_the_page_says_so(tmp_path, monkeypatch):
     exact = run(tmp_path)
     monkeypatch.setattr(pictures, "MOST_EXACT_PIXELS", 48 * 32)
     text = run(tmp_path)
@@ -173,7 +171,7 @@ def test_many_pixels_are_kept_coarsely_and_the_page_says_so(
     np.testing.assert_allclose(found, image, rtol=0.009)
 
 
-def test_flip_maps_are_undefined_where_flip_is() -> None:
+def test_flip_maps_are_undefined_where_flip_is():
     black, grey = np.zeros((12, 12, 3)), np.full((12, 12, 3), 0.5)
     assert metrics.flip_map(grey, black) is None and pictures.flip_map(grey, black) is None
     assert pictures.flip_map(np.where(grey == 0.5, np.nan, 0), grey) is None

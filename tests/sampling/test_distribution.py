@@ -18,7 +18,7 @@ LAST = np.nextafter(1.0, 0.0)
 
 
 @given(weights=weights_strategy, u=st.lists(st.floats(0, LAST), min_size=1, max_size=20))
-def test_an_index_of_weight_zero_is_never_chosen(weights: np.ndarray, u: list[float]) -> None:
+def test_an_index_of_weight_zero_is_never_chosen(weights, u):
     distribution = Distribution(weights)
     index, pmf, rest = distribution.sample(np.array([*u, 0.0, LAST]))
     assert (weights[index] > 0).all()
@@ -28,7 +28,7 @@ def test_an_index_of_weight_zero_is_never_chosen(weights: np.ndarray, u: list[fl
 
 
 @given(weights=weights_strategy)
-def test_probabilities_are_the_shares_of_the_weights(weights: np.ndarray) -> None:
+def test_probabilities_are_the_shares_of_the_weights(weights):
     distribution = Distribution(weights)
     pmf = np.array([distribution.pmf(i) for i in range(len(distribution))])
     assert pmf == pytest.approx(weights / weights.sum(), rel=1e-6, abs=1e-12)
@@ -37,7 +37,7 @@ def test_probabilities_are_the_shares_of_the_weights(weights: np.ndarray) -> Non
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("n", [3, 7, 49, 1000])
-def test_numbers_beside_a_boundary_find_their_side_of_it(n: int) -> None:
+def test_numbers_beside_a_boundary_find_their_side_of_it(n):
     """u·n may round up to an integer while u·total stays below the boundary."""
     weights = np.where(np.arange(n) % 3 == 1, 0.0, np.random.default_rng(n).random(n) + 0.1)
     distribution = Distribution(weights)
@@ -52,7 +52,7 @@ def test_numbers_beside_a_boundary_find_their_side_of_it(n: int) -> None:
 
 
 @pytest.mark.stat
-def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
+def test_indices_follow_the_weights_and_the_rest_is_uniform():
     weights = np.random.default_rng(1).random(50) ** 3
     weights[[0, 7, 49]] = 0
     index, _, rest = Distribution(weights).sample(np.random.default_rng(2).random(200_000))
@@ -67,11 +67,11 @@ def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
 @pytest.mark.parametrize(
     "weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]]
 )
-def test_unusable_weights_are_refused(weights: list[float]) -> None:
+def test_unusable_weights_are_refused(weights):
     with pytest.raises(ValueError, match="weights must"):
         Distribution(np.array(weights))
 
 
-def test_numbers_outside_the_unit_interval_are_refused() -> None:
+def test_numbers_outside_the_unit_interval_are_refused():
     with pytest.raises(ValueError, match=r"u must be in \[0, 1\), got 1"):
         Distribution(np.ones(3)).sample(np.array([1.0]))

@@ -16,9 +16,7 @@ NORMALS = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.3, -0.5, 0.8), (-0.7, 0.1, -1e-4
 
 @pytest.mark.parametrize("cosine", WARPS)
 @pytest.mark.parametrize("normal", NORMALS)
-def test_a_batch_holds_the_points_of_the_sequence_around_the_normal(
-    normal: tuple[float, float, float], cosine: bool
-) -> None:
+def test_a_batch_holds_the_points_of_the_sequence_around_the_normal(normal, cosine):
     directions, cosines = testing.hemisphere_batch(7, 11, normal, cosine=cosine)
     points = testing.sobol02(np.arange(32, dtype=np.uint32), 7, 11)
     local = WARPS[cosine](points)
@@ -32,7 +30,7 @@ def test_a_batch_holds_the_points_of_the_sequence_around_the_normal(
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("cosine", WARPS)
-def test_every_variant_gives_the_same_bits(isa: str, cosine: bool) -> None:
+def test_every_variant_gives_the_same_bits(isa, cosine):
     for seed in range(50):
         case = (seed, ~seed & 0xFFFFFFFF, NORMALS[3], cosine)
         ours = testing.hemisphere_batch(*case, isa=isa)
@@ -41,7 +39,7 @@ def test_every_variant_gives_the_same_bits(isa: str, cosine: bool) -> None:
             assert a.tobytes() == b.tobytes()
 
 
-def test_an_unknown_variant_is_refused() -> None:
+def test_an_unknown_variant_is_refused():
     with pytest.raises(ValueError, match="isa must be portable, avx2 or avx512"):
         testing.hemisphere_batch(0, 0, (0, 0, 1), isa="sse2")
 

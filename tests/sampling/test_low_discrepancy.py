@@ -25,18 +25,18 @@ def is_net(points: npt.NDArray[np.float32], m: int) -> bool:
 
 @pytest.mark.parametrize("seeds", SEEDS)
 @pytest.mark.parametrize("m", [0, 1, 4, 7, 10])
-def test_every_aligned_run_is_a_net(seeds: tuple[int, int], m: int) -> None:
+def test_every_aligned_run_is_a_net(seeds, m):
     for run in (0, 1, 5, 12345):
         index = (np.arange(2**m) + run * 2**m).astype(np.uint32)
         assert is_net(testing.sobol02(index, *seeds), m)
 
 
-def test_random_points_are_not_a_net() -> None:
+def test_random_points_are_not_a_net():
     """Negative control."""
     assert not is_net(np.random.default_rng(0).random((128, 2), dtype=np.float32), 7)
 
 
-def test_points_stay_below_one() -> None:
+def test_points_stay_below_one():
     rng = np.random.default_rng(3)
     index = np.concatenate([np.arange(1 << 16), 2**32 - 1 - np.arange(1 << 16)]).astype(np.uint32)
     for seeds in rng.integers(0, 2**32, (16, 2)):
@@ -45,7 +45,7 @@ def test_points_stay_below_one() -> None:
 
 
 @pytest.mark.stat
-def test_over_seeds_each_point_is_uniform() -> None:
+def test_over_seeds_each_point_is_uniform():
     rng = np.random.default_rng(4)
     for index in (0, 1, 7, 100):
         seeds = rng.integers(0, 2**32, (4096, 2))
@@ -55,7 +55,7 @@ def test_over_seeds_each_point_is_uniform() -> None:
 
 
 @pytest.mark.stat
-def test_sequences_of_different_seeds_are_uncorrelated() -> None:
+def test_sequences_of_different_seeds_are_uncorrelated():
     index = np.arange(16, dtype=np.uint32)
     seeds = np.random.default_rng(5).integers(0, 2**32, (2048, 4))
     a = np.array([testing.sobol02(index, int(s[0]), int(s[1])) for s in seeds])
@@ -65,7 +65,7 @@ def test_sequences_of_different_seeds_are_uncorrelated() -> None:
 
 
 @pytest.mark.parametrize("base", [2, 3, 5, 29])
-def test_radical_inverse_mirrors_the_digits(base: int) -> None:
+def test_radical_inverse_mirrors_the_digits(base):
     for i in [0, 1, 2, 3, 10, 12345, 2**40 + 17]:
         expected, digit, rest = Fraction(0), Fraction(1, base), i
         while rest:
@@ -73,7 +73,7 @@ def test_radical_inverse_mirrors_the_digits(base: int) -> None:
         assert testing.radical_inverse(base, i) == pytest.approx(float(expected), rel=1e-14)
 
 
-def test_radical_inverse_stays_below_one() -> None:
+def test_radical_inverse_stays_below_one():
     for base in (2, 3, 7):
         power = base
         while power * base < 2**64:
@@ -82,6 +82,6 @@ def test_radical_inverse_stays_below_one() -> None:
         assert testing.radical_inverse(base, 2**64 - 1) < 1
 
 
-def test_radical_inverse_refuses_bases_below_two() -> None:
+def test_radical_inverse_refuses_bases_below_two():
     with pytest.raises(ValueError, match="base must be >= 2, got 1"):
         testing.radical_inverse(1, 3)

@@ -33,13 +33,13 @@ def keys(vary: int, n: int = N_KEYS) -> npt.NDArray[np.uint64]:
     return k
 
 
-def test_streams_are_the_same_bits_everywhere() -> None:
+def test_streams_are_the_same_bits_everywhere():
     for key in [(0, 0, 0, 0), (1, 2, 3, 4), (MASK, 10, MASK, MASK), (1 << 40, 5, 1 << 33, 99)]:
         got = testing.random_u32(np.array([key], dtype=np.uint64), 5)[0]
         assert got.tolist() == transcription(*key, 5)
 
 
-def test_floats_are_the_upper_24_bits() -> None:
+def test_floats_are_the_upper_24_bits():
     bits = testing.random_u32(keys(2), 8)
     floats = testing.random(keys(2), 8)
     assert np.array_equal(floats, (bits >> 8).astype(np.float32) * np.float32(2.0**-24))
@@ -61,7 +61,7 @@ def pair_uniformity(
 
 @pytest.mark.stat
 @pytest.mark.parametrize("vary", [0, 2, 3], ids=["seed", "pixel", "pass"])
-def test_streams_of_neighbouring_keys_are_uniform_and_uncorrelated(vary: int) -> None:
+def test_streams_of_neighbouring_keys_are_uniform_and_uncorrelated(vary):
     values = testing.random(keys(vary), 8)
     for draw in range(8):
         assert uniformity(values[:, draw]) >= 1e-3 / 24
@@ -73,7 +73,7 @@ def test_streams_of_neighbouring_keys_are_uniform_and_uncorrelated(vary: int) ->
 
 
 @pytest.mark.stat
-def test_streams_of_different_purposes_are_uncorrelated() -> None:
+def test_streams_of_different_purposes_are_uncorrelated():
     k = keys(2, 4096)
     values = []
     for purpose in range(11):
@@ -84,14 +84,14 @@ def test_streams_of_different_purposes_are_uncorrelated() -> None:
 
 
 @pytest.mark.stat
-def test_every_bit_is_set_half_of_the_time() -> None:
+def test_every_bit_is_set_half_of_the_time():
     bits = testing.random_u32(keys(2), 8).ravel()
     share = [np.mean((bits >> b) & 1) for b in range(32)]
     assert np.abs(np.array(share) - 0.5).max() < 4 * 0.5 / np.sqrt(bits.size)
 
 
 @pytest.mark.stat
-def test_a_poor_generator_is_found() -> None:
+def test_a_poor_generator_is_found():
     """Negative controls: a counter without mixing, and a stream a few percent off uniform."""
     counter = ((np.arange(N_KEYS) * 2654435761) % 2**32 / 2**32).astype(np.float32)
     assert pair_uniformity(counter[:-1], counter[1:]) < 1e-6
@@ -100,6 +100,6 @@ def test_a_poor_generator_is_found() -> None:
     assert np.corrcoef(good.ravel(), good.ravel())[0, 1] > 4 / np.sqrt(good.size)
 
 
-def test_keys_must_have_four_columns() -> None:
+def test_keys_must_have_four_columns():
     with pytest.raises(ValueError, match=r"keys must have shape \(N, 4\), got \(2, 3\)"):
         testing.random(np.zeros((2, 3), dtype=np.uint64), 1)

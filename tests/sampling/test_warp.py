@@ -30,7 +30,7 @@ SPHERICAL = {
 
 
 @pytest.mark.parametrize("name", SPHERICAL)
-def test_directions_are_unit_and_densities_integrate_to_one(name: str) -> None:
+def test_directions_are_unit_and_densities_integrate_to_one(name):
     sample, pdf = SPHERICAL[name]
     directions = sample(uniforms(1000, 2)).astype(float)
     assert np.linalg.norm(directions, axis=1) == pytest.approx(1, abs=1e-6)
@@ -39,13 +39,13 @@ def test_directions_are_unit_and_densities_integrate_to_one(name: str) -> None:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("name", SPHERICAL)
-def test_directions_follow_their_density(name: str) -> None:
+def test_directions_follow_their_density(name):
     sample, pdf = SPHERICAL[name]
     assert sphere_p_value(sample(uniforms(N, 2)), pdf) >= 1e-3
 
 
 @pytest.mark.stat
-def test_a_wrong_density_is_found() -> None:
+def test_a_wrong_density_is_found():
     """Negative controls: another sampler, and a tilt of 15 %."""
     uniform = testing.square_to_uniform_hemisphere(uniforms(N, 2))
     assert sphere_p_value(uniform, testing.pdf_cosine_hemisphere) < 1e-6
@@ -56,7 +56,7 @@ def test_a_wrong_density_is_found() -> None:
 
 
 @pytest.mark.stat
-def test_the_disk_is_uniform_around_the_middle_of_the_square() -> None:
+def test_the_disk_is_uniform_around_the_middle_of_the_square():
     x, y = testing.square_to_disk_concentric(uniforms(N, 2)).T.astype(float)
     r2 = x * x + y * y
     assert r2.max() <= 1 + 1e-6
@@ -66,7 +66,7 @@ def test_the_disk_is_uniform_around_the_middle_of_the_square() -> None:
 
 
 @pytest.mark.stat
-def test_the_triangle_is_uniform() -> None:
+def test_the_triangle_is_uniform():
     b1, b2 = testing.square_to_triangle(uniforms(N, 2)).T.astype(float)
     assert b1.min() >= 0 and b2.min() >= 0 and (b1 + b2).max() <= 1 + 1e-6
     # 16² congruent small triangles: two of them in each square cell, but for the diagonal
@@ -79,7 +79,7 @@ def test_the_triangle_is_uniform() -> None:
 
 
 @pytest.mark.extreme
-def test_narrow_cones_keep_their_digits() -> None:
+def test_narrow_cones_keep_their_digits():
     cos_max = np.float32(1 - 2**-20)
     w = testing.square_to_uniform_cone(np.array([[1 - 2**-24, 0.0]], dtype=np.float32), cos_max)
     assert w[0, 0] == pytest.approx(np.sqrt(1 - float(cos_max) ** 2), rel=1e-4)
@@ -95,7 +95,7 @@ def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[
     return d / distance[:, None], distance
 
 
-def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
+def test_both_densities_of_a_sphere_give_its_irradiance():
     """E = π L (r/d)² on a surface that faces the sphere."""
     u = np.stack(np.meshgrid(*2 * [(np.arange(256, dtype=np.float32) + 0.5) / 256]), -1).reshape(
         -1, 2
@@ -110,9 +110,7 @@ def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("distance", [1 + 1e-6, 1e3, 1e8])
-def test_spheres_of_any_size_and_distance_give_finite_densities(
-    scale: float, distance: float
-) -> None:
+def test_spheres_of_any_size_and_distance_give_finite_densities(scale, distance):
     p, n, pdf, pdf_area = testing.sample_sphere_light(
         (0, 0, 0),
         scale,
@@ -127,7 +125,7 @@ def test_spheres_of_any_size_and_distance_give_finite_densities(
 
 
 @pytest.mark.parametrize(("radius", "z"), [(1.0, 0.0), (1.0, 0.5), (1.0, 1.0), (0.0, 2.0)])
-def test_there_is_no_sample_unless_outside_a_sphere_of_some_size(radius: float, z: float) -> None:
+def test_there_is_no_sample_unless_outside_a_sphere_of_some_size(radius, z):
     assert testing.sample_sphere_light((0, 0, 0), radius, (0, 0, z), uniforms(4, 2)) is None
 
 
@@ -153,14 +151,14 @@ def stretched(alpha: float, bins: int = 256, sub: int = 4) -> tuple[Rows, npt.ND
 
 
 @pytest.mark.parametrize("alpha", [1e-3, 0.05, 0.3, 1.0])
-def test_the_projected_area_of_the_microfacets_is_one(alpha: float) -> None:
+def test_the_projected_area_of_the_microfacets_is_one(alpha):
     h, dw = stretched(alpha)
     assert (testing.ggx_d(h, alpha) * h[:, 2] * dw).sum() == pytest.approx(1, abs=1e-3)
 
 
 @pytest.mark.parametrize("alpha", [1e-3, 0.05, 0.3, 1.0])
 @pytest.mark.parametrize("cos_o", [0.999, 0.5, 0.1])
-def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos_o: float) -> None:
+def test_visible_normals_have_a_density_that_integrates_to_one(alpha, cos_o):
     """∫ G1 D max(0, wo·h) dω = cos_o: this ties G1 to D."""
     h, dw = stretched(alpha, bins=1024)
     wo = (np.sqrt(1 - cos_o**2), 0.0, cos_o)
@@ -171,7 +169,7 @@ def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos
 @pytest.mark.stat
 @pytest.mark.parametrize("alpha", [1e-3, 0.1, 0.5, 1.0])
 @pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.1])
-def test_visible_normals_follow_their_density(alpha: float, cos_o: float) -> None:
+def test_visible_normals_follow_their_density(alpha, cos_o):
     wo = (np.sqrt(1 - cos_o**2) * 0.8, np.sqrt(1 - cos_o**2) * 0.6, cos_o)
     x, y, z = testing.sample_ggx_vndf(wo, alpha, uniforms(N, 2)).astype(float).T
     assert x * x + y * y + z * z == pytest.approx(1, abs=1e-6)
@@ -187,7 +185,7 @@ def test_visible_normals_follow_their_density(alpha: float, cos_o: float) -> Non
     assert alpha == 1 or p(1.1 * alpha) < 1e-6
 
 
-def test_smith_masking_has_its_limits() -> None:
+def test_smith_masking_has_its_limits():
     assert testing.smith_g1(np.array([1.0, 0.0, -0.5]), 0.5).tolist() == [1, 0, 0]
     assert testing.smith_g1(np.array([1e-30, 1e-10]), 0.5) == pytest.approx(0, abs=1e-9)
     g1 = testing.smith_g1(np.array([0.3, 0.7]), 0.4)
@@ -197,7 +195,7 @@ def test_smith_masking_has_its_limits() -> None:
 # Fresnel
 
 
-def test_schlick_goes_from_f0_to_one() -> None:
+def test_schlick_goes_from_f0_to_one():
     f = testing.schlick((0.04, 0.5, 1.0), np.array([1.0, 0.5, 0.0]))
     assert f[0] == pytest.approx([0.04, 0.5, 1.0])
     assert f[1, 0] == pytest.approx(0.04 + 0.96 / 32)
@@ -205,7 +203,7 @@ def test_schlick_goes_from_f0_to_one() -> None:
 
 
 @pytest.mark.parametrize("eta", [1.5, 1 / 1.5, 1.33, 2.4, 1.0])
-def test_the_fresnel_term_is_that_of_amplitudes(eta: float) -> None:
+def test_the_fresnel_term_is_that_of_amplitudes(eta):
     cos_i = np.linspace(0.01, 1, 100)
     for sign, n in ((1, eta), (-1, 1 / eta)):
         cos_t = np.emath.sqrt(1 - (1 - cos_i**2) / n**2)  # complex at total reflection
@@ -215,14 +213,14 @@ def test_the_fresnel_term_is_that_of_amplitudes(eta: float) -> None:
         assert testing.fresnel_dielectric(sign * cos_i, eta) == pytest.approx(expected, abs=2e-5)
 
 
-def test_the_fresnel_term_has_its_limits() -> None:
+def test_the_fresnel_term_has_its_limits():
     assert testing.fresnel_dielectric(np.array([1.0, -1.0]), 1.5) == pytest.approx(0.04)
     assert testing.fresnel_dielectric(np.array([0.0, -0.0, -0.1, -0.74]), 1.5).tolist() == [1] * 4
     assert testing.fresnel_dielectric(np.array([-0.75]), 1.5)[0] < 1
 
 
 @pytest.mark.parametrize("eta", [1.5, 0.7])
-def test_refraction_obeys_snell_and_can_be_reversed(eta: float) -> None:
+def test_refraction_obeys_snell_and_can_be_reversed(eta):
     n = np.array([0.0, 0.6, 0.8])
     wo = testing.square_to_uniform_sphere(uniforms(1000, 2)).astype(float)
     wo *= np.sign(wo @ n)[:, None]

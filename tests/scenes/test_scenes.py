@@ -1,7 +1,5 @@
 """The built-in scenes: deterministic, in budget, made of shape, seen from free space."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -88,13 +86,13 @@ def _distance(p: npt.NDArray[np.float64], triangles: npt.NDArray[np.float64]) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", scenes.SCENES)
-def test_two_builds_have_the_same_bytes(name: str) -> None:
+def test_two_builds_have_the_same_bytes(name):
     again = scenes.SCENES[name].function(**SMALL[name])
     assert again.content_hash == small(name).content_hash
 
 
 @pytest.mark.parametrize("name", scenes.SCENES)
-def test_meshes_are_finite_in_range_and_of_sane_size(name: str) -> None:
+def test_meshes_are_finite_in_range_and_of_sane_size(name):
     scene = small(name)
     for m in scene.meshes():
         assert np.isfinite(m["vertices"]).all()
@@ -107,7 +105,7 @@ def test_meshes_are_finite_in_range_and_of_sane_size(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", scenes.SCENES)
-def test_a_scene_has_cameras_and_lights(name: str) -> None:
+def test_a_scene_has_cameras_and_lights(name):
     assert small(name).cameras
     assert small(name).lights
 
@@ -115,7 +113,7 @@ def test_a_scene_has_cameras_and_lights(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCALED)
 @pytest.mark.parametrize("triangles", [5_000, 61_003, 400_000])
-def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> None:
+def test_the_placed_count_is_within_the_budget(name, triangles):
     n = built(name, triangles).triangles
     assert triangles <= n <= (triangles if name in EXACT else 1.25 * triangles)
 
@@ -127,7 +125,7 @@ def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> Non
         for n in SCALED
     ],
 )
-def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name: str) -> None:
+def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name):
     scene = built(name)
     assert SCALED[name] <= scene.triangles <= 1.25 * SCALED[name]
     meshes = scene.meshes()
@@ -140,18 +138,18 @@ def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name: s
 
 
 @pytest.mark.parametrize("name", scenes.SCENES)
-def test_cameras_stand_in_free_space_and_see_the_scene(name: str) -> None:
+def test_cameras_stand_in_free_space_and_see_the_scene(name):
     origins = np.array([c.origin for c in small(name).cameras])
     assert (distances(origins, small(name)) > 0.12).all()
 
 
 @pytest.mark.slow
-def test_point_lights_are_five_centimetres_from_any_surface() -> None:
+def test_point_lights_are_five_centimetres_from_any_surface():
     for scene in (scenes.room(lights=60), built("apartment", 300_000)):
         assert distances(point_lights(scene), scene).min() >= 0.05
 
 
-def test_the_apartment_has_24_lamps_and_the_room_24_lights_unless_told() -> None:
+def test_the_apartment_has_24_lamps_and_the_room_24_lights_unless_told():
     assert len(point_lights(small("apartment"))) == 24
     assert len(point_lights(small("room"))) == 24
     assert len(point_lights(scenes.room(triangles=5000, lights=300))) == 300
@@ -161,17 +159,17 @@ def test_the_apartment_has_24_lamps_and_the_room_24_lights_unless_told() -> None
     assert len(point_lights(scenes.room(triangles=5000, panels=True, lights=5))) == 5
 
 
-def test_light_spots_do_not_move_when_more_are_asked_for() -> None:
+def test_light_spots_do_not_move_when_more_are_asked_for():
     np.testing.assert_array_equal(light_spots(200)[:24], light_spots(24))
 
 
-def test_the_room_is_the_size_of_the_measured_trial() -> None:
+def test_the_room_is_the_size_of_the_measured_trial():
     vertices, _ = world(built("room"))
     np.testing.assert_allclose(vertices.min(axis=0), [-5, 0, -5], atol=0.03)
     np.testing.assert_allclose(vertices.max(axis=0), [5, 4, 5], atol=0.06)
 
 
-def test_the_window_room_is_closed_but_for_one_square_metre() -> None:
+def test_the_window_room_is_closed_but_for_one_square_metre():
     vertices, faces = world(built("window_room"))
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
@@ -179,19 +177,19 @@ def test_the_window_room_is_closed_but_for_one_square_metre() -> None:
     np.testing.assert_array_equal(vertices.max(axis=0), [8, 8, 4])
 
 
-def test_the_courtyards_leaves_are_instanced() -> None:
+def test_the_courtyards_leaves_are_instanced():
     scene = built("courtyard")
     assert sum(len(m["triangles"]) for m in scene.meshes()) < 0.2 * scene.triangles
 
 
-def test_the_classroom_has_the_papers_triangles_and_lights() -> None:
+def test_the_classroom_has_the_papers_triangles_and_lights():
     scene = built("classroom_like")
     assert scene.triangles == 51_208 and len(point_lights(scene)) == 4
     scraps = next((m for m in scene.meshes() if m["name"] == "paper"), None)
     assert scraps is None or len(scraps["triangles"]) < 0.03 * 51_208
 
 
-def test_the_walk_through_the_classroom_is_smooth_and_meets_nothing() -> None:
+def test_the_walk_through_the_classroom_is_smooth_and_meets_nothing():
     cameras = [scenes.classroom_camera(k) for k in range(420)]
     origins = np.array([c.origin for c in cameras])
     steps = np.linalg.norm(np.diff(origins, axis=0), axis=1)
@@ -205,12 +203,12 @@ def test_the_walk_through_the_classroom_is_smooth_and_meets_nothing() -> None:
         scenes.classroom_camera(420)
 
 
-def test_spheres_have_the_counts_of_table_1() -> None:
+def test_spheres_have_the_counts_of_table_1():
     for n in (5_800, 10_000, 11_000, 16_000, 34_000):
         assert n <= built("bumpy_spheres", n).triangles <= 1.02 * n
 
 
-def test_an_edge_factor_keeps_random_triangles_as_dense_at_any_number() -> None:
+def test_an_edge_factor_keeps_random_triangles_as_dense_at_any_number():
     make = scenes.random_triangles
     for n in (1000, 8000):
         corners = make(triangles=n, edge_factor=1.5).meshes()[0]["vertices"]
@@ -220,6 +218,6 @@ def test_an_edge_factor_keeps_random_triangles_as_dense_at_any_number() -> None:
         make(triangles=10, edge=0.1, edge_factor=1.0)
 
 
-def test_too_few_triangles_are_refused_with_the_limit() -> None:
+def test_too_few_triangles_are_refused_with_the_limit():
     with pytest.raises(ValueError, match=r"triangles must be >= 100, got 3"):
         scenes.room(triangles=3)

@@ -1,7 +1,6 @@
 """Settings by name: those within settings go by their bare names, too."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,7 +16,7 @@ CHOSEN: dict[by_name.Role, Any] = {
 
 
 @pytest.mark.parametrize("name", ["hash", "paper.hash", "visibility.hash", "visibility.paper.hash"])
-def test_every_name_of_a_parameter_reaches_it(name: str) -> None:
+def test_every_name_of_a_parameter_reaches_it(name):
     assert by_name.owner(name, CHOSEN) == ("visibility", "hash")
     made = by_name.assign(CHOSEN, [f"{name}=scheme1", "c_e=8"])["visibility"]
     assert made == vc.Aqvc(c_e=8, paper=vc.PaperForm(hash="scheme1"))
@@ -32,7 +31,7 @@ def test_every_name_of_a_parameter_reaches_it(name: str) -> None:
     ],
     ids=str,
 )
-def test_a_table_may_nest_them_or_not(spec: dict[str, Any]) -> None:
+def test_a_table_may_nest_them_or_not(spec):
     made = by_name.make("visibility", spec)
     assert made == vc.Aqvc(preset="paper", paper=vc.PaperForm(hash="scheme1"))
     assert (made.paper.form, made.paper.hash) == ("pairs", "scheme1")
@@ -46,7 +45,7 @@ def test_a_table_may_nest_them_or_not(spec: dict[str, Any]) -> None:
         ("c_nn", "visibility Aqvc has no parameter 'c_nn'; did you mean 'c_n'"),
     ],
 )
-def test_an_unknown_name_is_refused_with_the_nearest_one(name: str, message: str) -> None:
+def test_an_unknown_name_is_refused_with_the_nearest_one(name, message):
     with pytest.raises(ValueError, match=message):
         by_name.replaced(vc.Aqvc(), {name: 1}, "visibility")
     if "." in name:
@@ -65,9 +64,7 @@ def test_an_unknown_name_is_refused_with_the_nearest_one(name: str, message: str
     ],
     ids=str,
 )
-def test_a_description_makes_the_settings_again_and_leaves_the_preset_its_part(
-    settings: vc.Aqvc,
-) -> None:
+def test_a_description_makes_the_settings_again_and_leaves_the_preset_its_part(settings):
     described = by_name.described("visibility", settings)
     assert "c_n" not in described and "form" not in described
     again = by_name.make("visibility", json.loads(json.dumps(described)))
@@ -75,7 +72,7 @@ def test_a_description_makes_the_settings_again_and_leaves_the_preset_its_part(
     assert again.for_frame_table().resolved() == settings.for_frame_table().resolved()
 
 
-def test_a_sweep_reaches_what_the_papers_form_has_by_both_names(tmp_path: Path) -> None:
+def test_a_sweep_reaches_what_the_papers_form_has_by_both_names(tmp_path):
     scene = vc.scenes.cube_on_plane()
     table = vc.sweep(
         scene,

@@ -55,7 +55,7 @@ BROKEN: list[dict[str, Any]] = [
 
 
 @pytest.mark.parametrize("number", range(len(RULES)), ids=[rule.must[:50] for rule in RULES])
-def test_each_rule_is_the_one_that_is_broken(number: int) -> None:
+def test_each_rule_is_the_one_that_is_broken(number):
     whole: dict[str, Any] = {
         "integrator": vc.Direct(),
         "rays": vc.Embree(),
@@ -69,7 +69,7 @@ def test_each_rule_is_the_one_that_is_broken(number: int) -> None:
     assert str(caught.value).startswith(RULES[number].must + ", got ")
 
 
-def test_there_is_a_request_for_each_rule() -> None:
+def test_there_is_a_request_for_each_rule():
     assert len(BROKEN) == len(RULES)
 
 
@@ -78,9 +78,7 @@ def test_there_is_a_request_for_each_rule() -> None:
 )
 @pytest.mark.parametrize("use", [None, "correct"])
 @pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(), vc.NeePlusPlus(), Own()])
-def test_every_integrator_works_with_every_oracle(
-    integrator: Any, visibility: Any, use: Any
-) -> None:
+def test_every_integrator_works_with_every_oracle(integrator, visibility, use):
     combinations.check(
         Request(integrator=integrator, rays=vc.Embree(), visibility=visibility, use=use)
     )
@@ -90,5 +88,5 @@ def test_every_integrator_works_with_every_oracle(
     assert frame.counters["queries"] >= 0
 
 
-def test_the_limits_page_prints_the_table() -> None:
+def test_the_limits_page_prints_the_table():
     assert combinations.table() in LIMITS.read_text(encoding="utf-8")

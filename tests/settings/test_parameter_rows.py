@@ -41,9 +41,7 @@ def rows(struct: Any) -> dict[str, dict[str, Any]]:
 
 
 @tables
-def test_rows_have_the_names_defaults_and_sets_of_the_fields(
-    cls: Any, struct: Any, own: set[str]
-) -> None:
+def test_rows_have_the_names_defaults_and_sets_of_the_fields(cls, struct, own):
     named = {f.name: f.default for f in dataclasses.fields(cls) if f.name not in own}
     defaults = {name: getattr(struct(), name) for name in rows(struct)}
     assert named == defaults
@@ -78,8 +76,8 @@ def ends(row: dict[str, Any]) -> list[tuple[Any, list[Any]]]:
 
 @tables
 def test_the_ends_of_every_range_are_accepted_and_beyond_them_the_name_is_in_the_error(
-    cls: Any, struct: Any, own: set[str]
-) -> None:
+    cls, struct, own
+):
     beside: dict[str, dict[str, Any]] = {
         "m_nearest": {"n_best": 1},
         "n_best": {"m_nearest": 64},
@@ -104,9 +102,7 @@ def test_the_ends_of_every_range_are_accepted_and_beyond_them_the_name_is_in_the
 
 
 @tables
-def test_what_no_number_of_the_struct_can_hold_is_refused_by_name(
-    cls: Any, struct: Any, own: set[str]
-) -> None:
+def test_what_no_number_of_the_struct_can_hold_is_refused_by_name(cls, struct, own):
     for name, row in rows(struct).items():
         if row["kind"].startswith("int"):
             for value in (1 << 64, -(1 << 64), 1.5, "many", None):
@@ -123,7 +119,7 @@ def test_what_no_number_of_the_struct_can_hold_is_refused_by_name(
 
 
 @tables
-def test_the_help_shows_every_row_with_its_default(cls: Any, struct: Any, own: set[str]) -> None:
+def test_the_help_shows_every_row_with_its_default(cls, struct, own):
     page = inspect.getdoc(cls) or ""
     for name, row in rows(struct).items():
         shown = repr(getattr(struct(), name)).replace("'", '"')
@@ -132,7 +128,7 @@ def test_the_help_shows_every_row_with_its_default(cls: Any, struct: Any, own: s
     assert max(map(len, page.splitlines())) <= 100
 
 
-def test_open_values_are_words() -> None:
+def test_open_values_are_words():
     assert rows(_core.vlf.FieldSettings)["n_tiles"]["kind"] == 'int in [1, 4096] or "auto"'
     core = vc.Vlf(n_directions="auto", n_tiles="auto").core()
     assert (core.n_directions, core.n_tiles, core.bsp_depth) == ("auto", "auto", "auto")

@@ -10,18 +10,18 @@ import viscache as vc
 from viscache import _core
 
 
-def test_whitted_lights_of_its_own_reach_the_core() -> None:
+def test_whitted_lights_of_its_own_reach_the_core():
     own = vc.Vpls([(0, 3, 0)] * 3, [(0, -1, 0)] * 3, [1, 2, 3])
     assert vc.Whitted(vpls=own).core().vpls == 3 and vc.Whitted().core().vpls is None
 
 
-def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
+def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct():
     struct = _core.aqvc.AqvcParameters()
     rows = {row["name"]: getattr(struct, row["name"]) for row in struct.parameter_rows()}
     assert vc.Aqvc().resolved() == rows | {"preset": "default"}
 
 
-def test_render_has_the_defaults_of_the_frame_struct() -> None:
+def test_render_has_the_defaults_of_the_frame_struct():
     rows = _core.FrameSettings.parameter_rows()
     struct = {r["name"]: getattr(_core.FrameSettings(), r["name"]) for r in rows}
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
@@ -89,9 +89,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("cls", "given", "message"), BAD)
-def test_a_value_of_the_wrong_kind_is_refused_with_what_must_hold(
-    cls: type[Any], given: dict[str, Any], message: str
-) -> None:
+def test_a_value_of_the_wrong_kind_is_refused_with_what_must_hold(cls, given, message):
     with pytest.raises(ValueError, match=message):
         cls(**given)
 
@@ -136,13 +134,13 @@ SIZED: dict[str, Any] = {
 @pytest.mark.parametrize(
     "size", [3, 1.5, "x", (3,), (4, 4, 4), (0, 4), (4, -1), (1 << 17, 4), (True, 4), {4: 4, 5: 5}]
 )
-def test_a_size_that_is_none_is_refused_everywhere(call: str, size: Any) -> None:
+def test_a_size_that_is_none_is_refused_everywhere(call, size):
     with pytest.raises(ValueError, match=r"size must be \(width, height\), both in \[1, 65536\]"):
         SIZED[call](size)
 
 
 @pytest.mark.parametrize("kind", [np.int8, np.uint64])
-def test_whole_numbers_of_numpy_are_numbers(kind: Any) -> None:
+def test_whole_numbers_of_numpy_are_numbers(kind):
     """Sums and products of them would overflow."""
     given: dict[str, Any] = {"size": (8, 6), "visibility": vc.Unoccluded(), "use": "correct"}
     want = vc.render("cube_on_plane", vc.Direct(), seed=3, spp=2, first_sample=100, **given)
@@ -157,7 +155,7 @@ def test_whole_numbers_of_numpy_are_numbers(kind: Any) -> None:
     assert len({picture.passes(3).sha256 for picture in pictures}) == 1
 
 
-def test_a_class_in_the_place_of_settings_is_refused() -> None:
+def test_a_class_in_the_place_of_settings_is_refused():
     scene, given = vc.scenes.cube_on_plane(), {"size": (4, 4), "over": {"c_e": [4]}}
     calls = (
         lambda: scene.oracle(vc.Aqvc),
@@ -171,7 +169,7 @@ def test_a_class_in_the_place_of_settings_is_refused() -> None:
 
 
 @pytest.mark.parametrize("value", [3.0, {}, "x", None, 1 << 64, -1])
-def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value: Any) -> None:
+def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value):
     scene, picture = vc.scenes.cube_on_plane(), np.ones((8, 8, 3))
     calls: dict[str, Any] = {
         "at": lambda: vc.VisibilityMapCache(scene).update(size=(4, 4), at=value),
@@ -188,14 +186,14 @@ def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value: Any) -> No
 
 
 @pytest.mark.parametrize(("given", "message"), CALLS)
-def test_render_refuses_an_argument_of_the_wrong_kind(given: dict[str, Any], message: str) -> None:
+def test_render_refuses_an_argument_of_the_wrong_kind(given, message):
     options: dict[str, Any] = {"size": (4, 4), **given}
     scene = options.pop("scene", None) or vc.scenes.cube_on_plane()
     with pytest.raises(ValueError, match=message):
         vc.render(scene, options.pop("integrator", vc.Direct()), **options)
 
 
-def test_numpy_numbers_become_plain_ones() -> None:
+def test_numpy_numbers_become_plain_ones():
     np = pytest.importorskip("numpy")
     settings = vc.Whitted(n_vpls=np.int64(7), vpl_bound=np.float32(0.5))
     assert type(settings.n_vpls) is int and type(settings.vpl_bound) is float

@@ -54,7 +54,7 @@ def constructors() -> list[type[Any]]:
 
 
 @pytest.mark.parametrize("cls", constructors(), ids=lambda c: c.__name__)
-def test_every_public_constructor_names_the_nearest_known_keyword(cls: type[Any]) -> None:
+def test_every_public_constructor_names_the_nearest_known_keyword(cls):
     names = [n for n in inspect.signature(cls).parameters if not n.startswith("_")]
     if not names:
         with pytest.raises(TypeError, match=f"{cls.__name__} has no parameter"):
@@ -65,7 +65,7 @@ def test_every_public_constructor_names_the_nearest_known_keyword(cls: type[Any]
         cls(**{name + "e": 1})
 
 
-def test_the_constructors_looked_at_are_those_that_users_call() -> None:
+def test_the_constructors_looked_at_are_those_that_users_call():
     names = {c.__name__ for c in constructors()}
     assert {"Aqvc", "Vlf", "Scene", "Frame", "VisibilityField", "VisibilityMapCache"} <= names
     assert {"VisMaps", "AqvcTable", "Relighting", "DynamicField", "Range"} <= names
@@ -88,18 +88,18 @@ def test_the_constructors_looked_at_are_those_that_users_call() -> None:
         (lambda: vc.cached_ambient_occlusion("slits", sizes=3), "did you mean 'size'"),
     ],
 )
-def test_public_calls_name_the_nearest_known_keyword(call: Any, says: str) -> None:
+def test_public_calls_name_the_nearest_known_keyword(call, says):
     with pytest.raises(TypeError, match=says):
         call()
 
 
-def test_without_a_near_name_all_known_ones_are_listed() -> None:
+def test_without_a_near_name_all_known_ones_are_listed():
     with pytest.raises(TypeError, match="Embree has no parameter 'zzz'; known: robust, watertight"):
         vc.Embree(zzz=1)
     assert nearest("a", []) == "; there are none"
 
 
-def test_classes_and_functions_stay_what_they_were() -> None:
+def test_classes_and_functions_stay_what_they_were():
     cache = vc.Aqvc(c_e=7, c_n=6)
     assert pickle.loads(pickle.dumps(cache)) == cache and hash(cache) == hash(vc.Aqvc(c_e=7, c_n=6))
     assert dataclasses.replace(cache, c_e=8).c_n == 6
@@ -115,7 +115,7 @@ def test_classes_and_functions_stay_what_they_were() -> None:
     assert inspect.signature(vc.render).parameters["spp"].default == 1
 
 
-def test_what_is_decorated_still_raises_its_own_errors() -> None:
+def test_what_is_decorated_still_raises_its_own_errors():
     @spelled
     def told(a: int, *, b: int = 2) -> int:
         return a + b
@@ -139,19 +139,19 @@ def test_what_is_decorated_still_raises_its_own_errors() -> None:
         (vc.ShadowMap(bias=0.5), "ShadowMap(bias=0.5)"),
     ],
 )
-def test_settings_show_what_differs(settings: Any, shown: str) -> None:
+def test_settings_show_what_differs(settings, shown):
     assert repr(settings) == shown
     assert eval(shown, {name: getattr(vc, name) for name in vc.__all__}) == settings
 
 
-def test_what_keeps_work_is_called_directory() -> None:
+def test_what_keeps_work_is_called_directory():
     for function in (vc.sweep, vc.correlation.measure, vc.correlation.correlate):
         parameters = inspect.signature(function).parameters
         assert "directory" in parameters and "store" not in parameters
 
 
 @pytest.mark.parametrize("name", GONE)
-def test_a_parameter_that_went_says_what_there_is_instead(name: str) -> None:
+def test_a_parameter_that_went_says_what_there_is_instead(name):
     whose, _, parameter = name.partition(".")
     made = getattr(vc, whose, None) or getattr(vc.correlation, whose)
     with pytest.raises(TypeError, match=f"has no parameter '{parameter}': ") as caught:
@@ -167,7 +167,7 @@ def test_a_parameter_that_went_says_what_there_is_instead(name: str) -> None:
             assert str(refused.value).endswith(GONE[name])
 
 
-def test_the_symbols_of_the_papers_are_names() -> None:
+def test_the_symbols_of_the_papers_are_names():
     assert vc.Aqvc(C_E=8, C_N=4) == vc.Aqvc(c_e=8, c_n=4)
     assert by_name.make("visibility", "aqvc?C_E=8") == vc.Aqvc(c_e=8)
     chosen = by_name.assign({"visibility": vc.Aqvc()}, ["visibility.C_Z=2"], bare=("visibility",))

@@ -1,7 +1,5 @@
 """A picture is known by values: the same in every process and folder, another for every change."""
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 import json
@@ -103,7 +101,7 @@ class Own:
 """
 
 
-def test_keys_and_states_are_the_same_in_another_process_and_folder(tmp_path: Path) -> None:
+def test_keys_and_states_are_the_same_in_another_process_and_folder(tmp_path):
     found, bytes_of_sky = [], write_sky(tmp_path / "sky.exr").read_bytes()
     for name, how in (("first", "begin"), ("second", "resume")):
         folder = tmp_path / name
@@ -194,9 +192,7 @@ CHANGES: list[tuple[str, Any, Any, str]] = [
 
 
 @pytest.mark.parametrize(("field", "one", "other", "part"), CHANGES)
-def test_every_change_has_another_key_and_is_named(
-    field: str, one: Any, other: Any, part: str
-) -> None:
+def test_every_change_has_another_key_and_is_named(field, one, other, part):
     visibility = "aqvc" if field == "use" else "exact"
     first = shot(visibility=visibility).with_(**{field: one})
     second = first.with_(**{field: other})
@@ -206,7 +202,7 @@ def test_every_change_has_another_key_and_is_named(
         require_same(first.parts, second.parts, "in both")
 
 
-def test_what_is_the_same_picture_has_the_same_key(tmp_path: Path) -> None:
+def test_what_is_the_same_picture_has_the_same_key(tmp_path):
     scene = vc.scenes.build("stairs")
     view = scene.cameras[0]
     same = [
@@ -224,7 +220,7 @@ def test_what_is_the_same_picture_has_the_same_key(tmp_path: Path) -> None:
     assert shot(camera=renamed).key == shot(camera=vc.look_at(*EYE)).key
 
 
-def test_what_says_nothing_of_its_value_is_refused_until_it_does() -> None:
+def test_what_says_nothing_of_its_value_is_refused_until_it_does():
     loop: list[Any] = []
     loop.append(loop)
     for held in (threading.Lock(), loop, {"a": [threading.Lock()]}):
@@ -248,9 +244,7 @@ def test_what_says_nothing_of_its_value_is_refused_until_it_does() -> None:
         ({"visibility": Own(1)}, {"visibility": Own(2)}, "visibility"),
     ],
 )
-def test_passes_of_another_picture_are_refused(
-    tmp_path: Path, one: Any, other: Any, part: str
-) -> None:
+def test_passes_of_another_picture_are_refused(tmp_path, one, other, part):
     first, second = picture(**one), picture(**other, first_pass=4)
     first.passes(1)
     first.save(tmp_path / "state.npz")
@@ -262,7 +256,7 @@ def test_passes_of_another_picture_are_refused(
     assert second.frame.sha256 == want
 
 
-def test_all_passes_have_the_sky_and_the_camera_of_the_first(tmp_path: Path) -> None:
+def test_all_passes_have_the_sky_and_the_camera_of_the_first(tmp_path):
     sky, array, view = write_sky(tmp_path / "sky.exr"), pixels(), vc.look_at(*EYE)
     given: list[Any] = [sky, array]
     pictures = [picture(env=env, camera=view) for env in given]
@@ -282,7 +276,7 @@ def test_all_passes_have_the_sky_and_the_camera_of_the_first(tmp_path: Path) -> 
         picture(env=tmp_path / "absent.exr")
 
 
-def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path: Path) -> None:
+def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path):
     planned = shot(env=str(write_sky(tmp_path / "sky.exr")))
     assert planned.parts["env"].startswith("file sha256 ")
     write_sky(tmp_path / "sky.exr", 2)
@@ -290,7 +284,7 @@ def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path: Path) -> None:
         work.render_task(planned)
 
 
-def test_parts_of_another_picture_are_not_merged(tmp_path: Path) -> None:
+def test_parts_of_another_picture_are_not_merged(tmp_path):
     def part(number: int, **options: Any) -> tiles.Part:
         given = {"size": (150, 40)} | options
         return tiles.render_in_worker(shot(**given), (number, 2))
@@ -307,7 +301,7 @@ def test_parts_of_another_picture_are_not_merged(tmp_path: Path) -> None:
         tiles.merge([first, part(1, env=sky)])
 
 
-def test_a_shot_travels_with_its_parts() -> None:
+def test_a_shot_travels_with_its_parts():
     """Workers compare what they open with what the sweep began with."""
     given = shot(visibility="aqvc", env=pixels(), camera=vc.look_at(*EYE), threads=2)
     for sent in (given, given.opened_by("slits"), given.with_(seed=3)):
@@ -318,7 +312,7 @@ def test_a_shot_travels_with_its_parts() -> None:
         work.render_task(given.opened_by("slits"))
 
 
-def test_a_shot_is_a_value(tmp_path: Path) -> None:
+def test_a_shot_is_a_value(tmp_path):
     made = vc.Shot("cube_on_plane", "direct?n_area=1&n_environment=2", size=SIZE, threads=2)
     assert made == shot() and hash(made) == hash(shot()) and len({made, shot(), shot(seed=1)}) == 2
     assert made != shot(seed=1) and made != "cube_on_plane"
@@ -332,14 +326,14 @@ def test_a_shot_is_a_value(tmp_path: Path) -> None:
     assert type(again) is vc.Shot and again == made and again.threads == 2
 
 
-def test_what_changes_after_a_shot_was_made_does_not_change_it() -> None:
+def test_what_changes_after_a_shot_was_made_does_not_change_it():
     view, sky = vc.look_at(*EYE), pixels()
     made = shot(camera=view, env=sky)
     view.view_height, sky[:] = 9.0, 0
     assert made.key == shot(camera=vc.look_at(*EYE), env=pixels()).key
 
 
-def test_calls_of_a_shot_are_those_of_the_package() -> None:
+def test_calls_of_a_shot_are_those_of_the_package():
     room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(32, 20), seed=3)
     given = ("room?triangles=2000", vc.Whitted(n_vpls=16))
     usual: dict[str, Any] = {"size": (32, 20), "seed": 3}
@@ -362,7 +356,7 @@ def test_calls_of_a_shot_are_those_of_the_package() -> None:
         room.render(sed=3)
 
 
-def test_every_call_lists_the_arguments_of_a_shot() -> None:
+def test_every_call_lists_the_arguments_of_a_shot():
     names = [f.name for f in dataclasses.fields(vc.Shot)]
     assert names[2:] == list(ShotArguments.__annotations__)
     calls = [vc.render, vc.sweep, vc.tune, vc.Progressive, vc.connections, vc.tiles.render]
@@ -373,12 +367,12 @@ def test_every_call_lists_the_arguments_of_a_shot() -> None:
 
 
 @pytest.mark.parametrize("text", ["aqvc?", "aqvc?c_e", "aqvc?c_e=8&c_e=9", "aqvc?=8"])
-def test_settings_in_words_that_are_none_are_refused(text: str) -> None:
+def test_settings_in_words_that_are_none_are_refused(text):
     with pytest.raises(ValueError, match=r"must be a name, then \?parameter=value"):
         shot(visibility=text)
 
 
-def test_none_is_the_default_of_each_call() -> None:
+def test_none_is_the_default_of_each_call():
     given: dict[str, Any] = {"size": SIZE, "visibility": None}
     assert isinstance(vc.Progressive("cube_on_plane", SKY, **given).visibility, vc.Aqvc)
     swept = vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, **given)

@@ -71,9 +71,7 @@ def content(path: Path) -> dict[str, str]:
     "damage", [brighter, cut, without_a_layer, *(other_layer(n) for n in LAYERS)]
 )
 @pytest.mark.parametrize("of", ['"Exact"', '"Aqvc"'])
-def test_a_picture_that_is_not_the_stored_one_is_rendered_again(
-    finished: Path, tmp_path: Path, damage: Any, of: str
-) -> None:
+def test_a_picture_that_is_not_the_stored_one_is_rendered_again(finished, tmp_path, damage, of):
     before = swept(shutil.copytree(finished, tmp_path, dirs_exist_ok=True))
     target = picture(tmp_path, of)
     good = content(target)
@@ -86,9 +84,7 @@ def test_a_picture_that_is_not_the_stored_one_is_rendered_again(
     assert "mended" not in swept(tmp_path).attrs
 
 
-def test_the_command_says_in_one_line_what_it_rendered_again(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_says_in_one_line_what_it_rendered_again(tmp_path, capsys):
     toml = tmp_path / "s.toml"
     toml.write_text(
         'scene = "cube_on_plane"\nsize = [8, 8]\nmetrics = ["rel_l1"]\n[over]\nc_e = [4]\n'
@@ -103,9 +99,7 @@ def test_the_command_says_in_one_line_what_it_rendered_again(
     assert len(lines) == 1 and ".exr" in lines[0]
 
 
-def test_a_report_refuses_another_picture_by_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_report_refuses_another_picture_by_name(tmp_path, capsys):
     swept(tmp_path)
     target = picture(tmp_path, '"Exact"')
     brighter(target)
@@ -124,9 +118,7 @@ def damaged(data: bytes, start: int, step: int) -> bytes:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_damaged_database_is_one_line_with_its_name(
-    finished: Path, tmp_path: Path, seed: int, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_damaged_database_is_one_line_with_its_name(finished, tmp_path, seed, capsys):
     shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
     path = tmp_path / "sweep.sqlite"
     with closing(sqlite3.connect(path)) as db, db:
@@ -169,7 +161,7 @@ def exchanged(path: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", [short, flipped, exchanged])
-def test_a_damaged_block_of_a_correlation_is_computed_again(tmp_path: Path, damage: Any) -> None:
+def test_a_damaged_block_of_a_correlation_is_computed_again(tmp_path, damage):
     good = correlation(tmp_path)
     assert len(blocks(tmp_path)) >= 2 and "mended" not in good.attrs
     for path in blocks(tmp_path):
@@ -182,7 +174,7 @@ def test_a_damaged_block_of_a_correlation_is_computed_again(tmp_path: Path, dama
     assert "mended" not in correlation(tmp_path).attrs
 
 
-def test_damaged_rows_are_traced_again(tmp_path: Path) -> None:
+def test_damaged_rows_are_traced_again(tmp_path):
     good = correlation(tmp_path)
     path = next(tmp_path.rglob("rows.npy"))
     path.write_bytes(damaged(path.read_bytes(), 256, 97))
@@ -194,7 +186,7 @@ def test_damaged_rows_are_traced_again(tmp_path: Path) -> None:
     assert good.sizes["theta"] != again.sizes["theta"]
 
 
-def test_a_process_that_comes_second_takes_the_rows_of_the_first(tmp_path: Path) -> None:
+def test_a_process_that_comes_second_takes_the_rows_of_the_first(tmp_path):
     """Both saw no file; the second must not put another one over it."""
     first = work_store.FolderStore(tmp_path, (4, 8))
     first.bits[:] = 7
@@ -217,7 +209,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_rows_that_are_no_array_are_refused_by_name(tmp_path: Path, damage: str) -> None:
+def test_rows_that_are_no_array_are_refused_by_name(tmp_path, damage):
     correlation(tmp_path)
     path = next(tmp_path.rglob("rows.npy"))
     whole = path.read_bytes()

@@ -1,6 +1,5 @@
 """Ranges, random points and Latin hypercubes."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,45 +14,43 @@ from viscache.sweeps.sweep import SweepFile, sweep
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
 
 
-def test_a_log_range_has_equal_ratios_and_both_ends() -> None:
+def test_a_log_range_has_equal_ratios_and_both_ends():
     values = Range(2, 32, "log").steps(5)
     np.testing.assert_allclose(values, [2, 4, 8, 16, 32])
     assert values[0] == 2.0 and values[-1] == 32.0
 
 
-def test_a_linear_range_of_whole_numbers_has_no_value_twice() -> None:
+def test_a_linear_range_of_whole_numbers_has_no_value_twice():
     assert Range(1, 4, whole=True).steps(9) == [1, 2, 3, 4]
     assert Range(0, 1).steps(3) == [0.0, 0.5, 1.0]
 
 
 @given(low=st.floats(1e-6, 1e6), ratio=st.floats(1.001, 1e6), u=st.floats(0, 1), log=st.booleans())
-def test_values_of_a_range_lie_in_it(low: float, ratio: float, u: float, log: bool) -> None:
+def test_values_of_a_range_lie_in_it(low, ratio, u, log):
     made = Range(low, low * ratio, "log" if log else "linear")
     (value,) = made.at(np.array([u]))
     assert made.low <= value <= made.high
 
 
 @given(n=st.integers(1, 200), seed=st.integers(0, 2**63 - 1))
-def test_a_latin_hypercube_has_one_point_in_each_slice_of_every_parameter(
-    n: int, seed: int
-) -> None:
+def test_a_latin_hypercube_has_one_point_in_each_slice_of_every_parameter(n, seed):
     points = designs.latin_hypercube({"a": Range(0, 1), "b": Range(1, 16, "log")}, n, seed=seed)
     for name, position in (("a", lambda v: v), ("b", lambda v: np.log2(v) / 4)):
         slices = np.floor([position(p[name]) * n for p in points] + np.array(1e-9)).astype(int)
         assert sorted(np.minimum(slices, n - 1)) == list(range(n))
 
 
-def test_random_points_fall_into_some_slice_twice_as_a_hypercube_never_does() -> None:
+def test_random_points_fall_into_some_slice_twice_as_a_hypercube_never_does():
     points = designs.random({"a": Range(0, 1)}, 50)
     assert len({int(p["a"] * 50) for p in points}) < 50
 
 
-def test_a_hypercube_takes_every_value_of_a_list_equally_often() -> None:
+def test_a_hypercube_takes_every_value_of_a_list_equally_often():
     points = designs.latin_hypercube({"c_n": [4, 8, 16], "c_e": Range(2, 32)}, 30)
     assert sorted(p["c_n"] for p in points) == [4] * 10 + [8] * 10 + [16] * 10
 
 
-def test_the_same_seed_gives_the_same_points_whatever_parameters_come_after() -> None:
+def test_the_same_seed_gives_the_same_points_whatever_parameters_come_after():
     one = designs.random({"a": Range(0, 1)}, 9, seed=3)
     two = designs.random({"a": Range(0, 1), "b": [1, 2]}, 9, seed=3)
     assert [p["a"] for p in one] == [p["a"] for p in two]
@@ -74,9 +71,7 @@ def test_the_same_seed_gives_the_same_points_whatever_parameters_come_after() ->
         ({"c_f": {"log": [2, 4], "n": 3}}, "unknown parameter 'c_f'.*did you mean 'c_"),
     ],
 )
-def test_a_bad_range_is_refused_by_name_before_the_first_frame(
-    fake_vc: Any, over: dict[str, Any], says: str
-) -> None:
+def test_a_bad_range_is_refused_by_name_before_the_first_frame(fake_vc, over, says):
     with pytest.raises(ValueError, match=says):
         sweep("room", "whitted", over=over, **SMALL)
     assert not fake_vc.CALLS
@@ -96,12 +91,12 @@ def test_a_bad_range_is_refused_by_name_before_the_first_frame(
         ({"kind": "random", "n": 3}, [{"a": 1}], "over names and ranges"),
     ],
 )
-def test_a_bad_design_is_refused(design: dict[str, Any], over: Any, says: str) -> None:
+def test_a_bad_design_is_refused(design, over, says):
     with pytest.raises(ValueError, match=says):
         designs.draw(design, over)
 
 
-def test_a_file_sweeps_a_log_range_and_a_hypercube(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_file_sweeps_a_log_range_and_a_hypercube(fake_vc, tmp_path):
     head = 'scene = "room"\nsize = [32, 24]\nmetrics = ["rel_l1"]\n'
     path = tmp_path / "a.toml"
     path.write_text(head + "[over]\nc_e = {log = [2, 32], n = 5}\nintegrator.n_vpls = [1, 2]\n")

@@ -31,9 +31,7 @@ def rendered(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return calls
 
 
-def test_a_frame_is_rendered_once_and_is_the_one_of_render(
-    tmp_path: Path, rendered: list[Any]
-) -> None:
+def test_a_frame_is_rendered_once_and_is_the_one_of_render(tmp_path, rendered):
     scene = vc.scenes.cube_on_plane()
     frames = [ExactFrames(tmp_path)(scene, vc.Direct(), size=SIZE, seed=3) for _ in range(2)]
     assert len(rendered) == 1
@@ -47,7 +45,7 @@ def test_a_frame_is_rendered_once_and_is_the_one_of_render(
     assert len(rendered) == 1
 
 
-def test_what_changes_a_frame_is_another_frame(tmp_path: Path, rendered: list[Any]) -> None:
+def test_what_changes_a_frame_is_another_frame(tmp_path, rendered):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     view = vc.look_at((3, 3, 3), (0, 0, 0), fov_deg=40)
     sky = tmp_path / "sky.exr"
@@ -79,9 +77,7 @@ def test_what_changes_a_frame_is_another_frame(tmp_path: Path, rendered: list[An
 
 
 @pytest.mark.parametrize("what", ["code_hash", "embree_version", "isa"])
-def test_frames_of_other_code_are_not_taken(
-    what: str, tmp_path: Path, rendered: list[Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_frames_of_other_code_are_not_taken(what, tmp_path, rendered, monkeypatch):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     exact(scene, vc.Direct(), size=SIZE)
     with monkeypatch.context() as patched:
@@ -97,9 +93,7 @@ def aged(path: Path, days: float = 40) -> None:
     os.utime(path, (at, at))
 
 
-def test_frames_of_other_code_go_when_nobody_uses_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_frames_of_other_code_go_when_nobody_uses_them(tmp_path, monkeypatch):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     (tmp_path / "mine").mkdir()
     kept = []
@@ -114,7 +108,7 @@ def test_frames_of_other_code_go_when_nobody_uses_them(
     assert not kept[0].exists() and kept[1].exists() and (tmp_path / "mine").exists()
 
 
-def test_only_exact_frames_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_exact_frames_are_removed(tmp_path, monkeypatch):
     """Old sweeps beside them stay, and so do notes of users within, and what links lead to."""
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
@@ -141,7 +135,7 @@ def test_only_exact_frames_are_removed(tmp_path: Path, monkeypatch: pytest.Monke
     assert {p for p in rooms[0].rglob("*") if p.is_file()} == set(notes)
 
 
-def test_a_damaged_frame_is_rendered_again(tmp_path: Path, rendered: list[Any]) -> None:
+def test_a_damaged_frame_is_rendered_again(tmp_path, rendered):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
     good = exact(scene, vc.Direct(), size=SIZE)
     (file,) = tmp_path.glob("*/frames/*.exr")
@@ -159,9 +153,7 @@ def test_a_damaged_frame_is_rendered_again(tmp_path: Path, rendered: list[Any]) 
     assert len(rendered) == 5
 
 
-def test_an_interrupted_frame_is_not_kept(
-    tmp_path: Path, rendered: list[Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_frame_is_not_kept(tmp_path, rendered, monkeypatch):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
 
     def interrupted(*_: Any, **__: Any) -> vc.Frame:
@@ -191,7 +183,7 @@ print(exact("cube_on_plane", "direct", size=(24, 16)).sha256)
 """
 
 
-def test_processes_render_a_frame_once_and_wait_for_it(tmp_path: Path) -> None:
+def test_processes_render_a_frame_once_and_wait_for_it(tmp_path):
     command = [sys.executable, "-c", RENDER, str(tmp_path)]
     running = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
     shas = {process.communicate(timeout=60)[0] for process in running}
@@ -199,13 +191,13 @@ def test_processes_render_a_frame_once_and_wait_for_it(tmp_path: Path) -> None:
     assert len(shas) == 1 and len(list(tmp_path.glob("rendered-*"))) == 1
 
 
-def test_without_a_folder_nothing_is_kept(rendered: list[Any]) -> None:
+def test_without_a_folder_nothing_is_kept(rendered):
     exact = ExactFrames(None)
     frames = [exact("cube_on_plane", "direct", size=SIZE) for _ in range(2)]
     assert len(rendered) == 2 and frames[0].sha256 == frames[1].sha256
 
 
-def test_bad_input_is_refused(tmp_path: Path) -> None:
+def test_bad_input_is_refused(tmp_path):
     exact = ExactFrames(tmp_path / "frames")
     with pytest.raises(ValueError, match="spp must be an integer >= 1, got 0"):
         exact("cube_on_plane", "direct", spp=0)

@@ -114,7 +114,7 @@ def change(folder: Path, of_process: dict[str, Any] | None = None, **columns: An
     db.close()
 
 
-def test_only_one_of_two_stores_gets_a_lease(tmp_path: Path) -> None:
+def test_only_one_of_two_stores_gets_a_lease(tmp_path):
     with Store(tmp_path) as one, Store(tmp_path) as two:
         assert one.leases.claim(KEY) and one.leases.claim(KEY)
         assert not two.leases.claim(KEY)
@@ -124,9 +124,7 @@ def test_only_one_of_two_stores_gets_a_lease(tmp_path: Path) -> None:
         assert one.get(KEY) is not None and not two.leases.holds(KEY)
 
 
-def test_the_lease_of_a_killed_process_is_taken_over_at_once(
-    tmp_path: Path, owner: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_lease_of_a_killed_process_is_taken_over_at_once(tmp_path, owner, monkeypatch):
     monkeypatch.setattr(leases, "SILENT_S", 1000.0)
     killed = owner()
     with Store(tmp_path) as store:
@@ -137,7 +135,7 @@ def test_the_lease_of_a_killed_process_is_taken_over_at_once(
         assert store.leases.holds(KEY)
 
 
-def test_a_store_that_could_not_give_its_lease_back_blocks_nobody_here(tmp_path: Path) -> None:
+def test_a_store_that_could_not_give_its_lease_back_blocks_nobody_here(tmp_path):
     """As on a full disk, which refuses that, too."""
     with Store(tmp_path) as one:
         assert one.leases.claim(KEY)
@@ -147,9 +145,7 @@ def test_a_store_that_could_not_give_its_lease_back_blocks_nobody_here(tmp_path:
         assert two.leases.claim(KEY)
 
 
-def test_a_number_of_a_process_that_runs_again_is_another_process(
-    tmp_path: Path, owner: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_number_of_a_process_that_runs_again_is_another_process(tmp_path, owner, monkeypatch):
     monkeypatch.setattr(leases, "SILENT_S", 1000.0)
     killed = owner()
     killed.process.kill()
@@ -170,9 +166,7 @@ def namespace(*words: str) -> list[str]:
     pytest.skip("unshare -pf --mount-proc is not allowed")
 
 
-def test_a_killed_container_whose_numbers_run_again_blocks_nobody(
-    tmp_path: Path, owner: Any
-) -> None:
+def test_a_killed_container_whose_numbers_run_again_blocks_nobody(tmp_path, owner):
     """In both containers the process has the number 1."""
     before = namespace()
     killed = owner(*before)
@@ -196,9 +190,7 @@ def test_a_killed_container_whose_numbers_run_again_blocks_nobody(
 
 @pytest.mark.parametrize("since", ["2100-01-01 00:00:00+00:00", "?"])
 @pytest.mark.parametrize("alive", [True, False])
-def test_clocks_of_other_machines_do_not_count(
-    since: str, alive: bool, tmp_path: Path, owner: Any
-) -> None:
+def test_clocks_of_other_machines_do_not_count(since, alive, tmp_path, owner):
     other = owner()
     if not alive:
         other.process.kill()
@@ -214,7 +206,7 @@ def test_clocks_of_other_machines_do_not_count(
             assert seconds_until_claimed(store) > 0.9 * SILENT_S
 
 
-def test_a_living_owner_keeps_its_lease_however_slow_it_is(tmp_path: Path, owner: Any) -> None:
+def test_a_living_owner_keeps_its_lease_however_slow_it_is(tmp_path, owner):
     slow = owner()
     with Store(tmp_path) as store:
         end = time.monotonic() + 3 * SILENT_S
@@ -227,8 +219,8 @@ def test_a_living_owner_keeps_its_lease_however_slow_it_is(tmp_path: Path, owner
 
 @pytest.mark.parametrize("finished", [True, False])
 def test_an_owner_that_wakes_after_its_lease_was_taken_overwrites_nothing(
-    finished: bool, tmp_path: Path, owner: Any
-) -> None:
+    finished, tmp_path, owner
+):
     asleep = owner()
     asleep.process.send_signal(signal.SIGSTOP)
     with Store(tmp_path) as store:
@@ -250,9 +242,7 @@ def test_an_owner_that_wakes_after_its_lease_was_taken_overwrites_nothing(
     assert names == [Path(picture_name(KEY)).name]  # nothing half written
 
 
-def test_owners_that_stood_together_with_who_waits_keep_their_leases(
-    tmp_path: Path, owner: Any
-) -> None:
+def test_owners_that_stood_together_with_who_waits_keep_their_leases(tmp_path, owner):
     """As on a machine that slept: the first look after it counts for one beat at most."""
     asleep = owner()
     with Store(tmp_path) as store:
@@ -267,9 +257,7 @@ def test_owners_that_stood_together_with_who_waits_keep_their_leases(
             time.sleep(0.01)
 
 
-def test_who_waits_says_for_whom_and_since_when(
-    tmp_path: Path, owner: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_who_waits_says_for_whom_and_since_when(tmp_path, owner, monkeypatch, caplog):
     monkeypatch.setattr(leases, "TOLD_S", 0.05)
     other = owner()
     change(tmp_path, {"host": "elsewhere\n"}, since="2026-01-02 03:04:05+00:00")
@@ -300,7 +288,7 @@ def test_who_waits_says_for_whom_and_since_when(
         ("owner", b"x"),
     ],
 )
-def test_a_lease_that_is_none_is_refused_by_name(column: str, value: Any, tmp_path: Path) -> None:
+def test_a_lease_that_is_none_is_refused_by_name(column, value, tmp_path):
     with Store(tmp_path) as one, Store(tmp_path) as two:
         assert one.leases.claim(KEY)
         change(tmp_path, **{column: value})
@@ -308,7 +296,7 @@ def test_a_lease_that_is_none_is_refused_by_name(column: str, value: Any, tmp_pa
             two.leases.claim(KEY)
 
 
-def test_beats_cost_less_than_a_hundredth(tmp_path: Path) -> None:
+def test_beats_cost_less_than_a_hundredth(tmp_path):
     with Store(tmp_path) as store:
         assert all(store.leases.claim(f"{n:064x}") for n in range(64))
         began = time.thread_time()
@@ -317,9 +305,7 @@ def test_beats_cost_less_than_a_hundredth(tmp_path: Path) -> None:
         assert (time.thread_time() - began) / 20 < 0.01 * 5.0
 
 
-def test_a_sweep_renders_what_another_process_let_fall(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sweep_renders_what_another_process_let_fall(fake_vc, tmp_path, monkeypatch):
     """A frame whose lease is lost while it is rendered is that of the process that has it."""
     from viscache.sweeps import work
     from viscache.sweeps.sweep import sweep

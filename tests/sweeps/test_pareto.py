@@ -1,7 +1,6 @@
 """vc.pareto: which settings of a sweep another one beats."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ def sweep_of(cost: list[list[float]], error: list[list[float]]) -> xarray.Datase
     )
 
 
-def test_what_another_setting_beats_is_dominated() -> None:
+def test_what_another_setting_beats_is_dominated():
     ds = sweep_of([[1.0], [2.0], [3.0], [3.0]], [[0.5], [0.6], [0.1], [0.1]])
     front = vc.pareto(ds)
     assert [(s.values["c_e"], s.dominated) for s in front] == [
@@ -36,7 +35,7 @@ def test_what_another_setting_beats_is_dominated() -> None:
     assert front.cheapest(0.01) is None
 
 
-def test_intervals_that_overlap_leave_it_open() -> None:
+def test_intervals_that_overlap_leave_it_open():
     clear = sweep_of([[1.0, 1.01], [2.0, 2.01]], [[0.1, 0.101], [0.2, 0.201]])
     noisy = sweep_of([[1.0, 1.9], [2.0, 1.1]], [[0.1, 0.3], [0.25, 0.2]])
     assert [s.certain for s in vc.pareto(clear)] == [False, True]
@@ -46,7 +45,7 @@ def test_intervals_that_overlap_leave_it_open() -> None:
     assert "±" in str(vc.pareto(noisy))
 
 
-def test_unfinished_settings_are_left_out_and_tables_are_whole() -> None:
+def test_unfinished_settings_are_left_out_and_tables_are_whole():
     ds = sweep_of([[1.0], [np.nan]], [[0.5], [np.nan]])
     front = vc.pareto(ds)
     assert len(front) == 1
@@ -54,7 +53,7 @@ def test_unfinished_settings_are_left_out_and_tables_are_whole() -> None:
     assert str(front).splitlines()[0].split() == ["c_e", "total_s", "rel_l1"]
 
 
-def test_wrong_input_is_refused() -> None:
+def test_wrong_input_is_refused():
     ds = sweep_of([[1.0]], [[0.5]])
     with pytest.raises(ValueError, match="cost must be a variable of the sweep, got 'joules'"):
         vc.pareto(ds, cost="joules")
@@ -64,7 +63,7 @@ def test_wrong_input_is_refused() -> None:
         vc.pareto(sweep_of([[np.nan]], [[0.5]]))
 
 
-def test_bias_and_variance_are_told_apart_by_the_seeds() -> None:
+def test_bias_and_variance_are_told_apart_by_the_seeds():
     rng = np.random.default_rng(5)
     exact = [np.full((48, 48, 3), 2.0) + rng.normal(0, 0.3, (48, 48, 3)) for _ in range(6)]
     covered = 0
@@ -80,7 +79,7 @@ def test_bias_and_variance_are_told_apart_by_the_seeds() -> None:
     assert bias2[0] + variance[0] == pytest.approx(squared / np.mean(exact) ** 2, rel=1e-6)
 
 
-def test_a_sweep_with_repeats_has_both_and_the_cache_is_biased(tmp_path: Path) -> None:
+def test_a_sweep_with_repeats_has_both_and_the_cache_is_biased(tmp_path):
     ds = vc.sweep(
         "room?triangles=2000", vc.Whitted(n_vpls=32), over={"c_e": [8, 64]}, size=(48, 32),
         visibility=vc.Aqvc(exact_groups=()), repeats=4, directory=tmp_path / "s",

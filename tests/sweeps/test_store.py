@@ -2,7 +2,6 @@
 
 import sqlite3
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,12 +18,12 @@ def frame(value: float = 1.0) -> Frame:
 KEY, OTHER = "a" * 64, "b" * 64
 
 
-def test_the_key_is_of_the_content_not_of_the_order() -> None:
+def test_the_key_is_of_the_content_not_of_the_order():
     assert content_key({"a": 1, "b": [2.5]}) == content_key({"b": [2.5], "a": 1})
     assert content_key({"a": 1}) != content_key({"a": 2})
 
 
-def test_a_finished_frame_is_there_after_reopening(tmp_path: Path) -> None:
+def test_a_finished_frame_is_there_after_reopening(tmp_path):
     with Store(tmp_path) as store:
         assert store.get(KEY) is None
         store.put(KEY, {"seed": 3}, frame(2.0))
@@ -34,14 +33,14 @@ def test_a_finished_frame_is_there_after_reopening(tmp_path: Path) -> None:
         assert store.frame(KEY).sha256 == record.sha256 == frame(2.0).sha256
 
 
-def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path: Path) -> None:
+def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path):
     with Store(tmp_path) as store:
         store.put(KEY, {}, frame())
         (tmp_path / picture_name(KEY)).unlink()
         assert store.get(KEY) is None
 
 
-def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> None:
+def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path):
     with Store(tmp_path) as store:
         store.put(KEY, {}, frame())
         store.put_comparison(KEY, OTHER, {"rmse": 1.0, "flip": None})
@@ -50,14 +49,14 @@ def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> Non
         assert store.compared(KEY, OTHER) == {}
 
 
-def test_a_file_that_is_no_store_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_is_no_store_is_refused(tmp_path):
     (tmp_path / "sweep.sqlite").write_text("not a database, but long enough to be looked at" * 9)
     with pytest.raises(ValueError, match=r"sweep\.sqlite is not a sweep's store"):
         Store(tmp_path)
     assert Store.exists(tmp_path)
 
 
-def test_the_store_uses_a_write_ahead_log(tmp_path: Path) -> None:
+def test_the_store_uses_a_write_ahead_log(tmp_path):
     Store(tmp_path).close()
     with closing(sqlite3.connect(tmp_path / "sweep.sqlite")) as db, db:
         assert db.execute("PRAGMA journal_mode").fetchone() == ("wal",)

@@ -55,9 +55,7 @@ def reference(folder: Path) -> str:
 
 @pytest.mark.parametrize("name", ["../victim", "{folder}/victim", "frames/../../victim", ""])
 @pytest.mark.parametrize("damaged", [False, True])
-def test_names_of_pictures_are_not_read(
-    name: str, damaged: bool, store: Path, victim: Path
-) -> None:
+def test_names_of_pictures_are_not_read(name, damaged, store, victim):
     before, pictures = swept(store), names(store)
     name = name.format(folder=store.parent)
     change(store, "update frames set file = :name", "delete from comparisons", name=name)
@@ -71,9 +69,7 @@ def test_names_of_pictures_are_not_read(
 
 
 @pytest.mark.parametrize("name", ["../.bashrc", "{folder}/.bashrc"])
-def test_shared_references_replace_no_file_of_the_user(
-    name: str, finished: Path, tmp_path: Path
-) -> None:
+def test_shared_references_replace_no_file_of_the_user(name, finished, tmp_path):
     home, evil = tmp_path / "home", tmp_path / "evil"
     home.mkdir()
     shutil.copytree(finished, evil / "references")
@@ -86,7 +82,7 @@ def test_shared_references_replace_no_file_of_the_user(
 
 
 @pytest.mark.parametrize("key", ["../../victim", "A" * 64, "a" * 63, "a" * 64 + "\n", 7])
-def test_a_key_that_is_no_hash_is_refused(key: Any, store: Path, victim: Path) -> None:
+def test_a_key_that_is_no_hash_is_refused(key, store, victim):
     with pytest.raises(ValueError, match="key of a frame must be 64 hexadecimal digits, got"):
         picture_name(key)
     with Store(store) as opened:
@@ -106,7 +102,7 @@ def test_a_key_that_is_no_hash_is_refused(key: Any, store: Path, victim: Path) -
 @pytest.mark.parametrize(
     "name", ["picture", "frames", *(f"sweep.sqlite{e}" for e in DATABASE_FILES)]
 )
-def test_links_in_the_place_of_files_are_refused(name: str, store: Path, tmp_path: Path) -> None:
+def test_links_in_the_place_of_files_are_refused(name, store, tmp_path):
     outside = tmp_path / "outside"
     path = store / (reference(store) if name == "picture" else name)
     if path.exists():
@@ -122,7 +118,7 @@ def test_links_in_the_place_of_files_are_refused(name: str, store: Path, tmp_pat
     assert before == (outside.read_bytes() if outside.is_file() else names(outside))
 
 
-def test_what_is_written_replaces_links_and_not_their_targets(store: Path, victim: Path) -> None:
+def test_what_is_written_replaces_links_and_not_their_targets(store, victim):
     for name in ("table.csv", "table.nc", "report.html"):
         (store / name).unlink(missing_ok=True)
         (store / name).symlink_to(victim)
@@ -132,9 +128,7 @@ def test_what_is_written_replaces_links_and_not_their_targets(store: Path, victi
     assert not (store / "table.csv").is_symlink() and not (store / "report.html").is_symlink()
 
 
-def test_maps_of_errors_are_neither_read_nor_kept_through_links(
-    tmp_path: Path, victim: Path
-) -> None:
+def test_maps_of_errors_are_neither_read_nor_kept_through_links(tmp_path, victim):
     pictures = [vc.render("cube_on_plane", DIRECT, size=(12, 11), seed=s) for s in range(2)]
     flip_map_of(*pictures, tmp_path)
     (kept,) = (tmp_path / "flip").iterdir()
@@ -159,7 +153,7 @@ def journal(of: Path, other: Path) -> bytes:
     return b"".join((head.ljust(512, b"\0"), struct.pack(">I", page), name, end, magic))
 
 
-def test_a_journal_that_names_another_file_is_refused(store: Path, victim: Path) -> None:
+def test_a_journal_that_names_another_file_is_refused(store, victim):
     database = store / "sweep.sqlite"
     with closing(sqlite3.connect(database)) as db:
         db.execute("PRAGMA journal_mode=DELETE")
@@ -181,9 +175,7 @@ def test_a_journal_that_names_another_file_is_refused(store: Path, victim: Path)
         ("CREATE VIRTUAL TABLE w USING fts5(x)", "table 'w'"),
     ],
 )
-def test_a_database_with_more_than_tables_is_refused(
-    statement: str, what: str, store: Path
-) -> None:
+def test_a_database_with_more_than_tables_is_refused(statement, what, store):
     try:
         change(store, statement)
     except sqlite3.OperationalError as error:
@@ -192,7 +184,7 @@ def test_a_database_with_more_than_tables_is_refused(
         Store(store)
 
 
-def test_a_dataset_that_came_as_a_file_opens_no_folder(store: Path, tmp_path: Path) -> None:
+def test_a_dataset_that_came_as_a_file_opens_no_folder(store, tmp_path):
     """Its attribute may name any folder, such as another sweep of the user."""
     table = open_dataset(store)
     stranger = tmp_path / "mine"
@@ -207,7 +199,7 @@ def test_a_dataset_that_came_as_a_file_opens_no_folder(store: Path, tmp_path: Pa
     assert report.write(table) == store / "report.html"
 
 
-def test_definitions_name_no_files(store: Path) -> None:
+def test_definitions_name_no_files(store):
     """A store's texts have no path that is opened: names follow from keys alone."""
     with closing(sqlite3.connect(store / "sweep.sqlite")) as db, db:
         (text,) = db.execute("SELECT record FROM sweep").fetchone()
@@ -217,7 +209,7 @@ def test_definitions_name_no_files(store: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["rows.npy", "rows", "rows-0-16.npz", "pairs"])
-def test_links_in_a_store_of_correlations_are_refused(name: str, tmp_path: Path) -> None:
+def test_links_in_a_store_of_correlations_are_refused(name, tmp_path):
     def measure() -> Any:
         return measured(directory=tmp_path / "store")
 
@@ -245,7 +237,7 @@ class Program:
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_nothing_that_is_read_back_is_unpickled(wrapped: bool, tmp_path: Path) -> None:
+def test_nothing_that_is_read_back_is_unpickled(wrapped, tmp_path):
     """Neither a pickle in the place of a file, nor objects among its arrays."""
     scene, started = vc.scenes.cube_on_plane(), tmp_path / "started"
 

@@ -23,7 +23,7 @@ from viscache.sweeps.table import open_dataset
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1", "rmse")}
 
 
-def test_the_grid_comes_back_with_dims_named_by_the_last_part(fake_vc: Any) -> None:
+def test_the_grid_comes_back_with_dims_named_by_the_last_part(fake_vc):
     over = {"c_e": [4, 8, 16], "visibility.c_n": [4, 8], "integrator.n_vpls": [1, 2]}
     ds = sweep("room", "whitted", over=over, repeats=2, seed=5, **SMALL)
     assert dict(ds.sizes) == {"c_e": 3, "c_n": 2, "n_vpls": 2, "repeat": 2, "group": 1}
@@ -37,7 +37,7 @@ def test_the_grid_comes_back_with_dims_named_by_the_last_part(fake_vc: Any) -> N
     assert ds.total_s.attrs["units"] == "s" and (ds.cpu_s >= 0).all()
 
 
-def test_the_paired_reference_is_rendered_once_per_integrator_and_repeat(fake_vc: Any) -> None:
+def test_the_paired_reference_is_rendered_once_per_integrator_and_repeat(fake_vc):
     over = {"c_e": [4, 8, 16], "integrator.n_vpls": [1, 2]}
     sweep("room", "whitted", over=over, repeats=3, **SMALL)
     exact = [c for c in fake_vc.CALLS if type(c["visibility"]).__name__ == "Exact"]
@@ -48,7 +48,7 @@ def test_the_paired_reference_is_rendered_once_per_integrator_and_repeat(fake_vc
     assert {c["spp"] for c in fake_vc.CALLS} == {1}
 
 
-def test_the_converged_reference_gives_the_total_error_beside_the_caches_own(fake_vc: Any) -> None:
+def test_the_converged_reference_gives_the_total_error_beside_the_caches_own(fake_vc):
     ds = sweep("room", "whitted", over={"c_e": [2, 20]}, converged={"spp": 64, "seed": 9}, **SMALL)
     converged = [c for c in fake_vc.CALLS if c["spp"] == 64]
     assert len(converged) == 1 and converged[0]["seed"] == 9
@@ -57,7 +57,7 @@ def test_the_converged_reference_gives_the_total_error_beside_the_caches_own(fak
     assert (ds.converged_rmse.sel(c_e=20) > ds.converged_rmse.sel(c_e=2)).all()
 
 
-def test_an_interrupted_sweep_resumes_and_repeats_nothing(fake_vc: Any, tmp_path: Path) -> None:
+def test_an_interrupted_sweep_resumes_and_repeats_nothing(fake_vc, tmp_path):
     over = {"c_e": [4, 8, 16, 32]}
     fake_vc.STOP[:] = [4]
     with pytest.raises(KeyboardInterrupt):
@@ -77,7 +77,7 @@ def test_an_interrupted_sweep_resumes_and_repeats_nothing(fake_vc: Any, tmp_path
     assert len(fake_vc.CALLS) == 10
 
 
-def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc, tmp_path):
     sweep("room", "whitted", over={"c_e": [4, 8]}, directory=tmp_path, **SMALL)
     assert len(fake_vc.CALLS) == 3
     ds = sweep(
@@ -92,9 +92,7 @@ def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc: Any, tmp_path
     assert ds.ssim.notnull().all() and "rmse" not in ds
 
 
-def test_a_frame_is_measured_while_its_picture_is_written(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_frame_is_measured_while_its_picture_is_written(fake_vc, tmp_path, monkeypatch):
     measured = threading.Event()
     compare, put = metrics.compare, Store.put
     order: list[str] = []
@@ -119,9 +117,7 @@ def test_a_frame_is_measured_while_its_picture_is_written(
     assert len(rows_of(tmp_path)) == 1
 
 
-def test_a_frame_that_cannot_be_measured_is_kept(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_frame_that_cannot_be_measured_is_kept(fake_vc, tmp_path, monkeypatch):
     def fails(*_: Any, **__: Any) -> Any:
         raise ValueError("a must be finite")
 
@@ -133,9 +129,7 @@ def test_a_frame_that_cannot_be_measured_is_kept(
         assert len(store.finished()) == 2 and rows_of(tmp_path) == []
 
 
-def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(
-    fake_vc: Any, tmp_path: Path
-) -> None:
+def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(fake_vc, tmp_path):
     lengths = []
 
     def progress(done: int, total: int) -> None:
@@ -159,9 +153,7 @@ def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(
     assert float(rows[3]["rel_l1"]) == pytest.approx(0.08, rel=1e-5)
 
 
-def test_the_netcdf_table_opens_elsewhere_and_the_pictures_are_there(
-    fake_vc: Any, tmp_path: Path
-) -> None:
+def test_the_netcdf_table_opens_elsewhere_and_the_pictures_are_there(fake_vc, tmp_path):
     over = {"processing": ["waves", "rows"], "c_e": [4]}
     ds = sweep("room", "whitted", over=over, directory=tmp_path, **SMALL)
     with xarray.open_dataset(tmp_path / "table.nc", engine="h5netcdf") as back:
@@ -172,7 +164,7 @@ def test_the_netcdf_table_opens_elsewhere_and_the_pictures_are_there(
         assert Frame.load(tmp_path / row["frame"]).size == (32, 24)
 
 
-def test_an_executor_gives_the_same_table_as_none(fake_vc: Any, tmp_path: Path) -> None:
+def test_an_executor_gives_the_same_table_as_none(fake_vc, tmp_path):
     arguments: dict[str, Any] = {"over": {"c_e": [4, 8, 16]}, "repeats": 2, **SMALL}
     plain = sweep("room", "whitted", **arguments)
     with ThreadPoolExecutor(3) as pool:
@@ -182,9 +174,7 @@ def test_an_executor_gives_the_same_table_as_none(fake_vc: Any, tmp_path: Path) 
     assert len(rows_of(tmp_path)) == 6
 
 
-def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(
-    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(fake_vc, tmp_path, monkeypatch):
 
     def breaks(scene: Any, integrator: Any, **options: Any) -> Frame:
         if getattr(options["visibility"], "c_e", 0) == 16:
@@ -197,7 +187,7 @@ def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(
     assert [r["c_e"] for r in rows_of(tmp_path)] == ["4"]
 
 
-def test_a_list_of_points_has_one_dim_and_its_coordinates(fake_vc: Any) -> None:
+def test_a_list_of_points_has_one_dim_and_its_coordinates(fake_vc):
     points = [{"c_e": 4, "c_n": 8}, {"c_e": 16, "c_n": 4}, {"c_e": 5, "c_n": 5}]
     ds = sweep("room", "whitted", over=points, **SMALL)
     assert dict(ds.sizes) == {"point": 3, "repeat": 1, "group": 1}
@@ -225,9 +215,7 @@ def test_a_list_of_points_has_one_dim_and_its_coordinates(fake_vc: Any) -> None:
         ({"converged": {"ssp": 4}}, "did you mean 'spp'"),
     ],
 )
-def test_bad_sweeps_are_refused_before_the_first_frame(
-    fake_vc: Any, change: dict[str, Any], says: str
-) -> None:
+def test_bad_sweeps_are_refused_before_the_first_frame(fake_vc, change, says):
     arguments: dict[str, Any] = {"integrator": "whitted", "over": {"c_e": [4]}, **SMALL, **change}
     with pytest.raises(ValueError, match=says):
         sweep("room", arguments.pop("integrator"), **arguments)
@@ -248,7 +236,7 @@ c_e = [4, 8]
 """
 
 
-def test_a_file_runs_as_written(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_file_runs_as_written(fake_vc, tmp_path):
     path = tmp_path / "a.toml"
     path.write_text(FILE + "integrator.n_vpls = [1, 3]\n")
     ds = SweepFile.load(path).run(tmp_path / "out")
@@ -258,7 +246,7 @@ def test_a_file_runs_as_written(fake_vc: Any, tmp_path: Path) -> None:
     assert ds.attrs["scene"] == "room?triangles=2000"
 
 
-def test_a_files_scene_is_relative_to_the_file(tmp_path: Path) -> None:
+def test_a_files_scene_is_relative_to_the_file(tmp_path):
     (tmp_path / "a.toml").write_text('scene = "meshes/x.obj"\n[over]\nc_e = [1]\n')
     from viscache.scenes import sources
 
@@ -267,7 +255,7 @@ def test_a_files_scene_is_relative_to_the_file(tmp_path: Path) -> None:
     assert sources.absolute("room?lights=2", tmp_path) == "room?lights=2"
 
 
-def test_a_files_points_are_a_list_of_tables(fake_vc: Any, tmp_path: Path) -> None:
+def test_a_files_points_are_a_list_of_tables(fake_vc, tmp_path):
     text = FILE.split("[over]")[0] + "points = [{c_e = 4, c_n = 2}, {c_e = 8, c_n = 1}]\n"
     (tmp_path / "a.toml").write_text(text)
     ds = SweepFile.load(tmp_path / "a.toml").run(None)
@@ -284,7 +272,7 @@ def test_a_files_points_are_a_list_of_tables(fake_vc: Any, tmp_path: Path) -> No
         ("scene = room", r"a\.toml"),
     ],
 )
-def test_bad_files_are_refused_with_file_and_reason(tmp_path: Path, text: str, says: str) -> None:
+def test_bad_files_are_refused_with_file_and_reason(tmp_path, text, says):
     (tmp_path / "a.toml").write_text(text)
     with pytest.raises(ValueError, match=says) as caught:
         SweepFile.load(tmp_path / "a.toml")
@@ -295,7 +283,7 @@ READY = sorted((Path(__file__).parents[2] / "scripts" / "sweeps").glob("*.toml")
 
 
 @pytest.mark.parametrize("path", READY, ids=lambda p: p.stem)
-def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
+def test_the_ready_sweeps_name_parameters_that_exist(path):
     from viscache.sweeps.plan import make_plan
 
     loaded = SweepFile.load(path)
@@ -309,7 +297,7 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
 # With the real renderer
 
 
-def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path: Path) -> None:
+def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path):
     import viscache as vc
     from viscache_lab.commands.self_test import small_scene
 

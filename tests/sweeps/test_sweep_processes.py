@@ -64,9 +64,7 @@ def begun(log: Path) -> list[str]:
 
 
 @pytest.mark.slow
-def test_a_sweep_killed_at_any_moment_loses_nothing_and_repeats_one_frame_at_most(
-    tmp_path: Path,
-) -> None:
+def test_a_sweep_killed_at_any_moment_loses_nothing_and_repeats_one_frame_at_most(tmp_path):
     log, rng, kills, points = tmp_path / "log", random.Random(5), 0, 60
     directory = tmp_path / "sweep"
     while kills < 5:
@@ -94,8 +92,8 @@ def test_a_sweep_killed_at_any_moment_loses_nothing_and_repeats_one_frame_at_mos
 
 @pytest.mark.parametrize("threads", [0, 2])
 def test_a_frame_finished_between_look_up_and_claim_is_not_rendered_again(
-    threads: int, fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    threads, fake_vc, tmp_path, monkeypatch
+):
     """Another process finishes every frame just before this one claims it."""
     mine, other = tmp_path / "mine", tmp_path / "other"
     over = {"c_e": [4, 8]}
@@ -130,7 +128,7 @@ def side_by_side(log: Path) -> int:
 
 
 @pytest.mark.slow
-def test_frames_that_are_timed_never_run_side_by_side(tmp_path: Path) -> None:
+def test_frames_that_are_timed_never_run_side_by_side(tmp_path):
     most = {}
     for apart in ("yes", "no"):
         log = tmp_path / f"log-{apart}"
@@ -143,9 +141,7 @@ def test_frames_that_are_timed_never_run_side_by_side(tmp_path: Path) -> None:
     assert most["yes"] == 1 < most["no"]
 
 
-def test_an_executor_renders_side_by_side_unless_told_otherwise(
-    fake_vc: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_executor_renders_side_by_side_unless_told_otherwise(fake_vc, monkeypatch):
 
     running, most = [], []
 
@@ -167,7 +163,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
         assert max(most) == 1 and ds.alone.all()
 
 
-def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
+def test_workers_end_when_the_process_that_made_them_is_killed():
     code = (
         "import os, time\nfrom viscache.base.workers import process_pool\n"
         "if __name__ == '__main__':\n"
@@ -194,7 +190,7 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     pytest.fail("the worker outlived the process that made it")
 
 
-def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path: Path) -> None:
+def test_references_are_shared_between_sweeps_by_content(fake_vc, tmp_path):
     common = {"references": tmp_path / "references", "converged": {"spp": 16}, **SMALL}
     sweep("room", "whitted", over={"c_e": [4, 8]}, directory=tmp_path / "a", **common)
     assert len(fake_vc.CALLS) == 2 + 2
@@ -208,7 +204,7 @@ def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path:
         assert len(store.finished()) == 2
 
 
-def test_where_the_time_went_is_told(fake_vc: Any, tmp_path: Path) -> None:
+def test_where_the_time_went_is_told(fake_vc, tmp_path):
     import json
 
     ds = sweep("room", "whitted", over={"c_e": [4, 8]}, directory=tmp_path, **SMALL)
@@ -217,9 +213,7 @@ def test_where_the_time_went_is_told(fake_vc: Any, tmp_path: Path) -> None:
     assert 0 < parts <= seconds["total"] + 0.003
 
 
-def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scene_gets_its_environment_once_and_not_once_per_frame(tmp_path, monkeypatch):
     import viscache as vc
 
     made = []
@@ -250,7 +244,7 @@ def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
         assert vc.Frame.load(tmp_path / row["frame"]).sha256 == alone.sha256
 
 
-def test_a_worker_loads_a_scene_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_loads_a_scene_once(monkeypatch):
     import viscache as vc
     from viscache.scenes import sources
 

@@ -53,9 +53,7 @@ POWERS = st.one_of(st.floats(0.4, 2.0), st.floats(-2.0, -0.4))
 @given(
     power=POWERS, where=st.floats(0.05, 0.95), low=st.floats(0.01, 10), decades=st.floats(0.3, 3)
 )
-def test_the_search_finds_rising_and_falling_powers(
-    power: float, where: float, low: float, decades: float
-) -> None:
+def test_the_search_finds_rising_and_falling_powers(power, where, low, decades):
     span = Span(low=low, high=low * 10**decades)
     wanted = span.along(span.low, span.high, where)
     tried = search(lambda v: Pilot(v, 0.02 * (v / wanted) ** power, 1.0), 0.02, span)
@@ -70,9 +68,7 @@ def test_the_search_finds_rising_and_falling_powers(
     where=st.floats(0.0, 1.0),
     falls=st.booleans(),
 )
-def test_whole_numbers_are_tried_once_and_stay_in_range(
-    low: int, steps: int, where: float, falls: bool
-) -> None:
+def test_whole_numbers_are_tried_once_and_stay_in_range(low, steps, where, falls):
     span = Span(low=low, high=low + steps, whole=True)
     wanted = low + where * steps
 
@@ -89,7 +85,7 @@ def test_whole_numbers_are_tried_once_and_stay_in_range(
     assert abs(math.log(found.error / 0.02)) <= nearest + 2 * math.log(4) / steps + 0.04
 
 
-def test_a_range_from_zero_is_walked_in_equal_steps_to_its_ends() -> None:
+def test_a_range_from_zero_is_walked_in_equal_steps_to_its_ends():
     span = Span(low=0, high=3)
     tried = search(lambda v: Pilot(v, 0.001 * (1 + v), 1.0), 0.5, span)
     assert [p.value for p in tried] == pytest.approx([1, 2, 2.5, 3])
@@ -97,20 +93,20 @@ def test_a_range_from_zero_is_walked_in_equal_steps_to_its_ends() -> None:
     assert [p.value for p in tried] == pytest.approx([1, 2, 0.5, 0])
 
 
-def test_an_error_that_never_changes_is_looked_at_at_both_ends() -> None:
+def test_an_error_that_never_changes_is_looked_at_at_both_ends():
     tried = search(lambda v: Pilot(v, 0.1, 1.0), 0.02, Span(low=1, high=64))
     assert [p.value for p in tried] == pytest.approx([4, 16, 64, 1])
     late = search(lambda v: Pilot(v, 0.0 if v < 40 else v / 1000, 1.0), 0.05, Span(low=1, high=64))
     assert best(late, 0.05).error == pytest.approx(0.05, rel=0.05)
 
 
-def test_of_whole_numbers_one_that_reaches_the_target_is_preferred() -> None:
+def test_of_whole_numbers_one_that_reaches_the_target_is_preferred():
     pilots = [Pilot(3, 0.004, 1.0), Pilot(4, 0.0132, 1.0)]
     assert best(pilots, 0.01, whole=True).value == 3
     assert best(pilots, 0.01).value == 4
 
 
-def test_an_oracle_of_ones_own_is_tuned(room: vc.Scene) -> None:
+def test_an_oracle_of_ones_own_is_tuned(room):
     """It does not work in parts of frames, so frames check it."""
     found = vc.tune(
         room,
@@ -132,7 +128,7 @@ def test_an_oracle_of_ones_own_is_tuned(room: vc.Scene) -> None:
         _ = found.pilots[0].c_e
 
 
-def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
+def test_shadow_maps_and_the_share_of_a_correction(room):
     direct = vc.Direct()
     maps = vc.tune(
         room,
@@ -203,18 +199,18 @@ class NoFields:
         ({"use": vc.Correct(), "parameter": {"use.share": (0.1, 2)}}, r"share must be in \(0, 1\]"),
     ],
 )
-def test_what_cannot_be_searched_is_refused(arguments: dict[str, Any], says: str) -> None:
+def test_what_cannot_be_searched_is_refused(arguments, says):
     with pytest.raises(ValueError, match=says):
         vc.tune("slits", "direct", **arguments)
 
 
-def test_what_does_not_combine_is_refused_before_a_frame_is_rendered() -> None:
+def test_what_does_not_combine_is_refused_before_a_frame_is_rendered():
     product = vc.Direct(environment="product")
     with pytest.raises(ValueError, match='with environment="product"'):
         vc.tune("slits", product, visibility=GridCache(), parameter={"cell": (0.1, 1)})
 
 
-def test_the_command_searches_any_number(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_searches_any_number(capsys):
     words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40"]
     maps = ["--visibility", "shadow_map", "--parameter", "resolution", "--between", "8", "128"]
     assert cli.main([*words, *maps, "--target", "rel_l1<=0.03", "--json"]) == 0

@@ -43,7 +43,7 @@ def modelled(best: tuple[float, float]) -> tuple[Any, list[Pilot]]:
 
 
 @pytest.mark.parametrize("best", [(4.0, 0.0), (4.0, 4.0), (2.0, 0.0), (2.0, 4.0), (1.0, 4.0)])
-def test_the_family_with_the_fewest_rays_is_found_at_the_target(best: tuple[float, float]) -> None:
+def test_the_family_with_the_fewest_rays_is_found_at_the_target(best):
     measure, made = modelled(best)
     tried = search(measure, 0.02, C_E)
     before = len(made)
@@ -60,14 +60,14 @@ def test_the_family_with_the_fewest_rays_is_found_at_the_target(best: tuple[floa
     assert EACH < MOST_MORE
 
 
-def test_an_error_that_c_e_cannot_reach_is_not_searched_further() -> None:
+def test_an_error_that_c_e_cannot_reach_is_not_searched_further():
     measure, made = modelled((2.0, 4.0))
     tried = search(measure, 1e-5, C_E)
     pilots, one = jointly(measure, tried, 1e-5, C_E, lambda **_: [{}], lambda p: 1.0)
     assert pilots == tried == made and one.value == C_E.low
 
 
-def test_values_that_were_given_stay() -> None:
+def test_values_that_were_given_stay():
     assert [f["bright"] for f in families(vc.Aqvc(bright=6))] == [6]
     assert all(f["c_finest"] == 3 for f in families(vc.Aqvc(c_finest=3)))
     assert families(vc.Aqvc(c_finest=3, bright=6)) == []
@@ -77,7 +77,7 @@ def test_values_that_were_given_stay() -> None:
     assert families(vc.Aqvc(), beside=beside, c_e=9) == [{"c_finest": 8.0, "bright": 4.0}]
 
 
-def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room: vc.Scene) -> None:
+def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room):
     given: dict[str, Any] = {"rel_l1_reflected": 0.02, "size": (112, 70)}
     conference = vc.scenes.conference(triangles=20_000)
     found = vc.tune(conference, WHITTED, **given)
@@ -100,7 +100,7 @@ def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room: vc.Scen
     )
 
 
-def test_a_reached_target_is_confirmed_by_the_interval() -> None:
+def test_a_reached_target_is_confirmed_by_the_interval():
     def one(error: float, low: float) -> Tuned:
         return Tuned(
             target=0.01, parameter="c_e", value=8.0, visibility=vc.Aqvc(c_e=8), rel_l1=error,
@@ -115,7 +115,7 @@ def test_a_reached_target_is_confirmed_by_the_interval() -> None:
     assert one(0.005, 0.004).reached and not one(0.0131, 0.005).reached
 
 
-def test_flip_is_judged_on_the_frame_itself(room: vc.Scene) -> None:
+def test_flip_is_judged_on_the_frame_itself(room):
     found = vc.tune(room, WHITTED, flip=0.03, size=SIZE, seed=3)
     exact = vc.render(room, WHITTED, size=SIZE, seed=3)
     frame = vc.render(room, WHITTED, visibility=found.visibility, size=SIZE, seed=3)
@@ -126,7 +126,7 @@ def test_flip_is_judged_on_the_frame_itself(room: vc.Scene) -> None:
     assert "flip=" in repr(found) and found.as_dict()["metric"] == "flip"
 
 
-def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room: vc.Scene) -> None:
+def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room):
     long = vc.tune(room, WHITTED, seconds=600, size=SIZE)
     assert long.is_exact and long.error == 0 and long.reached and "which fits" in long.message
     assert repr(long).startswith("Tuned(exact,") and "target=600 s" in repr(long)
@@ -135,7 +135,7 @@ def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room: v
     assert "No C_E that was tried takes 0.0001 s" in short.message
 
 
-def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
+def test_passes_have_the_error_that_was_asked_for(room):
     size = (48, 30)
 
     def light(integrator: Any, passes: int, **given: Any) -> Any:
@@ -159,13 +159,13 @@ def test_passes_have_the_error_that_was_asked_for(room: vc.Scene) -> None:
     assert timed.wanted == "seconds" and timed.passes is not None and timed.passes >= 1
 
 
-def test_picks_that_were_given_stay(room: vc.Scene) -> None:
+def test_picks_that_were_given_stay(room):
     few = vc.Whitted(n_vpls=64, pick=5)
     found = vc.tune(room, few, rel_l1_reflected=0.2, passes=True, size=(32, 20))
     assert found.integrator == few and [p.also for p in found.pilots] == [{}, {}]
 
 
-def test_picks_are_chosen_where_many_lights_cost_many_rays(room: vc.Scene) -> None:
+def test_picks_are_chosen_where_many_lights_cost_many_rays(room):
     """Few passes are enough, in which a cache learns little."""
     many = vc.Whitted(n_vpls=1024, n_area=0)
     found = vc.tune(room, many, rel_l1_reflected=0.25, passes=True, size=(32, 20))
@@ -188,14 +188,12 @@ def test_picks_are_chosen_where_many_lights_cost_many_rays(room: vc.Scene) -> No
         ({"passes": True, "flip": 0.1}, "passes are tuned by rel_l1_reflected"),
     ],
 )
-def test_targets_that_do_not_go_together_are_refused(
-    room: vc.Scene, arguments: dict[str, Any], says: str
-) -> None:
+def test_targets_that_do_not_go_together_are_refused(room, arguments, says):
     with pytest.raises(ValueError, match=says):
         vc.tune(room, WHITTED, size=(16, 16), **arguments)
 
 
-def test_the_command_takes_every_target(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_takes_every_target(capsys):
     words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "48x30", "--json"]
     for more, wanted in (
         (["--target", "flip<=0.05"], {"metric": "flip", "target": 0.05}),

@@ -2,7 +2,6 @@
 
 import math
 import pickle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,7 @@ def message(*arguments: Any, **limits: float) -> str:
 
 
 @pytest.mark.parametrize("metric", METRICS)
-def test_every_metric_can_be_limited_from_both_sides_of_its_value(metric: str) -> None:
+def test_every_metric_can_be_limited_from_both_sides_of_its_value(metric):
     b = vc.Frame(layers={"color": picture(), "seen_emitters": 0 * picture()})
     a = vc.Frame(layers={"color": b.image * 0.93, "seen_emitters": 0 * picture()})
     value = vc.metrics.compare(a, b)[metric]
@@ -45,14 +44,14 @@ def test_every_metric_can_be_limited_from_both_sides_of_its_value(metric: str) -
     assert f"{metric} must be" in text.splitlines()[0] and f"{value:.4g}" in text
 
 
-def test_energy_is_limited_both_ways() -> None:
+def test_energy_is_limited_both_ways():
     b = picture()
     for a in (1.02 * b, 0.98 * b):
         assert_close(a, b, energy=0.021)
         assert "energy must be within ±0.019" in message(a, b, energy=0.019)
 
 
-def test_without_limits_the_usual_ones_hold_and_given_ones_replace_them() -> None:
+def test_without_limits_the_usual_ones_hold_and_given_ones_replace_them():
     b = picture()
     assert set(assert_close(1.005 * b, b)) == {"rel_l1", "energy"}
     assert "energy must be within ±0.01" in message(1.015 * b, b)
@@ -62,7 +61,7 @@ def test_without_limits_the_usual_ones_hold_and_given_ones_replace_them() -> Non
     assert set(assert_close(2 * b, b, rmse=10)) == {"rmse"}
 
 
-def test_of_repeats_the_whole_interval_must_be_within_the_limit() -> None:
+def test_of_repeats_the_whole_interval_must_be_within_the_limit():
     b = [picture(s) for s in range(5)]
     a = [p * f for p, f in zip(b, (1.01, 1.02, 1.03, 1.04, 1.05), strict=True)]
     low, high = vc.metrics.compare(a, b, metrics=["energy"]).intervals["energy"]
@@ -79,7 +78,7 @@ def test_of_repeats_the_whole_interval_must_be_within_the_limit() -> None:
     assert caught.value.picture is a[2] and caught.value.reference is b[0]
 
 
-def test_the_message_says_where_and_how_much() -> None:
+def test_the_message_says_where_and_how_much():
     a, b = picture(), picture()
     a[7, 31] += [0.5, 0.25, 0]
     text = message(a, b, max_abs=0.1)
@@ -97,14 +96,14 @@ def test_the_message_says_where_and_how_much() -> None:
         (lambda b: b[:, :, ::-1], "red and blue of the picture are swapped"),
     ],
 )
-def test_simple_changes_are_recognised(spoilt: Any, says: str) -> None:
+def test_simple_changes_are_recognised(spoilt, says):
     b = picture()
     assert says in message(spoilt(b), b)
     noise = b + np.random.default_rng(1).normal(0, 0.2, b.shape)
     assert says not in message(noise, b)
 
 
-def test_frames_that_do_not_fit_are_named() -> None:
+def test_frames_that_do_not_fit_are_named():
     scene, size = vc.scenes.stairs(), (32, 20)
     exact = vc.render(scene, vc.Direct(), size=size)
     other = vc.render(scene, vc.Direct(n_area=4), size=size, seed=1, spp=2)
@@ -123,7 +122,7 @@ def test_frames_that_do_not_fit_are_named() -> None:
         (vc.Unoccluded(), None, "leaves all shadows out"),
     ],
 )
-def test_advice_follows_from_the_settings(visibility: Any, use: Any, says: str) -> None:
+def test_advice_follows_from_the_settings(visibility, use, says):
     scene, size = vc.scenes.build("room?triangles=3000"), (48, 30)
     exact = vc.render(scene, vc.Direct(), size=size)
     frame = vc.render(scene, vc.Direct(), size=size, visibility=visibility, use=use)
@@ -131,7 +130,7 @@ def test_advice_follows_from_the_settings(visibility: Any, use: Any, says: str) 
     assert says in text and "differ in" not in text
 
 
-def test_what_cannot_be_compared_fails_and_says_why() -> None:
+def test_what_cannot_be_compared_fails_and_says_why():
     a, b = picture(), picture()
     assert "must have one shape" in message(a[:20], b)
     a[3, 5, 1] = np.nan
@@ -152,14 +151,14 @@ def test_what_cannot_be_compared_fails_and_says_why() -> None:
         ({"flip": True}, "flip must be a limit"),
     ],
 )
-def test_limits_that_nothing_or_everything_meets_are_refused(limits: Any, says: str) -> None:
+def test_limits_that_nothing_or_everything_meets_are_refused(limits, says):
     with pytest.raises(ValueError, match=says.replace("(", r"\(")):
         assert_close(picture(), picture(), **limits)
     with pytest.raises(TypeError, match="did you mean 'rel_l1'"):
         assert_close(picture(), picture(), rell1=0.1)
 
 
-def test_the_page_shows_both_pictures_and_the_numbers(tmp_path: Path) -> None:
+def test_the_page_shows_both_pictures_and_the_numbers(tmp_path):
     scene, size = vc.scenes.stairs(), (48, 30)
     exact = vc.render(scene, vc.Direct(), size=size)
     cached = vc.render(scene, vc.Direct(), size=size, visibility=vc.Unoccluded())
@@ -178,14 +177,14 @@ def test_the_page_shows_both_pictures_and_the_numbers(tmp_path: Path) -> None:
     assert not (tmp_path / "none.html").exists()
 
 
-def test_the_error_travels_between_processes() -> None:
+def test_the_error_travels_between_processes():
     error = PictureError("message", picture(), picture(), {"rel_l1": "0.1"})
     again = pickle.loads(pickle.dumps(error))
     assert str(again) == "message" and isinstance(again, AssertionError)
     assert again.numbers == {"rel_l1": "0.1"}
 
 
-def test_limits_are_read_from_text() -> None:
+def test_limits_are_read_from_text():
     assert parsed("rel_l1<=0.02") == Limit("rel_l1", 0.02)
     assert parsed(" ssim >= .98 ") == Limit("ssim", 0.98)
     assert parsed("energy<=1e-3") == Limit("energy", 0.001)

@@ -112,13 +112,13 @@ def pages(folder: Path) -> list[Path]:
     return sorted(folder.rglob("diff.html"))
 
 
-def test_the_entry_point_is_the_one_of_the_project() -> None:
+def test_the_entry_point_is_the_one_of_the_project():
     project = text("pyproject.toml")
     assert '[project.entry-points.pytest11]\npytest_viscache = "pytest_viscache"' in project
     assert '"python/pytest_viscache"' in project
 
 
-def test_other_tests_are_neither_slowed_nor_changed(pytester: pytest.Pytester, run) -> None:
+def test_other_tests_are_neither_slowed_nor_changed(pytester, run):
     pytester.makepyfile(
         """
         import sys
@@ -148,9 +148,7 @@ def test_other_tests_are_neither_slowed_nor_changed(pytester: pytest.Pytester, r
     assert not (pytester.path / ".pytest_cache/d").exists()
 
 
-def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(
-    pytester: pytest.Pytester, run
-) -> None:
+def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(pytester, run):
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(SHARED)
     run("-n", "2").assert_outcomes(passed=6)
@@ -160,7 +158,7 @@ def test_exact_frames_are_rendered_once_for_all_tests_workers_and_runs(
 
 
 @pytest.mark.slow
-def test_exact_frames_are_kept_where_they_should_be(pytester: pytest.Pytester, run) -> None:
+def test_exact_frames_are_kept_where_they_should_be(pytester, run):
     pytester.makeconftest(CONFTEST)
     pytester.makepyfile(SHARED)
     for count, arguments in ((2, []), (4, ["--cache-clear"]), (6, ["--viscache-exact", "here"])):
@@ -175,7 +173,7 @@ def test_exact_frames_are_kept_where_they_should_be(pytester: pytest.Pytester, r
     assert rendered(pytester) == 10
 
 
-def test_a_failing_test_leaves_a_page_and_prints_its_path(pytester: pytest.Pytester, run) -> None:
+def test_a_failing_test_leaves_a_page_and_prints_its_path(pytester, run):
     pytester.makepyfile(FAILING)
     result = run()
     result.assert_outcomes(failed=4, errors=1, passed=1, xfailed=1)
@@ -202,7 +200,7 @@ def test_a_failing_test_leaves_a_page_and_prints_its_path(pytester: pytest.Pytes
     assert "worst block" in biased and "with probability 0.99" in biased
 
 
-def test_pages_go_where_the_option_says(pytester: pytest.Pytester, run) -> None:
+def test_pages_go_where_the_option_says(pytester, run):
     pytester.makepyfile(FAILING)
     run("-k", "test_fails", "--viscache-pages", "shown").assert_outcomes(failed=1, deselected=6)
     assert [p.is_relative_to(pytester.path / "shown") for p in pages(pytester.path)] == [True]
@@ -213,6 +211,6 @@ def test_pages_go_where_the_option_says(pytester: pytest.Pytester, run) -> None:
     assert "INTERNALERROR" not in result.stdout.str()
 
 
-def test_this_run_has_the_plugin(pytestconfig: pytest.Config) -> None:
+def test_this_run_has_the_plugin(pytestconfig):
     assert pytestconfig.pluginmanager.hasplugin("pytest_viscache")
     assert "pytest_viscache" in sys.modules

@@ -42,7 +42,7 @@ def outcome(frames: Any, exact: Any, **options: Any) -> str:
 @pytest.mark.stat
 @pytest.mark.parametrize("noise", [gamma, corrected])
 @pytest.mark.parametrize("paired", [True, False])
-def test_equal_expectations_pass_as_often_as_they_should(noise: Any, paired: bool) -> None:
+def test_equal_expectations_pass_as_often_as_they_should(noise, paired):
     found = []
     for i in range(80):
         rng = np.random.default_rng(i)
@@ -55,7 +55,7 @@ def test_equal_expectations_pass_as_often_as_they_should(noise: Any, paired: boo
 
 @pytest.mark.stat
 @pytest.mark.parametrize("noise", [gamma, corrected])
-def test_a_bias_of_the_promised_size_is_found_as_often_as_promised(noise: Any) -> None:
+def test_a_bias_of_the_promised_size_is_found_as_often_as_promised(noise):
     """By the energy or by a block; one of a quarter of the size is mostly not."""
     base = assert_unbiased(noise(np.random.default_rng(1), 400), picture(), energy=0.9, alpha=0.01)
     # Of 16 frames: their noise is that of 400, and the quantiles of t are their own
@@ -90,14 +90,14 @@ def moved() -> list[tuple[int, float]]:
         pytest.param(lambda a: a * np.array([1.02, 0.976, 1.0]), "a block", id="a channel"),
     ],
 )
-def test_a_bias_fails_and_is_named(spoil: Any, where: str) -> None:
+def test_a_bias_fails_and_is_named(spoil, where):
     good, exact = (gamma(np.random.default_rng(s), 12) for s in (0, 1))
     assert_unbiased(good, exact)
     with pytest.raises(PictureError, match=f"the frames are biased in {where}"):
         assert_unbiased(spoil(good), exact)
 
 
-def test_too_little_power_fails_and_says_how_many_frames_it_takes() -> None:
+def test_too_little_power_fails_and_says_how_many_frames_it_takes():
     rng = np.random.default_rng(3)
 
     def stack(n: int) -> Array:
@@ -115,7 +115,7 @@ def test_too_little_power_fails_and_says_how_many_frames_it_takes() -> None:
         assert_unbiased(1.5 * stack(6), picture(), energy=0.01)
 
 
-def test_noise_of_equal_seeds_cancels() -> None:
+def test_noise_of_equal_seeds_cancels():
     scene, size = vc.scenes.build("room?triangles=3000"), (48, 32)
     light = vc.Whitted(n_vpls=64)
     options: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "use": vc.Correct(share=0.5)}
@@ -143,7 +143,7 @@ def test_noise_of_equal_seeds_cancels() -> None:
     np.testing.assert_allclose(caught.value.picture, means, rtol=1e-5)
 
 
-def test_one_exact_picture_is_one_without_noise() -> None:
+def test_one_exact_picture_is_one_without_noise():
     frames = gamma(np.random.default_rng(4), 16)
     for exact in (picture(), [picture()], vc.Frame(layers={"color": picture()})):
         assert assert_unbiased(frames, exact).frames == 16
@@ -151,7 +151,7 @@ def test_one_exact_picture_is_one_without_noise() -> None:
         assert_unbiased(frames, 1.01 * picture())
 
 
-def test_grey_pictures_and_alpha_are_taken() -> None:
+def test_grey_pictures_and_alpha_are_taken():
     rng = np.random.default_rng(5)
     grey = [0.5 + 0.01 * rng.standard_normal((40, 40)) for _ in range(8)]
     assert assert_unbiased(grey, np.full((40, 40), 0.5)).blocks == 1
@@ -162,7 +162,7 @@ def test_grey_pictures_and_alpha_are_taken() -> None:
     )
 
 
-def test_frames_that_are_not_independent_are_refused() -> None:
+def test_frames_that_are_not_independent_are_refused():
     frames = list(gamma(np.random.default_rng(6), 4))
     with pytest.raises(ValueError, match="the same picture as numbers 1 and 3"):
         assert_unbiased([*frames[:3], frames[1]], picture())
@@ -177,7 +177,7 @@ def test_frames_that_are_not_independent_are_refused() -> None:
             assert_unbiased(frames, picture(), **{name: bad})
 
 
-def test_broken_pictures_fail() -> None:
+def test_broken_pictures_fail():
     frames = gamma(np.random.default_rng(7), 4)
     with pytest.raises(PictureError, match="must have one size"):
         assert_unbiased(frames[:, :20], picture())
@@ -191,7 +191,7 @@ def test_broken_pictures_fail() -> None:
 
 
 @pytest.mark.parametrize("freedom", [1, 3, 15, 60])
-def test_the_power_is_that_of_simulated_tests(freedom: int) -> None:
+def test_the_power_is_that_of_simulated_tests(freedom):
     from scipy.stats import t
 
     n, alpha = freedom + 1, 0.01
@@ -203,7 +203,7 @@ def test_the_power_is_that_of_simulated_tests(freedom: int) -> None:
     assert student.detectable(1, 1e9, alpha, 0.9) == pytest.approx(2.5758 + 1.2816, rel=1e-3)
 
 
-def test_blocks_are_even_and_cover_the_picture() -> None:
+def test_blocks_are_even_and_cover_the_picture():
     image = np.random.default_rng(9).random((1, 70, 33, 1))
     found = student.blocks(image, 32)
     assert found.shape == (1, 2, 1, 1)

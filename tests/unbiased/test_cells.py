@@ -6,8 +6,6 @@ exact ones of the same seeds, by energy and blocks. A cell renders as many seeds
 one percent of the energy, and prints what it would have seen.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Callable
@@ -243,7 +241,7 @@ def check(cell: Cell) -> None:
         vc.testing.assert_unbiased(darker, exact, alpha=ALPHA, power=POWER, paired=True)
 
 
-def test_every_integrator_and_cache_of_the_registry_has_cells() -> None:
+def test_every_integrator_and_cache_of_the_registry_has_cells():
     assert set(ASKED) == set(by_name.NAMES["integrator"])
     assert set(ORACLES) >= set(by_name.NAMES["visibility"])
     for dimension, known in (("integrator", ASKED), ("oracle", ORACLES), ("use", USES)):
@@ -252,7 +250,7 @@ def test_every_integrator_and_cache_of_the_registry_has_cells() -> None:
 
 
 @pytest.mark.stat
-def test_both_techniques_of_a_sky_have_the_mean_of_one() -> None:
+def test_both_techniques_of_a_sky_have_the_mean_of_one():
     def frames(first: int, **given: int) -> list[vc.Frame]:
         light = vc.Direct(n_area=0, **given)
         return [
@@ -263,7 +261,7 @@ def test_both_techniques_of_a_sky_have_the_mean_of_one() -> None:
     print(vc.testing.assert_unbiased(both, one, energy=0.015))
 
 
-def test_corrected_own_samples_are_divided_by_their_share() -> None:
+def test_corrected_own_samples_are_divided_by_their_share():
     check(Cell("direct", "areas", "unoccluded", "share", 0))
 
 
@@ -349,7 +347,7 @@ CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
         for name in CONTROLS
     ],
 )
-def test_what_is_wrong_in_its_kind_is_found_biased(control: str) -> None:
+def test_what_is_wrong_in_its_kind_is_found_biased(control):
     cell, image = CONTROLS[control]
     with pytest.raises(AssertionError, match="the frames are biased"):
         found(cell, image)
@@ -358,12 +356,12 @@ def test_what_is_wrong_in_its_kind_is_found_biased(control: str) -> None:
 @pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("cell", covering(CELLS), ids=str)
-def test_cells_that_hold_every_pair_of_settings_are_unbiased(cell: Cell) -> None:
+def test_cells_that_hold_every_pair_of_settings_are_unbiased(cell):
     check(cell)
 
 
 @pytest.mark.release
 @pytest.mark.stat
 @pytest.mark.parametrize("cell", CELLS, ids=str)
-def test_every_cell_is_unbiased(cell: Cell) -> None:
+def test_every_cell_is_unbiased(cell):
     check(cell)

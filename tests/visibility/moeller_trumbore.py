@@ -1,7 +1,5 @@
 """Every ray against every triangle in double precision: the slow truth about hits."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Triangles and rays without order, for the tests of casters."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The BSP tracer gives Embree's hits, on any tree, at any scale, for any number of threads."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -52,7 +50,7 @@ SCENES = [
 
 @pytest.mark.parametrize("spec", SCENES)
 @pytest.mark.parametrize("kernel", ["watertight", "wald"])
-def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -> None:
+def test_no_hit_differs_from_embrees_without_an_excuse(spec, kernel):
     scene = built(spec)
     caster = scene.caster(vc.Bsp(kernel=kernel))
     for name in SETS:
@@ -74,7 +72,7 @@ def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -
             np.testing.assert_array_equal(blocked, ours.triangle >= 0)
 
 
-def test_the_excuse_is_no_pardon_for_wrong_hits() -> None:
+def test_the_excuse_is_no_pardon_for_wrong_hits():
     """The control of the test above: hits of shifted rays are not excused."""
     scene = built(SCENES[0])
     r = make_ray_set(scene, "hemi", 2000)
@@ -86,7 +84,7 @@ def test_the_excuse_is_no_pardon_for_wrong_hits() -> None:
     assert not excused(scene, r.origins[differ], r.directions[differ], *parts).all()
 
 
-def test_the_tree_and_its_answers_do_not_depend_on_threads() -> None:
+def test_the_tree_and_its_answers_do_not_depend_on_threads():
     scene = vc.scenes.random_triangles(triangles=5000)
     o, d = rays(20_000, along=True)
     answers = []
@@ -99,7 +97,7 @@ def test_the_tree_and_its_answers_do_not_depend_on_threads() -> None:
     assert answers[0] == answers[1] == answers[2]
 
 
-def test_deeper_trees_test_fewer_triangles() -> None:
+def test_deeper_trees_test_fewer_triangles():
     scene = vc.scenes.random_triangles(triangles=5000)
     o, d = rays(2000, along=True)
     tests, bytes_used = [], []
@@ -113,7 +111,7 @@ def test_deeper_trees_test_fewer_triangles() -> None:
 
 
 @pytest.mark.parametrize("kernel", ["watertight", "wald"])
-def test_a_walk_ends_at_the_hit(kernel: Any) -> None:
+def test_a_walk_ends_at_the_hit(kernel):
     """Behind it lie hundreds of walls, which a walk to the end would try."""
     walls, edge = 1000, np.float32([[-9, -9, 0], [9, -9, 0], [0, 9, 0]])
     vertices = (edge + np.arange(walls)[:, None, None] * [0, 0, 1]).reshape(-1, 3)
@@ -137,7 +135,7 @@ def test_a_walk_ends_at_the_hit(kernel: Any) -> None:
     assert caster.count_steps(far, up)["tests"] <= 8 * len(far)
 
 
-def test_leaves_hold_no_more_triangles_than_asked_for() -> None:
+def test_leaves_hold_no_more_triangles_than_asked_for():
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     coarse, fine = (scene.caster(vc.Bsp(leaf_size=n)).stats for n in (64, 4))
     assert coarse["leaves"] < fine["leaves"] and coarse["depth"] <= fine["depth"]
@@ -146,7 +144,7 @@ def test_leaves_hold_no_more_triangles_than_asked_for() -> None:
 
 
 @pytest.mark.extreme
-def test_scenes_without_volume_or_triangles_can_be_asked() -> None:
+def test_scenes_without_volume_or_triangles_can_be_asked():
     o, d = rays(200)
     empty = vc.Scene.from_description(vc.SceneDescription())
     assert not empty.occluded(o, d, rays=vc.Bsp()).any()
@@ -161,7 +159,7 @@ def test_scenes_without_volume_or_triangles_can_be_asked() -> None:
 
 
 @pytest.mark.extreme
-def test_triangles_no_plane_tells_apart_end_in_one_leaf() -> None:
+def test_triangles_no_plane_tells_apart_end_in_one_leaf():
     """A thousand copies of two triangles over the whole scene: halving gains nothing."""
     square = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     scene = vc.Scene.from_arrays(square, [[0, 1, 2], [0, 2, 3]] * 1000)
@@ -172,7 +170,7 @@ def test_triangles_no_plane_tells_apart_end_in_one_leaf() -> None:
 
 
 @pytest.mark.extreme
-def test_a_tree_that_would_take_hours_is_refused_in_seconds() -> None:
+def test_a_tree_that_would_take_hours_is_refused_in_seconds():
     """Many triangles side by side are in every cell of their slab; these double and double."""
     corners = np.random.default_rng(0).normal(size=(100, 3, 3)) * [0.3, 0.3, 0.01]
     corners += np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
@@ -186,7 +184,7 @@ def test_a_tree_that_would_take_hours_is_refused_in_seconds() -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_ends_the_counting_of_steps_soon() -> None:
+def test_ctrl_c_ends_the_counting_of_steps_soon():
     call = (
         "(lambda o: scene.caster(vc.Bsp()).count_steps(o, o + np.float32(0.1)))"
         "(np.resize(np.random.default_rng(0).uniform(-2, 2, (100_000, 3)), (12_000_000, 3))"
@@ -195,7 +193,7 @@ def test_ctrl_c_ends_the_counting_of_steps_soon() -> None:
     assert quickest_stop(f"import numpy as np; {call}", 1.2) < LIMIT
 
 
-def test_rays_that_no_caster_could_trace_are_refused() -> None:
+def test_rays_that_no_caster_could_trace_are_refused():
     caster, good = vc.scenes.cube_on_plane().caster(vc.Bsp()), np.ones((2, 3), np.float32)
     for bad in (np.nan, np.inf, 2e16):
         wrong = np.where([[False] * 3, [False, False, True]], np.float32(bad), good)
@@ -208,7 +206,7 @@ def test_rays_that_no_caster_could_trace_are_refused() -> None:
 
 
 @pytest.mark.parametrize("kernel", ["watertight", "wald"])
-def test_rays_from_far_away_meet_what_lies_in_planes_of_the_tree(kernel: Any) -> None:
+def test_rays_from_far_away_meet_what_lies_in_planes_of_the_tree(kernel):
     """A wall whose corners lie where planes of the tree meet, 100,000 widths away.
 
     There, the ways of a ray to two planes are wrong by more than a cell. A walk without slack takes

@@ -1,7 +1,5 @@
 """scene.intersect, occluded, visible: right answers by every caster, errors for what cannot be."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from typing import Any
@@ -28,7 +26,7 @@ TREES = [
 
 
 @pytest.mark.parametrize("caster", [vc.Embree(), vc.Embree(robust=False), *TREES], ids=str)
-def test_hits_are_those_of_all_triangles_tried(caster: Any) -> None:
+def test_hits_are_those_of_all_triangles_tried(caster):
     vertices, triangles = soup(300, 0.3)
     scene = vc.Scene.from_arrays(vertices, triangles)
     tree = isinstance(caster, vc.Bsp)
@@ -53,7 +51,7 @@ def test_hits_are_those_of_all_triangles_tried(caster: Any) -> None:
     + [(WATERTIGHT, 10.0**power) for power in (-30, -12, -7, 7, 14)],
     ids=str,
 )
-def test_the_length_of_a_direction_only_scales_t(caster: Any, length: float) -> None:
+def test_the_length_of_a_direction_only_scales_t(caster, length):
     scene = vc.Scene.from_arrays(*soup())
     o, d = rays(5000)
     unit = scene.intersect(o, d, rays=caster)
@@ -67,7 +65,7 @@ def test_the_length_of_a_direction_only_scales_t(caster: Any, length: float) -> 
     )
 
 
-def test_occluded_and_visible_agree_with_the_nearest_hit() -> None:
+def test_occluded_and_visible_agree_with_the_nearest_hit():
     vertices, triangles = soup(seed=3)
     scene = vc.Scene.from_arrays(vertices, triangles)
     o, d = rays(5000, seed=4)
@@ -97,9 +95,7 @@ def test_occluded_and_visible_agree_with_the_nearest_hit() -> None:
     ],
     ids=str,
 )
-def test_rays_end_where_they_are_told_and_robust_ones_alone_meet_their_origin(
-    caster: Any, counted: bool
-) -> None:
+def test_rays_end_where_they_are_told_and_robust_ones_alone_meet_their_origin(caster, counted):
     scene = vc.Scene.from_arrays([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     on, above, down = (0.25, 0.25, 0.0), (0.25, 0.25, 1.0), (0.0, 0.0, -1.0)
     t = scene.intersect([on, above], [down, down], rays=caster).t
@@ -113,7 +109,7 @@ def test_rays_end_where_they_are_told_and_robust_ones_alone_meet_their_origin(
         assert scene.visible([above], [(0.25, 0.25, z)], rays=caster)[0] == free
 
 
-def test_answers_do_not_depend_on_threads_or_packets() -> None:
+def test_answers_do_not_depend_on_threads_or_packets():
     scene = vc.Scene.from_arrays(*soup())
     o, d = rays(40_000)
     whole = scene.occluded(o, d, threads=1)
@@ -133,7 +129,7 @@ def placed(scale: float, turn: bool) -> Array:
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_instances_are_hit_where_the_transformed_mesh_would_be(mirrored: bool) -> None:
+def test_instances_are_hit_where_the_transformed_mesh_would_be(mirrored):
     vertices, triangles = soup(60)
     transforms = [placed(0.5, mirrored), placed(2.0, mirrored)]
     d = vc.SceneDescription()
@@ -164,7 +160,7 @@ def test_instances_are_hit_where_the_transformed_mesh_would_be(mirrored: bool) -
 @pytest.mark.parametrize("instanced", [False, True])
 @pytest.mark.parametrize("channels", [1, 4])
 @pytest.mark.parametrize("rays", [vc.Embree(), WATERTIGHT, vc.Bsp()], ids=str)
-def test_alpha_cuts_holes_for_every_kind_of_ray(rays: Any, channels: int, instanced: bool) -> None:
+def test_alpha_cuts_holes_for_every_kind_of_ray(rays, channels, instanced):
     """The left half of a card is cut away; the image's top row is v = 1."""
     alpha = np.zeros((2, 2, channels), np.float32)
     alpha[:, 1, -1] = 1
@@ -196,7 +192,7 @@ BAD_VALUES = [np.nan, np.inf, -np.inf, 2e16, 2e18, 1e30, 1e300]
 
 @pytest.mark.parametrize("value", BAD_VALUES)
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis: int) -> None:
+def test_coordinates_that_rays_cannot_use_are_refused_by_name(value, axis):
     bad, good = np.array([[0.2, 0.2, 1.0], [0.1, 0.1, 1.0]]), np.repeat(ONE, 2, axis=0)
     bad[1, axis] = value
     names = ("origins", "directions")
@@ -211,7 +207,7 @@ def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis
 @pytest.mark.parametrize(
     "wrong", [[], [0.0, 0.0], [[0.0, 0.0]], np.zeros((2, 3, 1)), np.zeros((1, 4)), 1.0]
 )
-def test_wrong_shapes_are_refused_with_the_shape_given(wrong: Any) -> None:
+def test_wrong_shapes_are_refused_with_the_shape_given(wrong):
     for call, given in (
         (SCENE.visible, (wrong, ONE)),
         (SCENE.occluded, (ONE, wrong)),
@@ -224,7 +220,7 @@ def test_wrong_shapes_are_refused_with_the_shape_given(wrong: Any) -> None:
 @pytest.mark.parametrize(
     "wrong", [[["a", "b", "c"]], [[None, 1, 2]], [[1j, 0, 0]], [[True, False, True]]]
 )
-def test_what_is_not_a_number_is_refused(wrong: Any) -> None:
+def test_what_is_not_a_number_is_refused(wrong):
     with pytest.raises(ValueError, match="x must be numbers, got dtype"):
         SCENE.visible(wrong, ONE)
 
@@ -235,12 +231,12 @@ def test_what_is_not_a_number_is_refused(wrong: Any) -> None:
     + [(t, "must") for t in ([1.0, 2.0], [[1.0] * 4], "far", None)],
     ids=str,
 )
-def test_a_t_max_that_is_none_is_refused(t_max: Any, says: str) -> None:
+def test_a_t_max_that_is_none_is_refused(t_max, says):
     with pytest.raises(ValueError, match=f"t_max {says}"):
         SCENE.occluded(ONE * 3, DOWN * 3, t_max)
 
 
-def test_no_rays_are_no_answers() -> None:
+def test_no_rays_are_no_answers():
     none = np.zeros((0, 3))
     assert SCENE.visible(none, none).shape == SCENE.occluded(none, none).shape == (0,)
     assert SCENE.occluded(none, none, np.zeros(0)).dtype == bool
@@ -249,13 +245,13 @@ def test_no_rays_are_no_answers() -> None:
     assert [f.dtype for f in found] == [np.float32, np.int64, np.float32, np.int64]
 
 
-def test_t_max_may_be_an_array_an_integer_or_infinite() -> None:
+def test_t_max_may_be_an_array_an_integer_or_infinite():
     for t_max in (2, 2.0, [2.0], np.inf, np.float64(2), np.array(2.0), np.array([2], np.int64)):
         assert SCENE.occluded(ONE, DOWN, t_max)[0]
     assert not SCENE.occluded(ONE, DOWN, 0.5)[0]
 
 
-def test_degenerate_triangles_do_no_harm() -> None:
+def test_degenerate_triangles_do_no_harm():
     vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.5, 0.5]]
     scene = vc.Scene.from_arrays(vertices, [[0, 0, 0], [0, 1, 1], [3, 3, 3], [0, 1, 2]])
     assert scene.intersect(ONE, DOWN).triangle[0] == 3
@@ -279,7 +275,7 @@ for coherent in (False, True):
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("stretch", [(1e-20,) * 3, (1e-12,) * 3, (1e-3, 1, 1e3), (1e11,) * 3])
-def test_rays_from_the_end_of_the_range_enter_any_instance(stretch: tuple[float, ...]) -> None:
+def test_rays_from_the_end_of_the_range_enter_any_instance(stretch):
     """In an instance's own space a ray may lie beyond what Embree's live asserts allow."""
     description = vc.SceneDescription()
     description.add_material()
@@ -307,9 +303,7 @@ CASTERS = [vc.Embree(), WATERTIGHT, vc.Bsp()]
 @pytest.mark.extreme
 @pytest.mark.parametrize("rays", CASTERS, ids=["embree", "watertight", "bsp"])
 @pytest.mark.parametrize("size", [1e9, 1e12])
-def test_hits_have_a_finite_distance_in_every_scene_that_is_accepted(
-    size: float, rays: Any
-) -> None:
+def test_hits_have_a_finite_distance_in_every_scene_that_is_accepted(size, rays):
     scene = vc.Scene.from_arrays(TRIANGLE * size, [[0, 1, 2]])
     for away in (size, 1e14, 1e16):
         hit = scene.intersect([[0, 0, away]], [[0, 0, -1]], rays=rays)
@@ -319,14 +313,14 @@ def test_hits_have_a_finite_distance_in_every_scene_that_is_accepted(
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("rays", CASTERS[:2], ids=["embree", "watertight"])
-def test_a_distance_beyond_the_largest_number_is_the_largest_number(rays: Any) -> None:
+def test_a_distance_beyond_the_largest_number_is_the_largest_number(rays):
     scene = vc.Scene.from_arrays(TRIANGLE, [[0, 1, 2]])
     hit = scene.intersect([[0, 0, 1e4]], [[0, 0, -1e-36]], rays=rays)
     assert hit.triangle[0] in (0, -1) and (hit.triangle[0] < 0) == np.isinf(hit.t[0])
 
 
 @pytest.mark.parametrize("size", [1.01e12, 1e13, 1e16])
-def test_larger_geometry_is_refused(size: float) -> None:
+def test_larger_geometry_is_refused(size):
     with pytest.raises(vc.SceneError, match="must be finite and at most 1e12"):
         vc.Scene.from_arrays(TRIANGLE * size, [[0, 1, 2]])
     placed = vc.SceneDescription()
@@ -344,9 +338,7 @@ N = 20_000
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize("away", AWAY)
-def test_points_on_surfaces_see_each_other_through_free_space_only(
-    scale: float, away: float
-) -> None:
+def test_points_on_surfaces_see_each_other_through_free_space_only(scale, away):
     """`visible` without normals: opposite walls see each other; a screen between them hides."""
     low = quad((-0.5, 0, -0.5), (0, 0, 1), (1, 0, 0))
     high = quad((-0.5, 1, -0.5), (0, 0, 1), (1, 0, 0))
@@ -367,7 +359,7 @@ def test_points_on_surfaces_see_each_other_through_free_space_only(
 
 
 @pytest.mark.extreme
-def test_visible_keeps_points_apart_that_touch_a_wall_from_both_sides() -> None:
+def test_visible_keeps_points_apart_that_touch_a_wall_from_both_sides():
     wall = vc.Scene.from_arrays([[-1, -1, 0], [1, -1, 0], [0, 2, 0]], [[0, 1, 2]])
     for gap in (1e-3, 1e-4):
         assert not wall.visible([[0, 0, gap]], [[0, 0, -gap]])[0]

@@ -1,9 +1,6 @@
 """The exact oracle: packet order and coherence never change a byte; what it counts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -27,9 +24,7 @@ INTEGRATORS = [
 
 @pytest.mark.parametrize("integrator", INTEGRATORS, ids=["direct", "whitted", "picks", "ambient"])
 @pytest.mark.parametrize("size", [(67, 41), (1, 1), (130, 3)])
-def test_packet_order_and_coherence_change_no_byte(
-    integrator: Any, size: tuple[int, int], room: vc.Scene
-) -> None:
+def test_packet_order_and_coherence_change_no_byte(integrator, size, room):
     settings = [vc.Exact()] if size != (67, 41) else [vc.Exact(), vc.Exact(engine="shafts")]
     settings += [
         vc.Exact(order=o, coherent=c, engine="packets")
@@ -44,7 +39,7 @@ def test_packet_order_and_coherence_change_no_byte(
         assert frame.counters == frames[0].counters
 
 
-def test_a_group_that_the_scene_lacks_is_neither_counted_nor_stored() -> None:
+def test_a_group_that_the_scene_lacks_is_neither_counted_nor_stored():
     bare = replace(ROOM, directions=(), spheres=(), env=None, parts=ROOM.parts[:4]).to_viscache()
     frame = vc.render(bare, vc.Direct(), size=(16, 16))
     assert frame.counters["groups"].keys() == {"point"}

@@ -1,7 +1,5 @@
 """All placed triangles in one list: corners, names, and what is left out."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import viscache as vc
@@ -20,7 +18,7 @@ def placed_scene() -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def test_every_placed_triangle_with_area_is_listed_once_with_its_corners() -> None:
+def test_every_placed_triangle_with_area_is_listed_once_with_its_corners():
     scene = placed_scene()
     flat = testing.flat_triangles(scene._core)
     sphere = len(scene.meshes())  # its tessellation: 24 rings of 48 sectors
@@ -36,7 +34,7 @@ def test_every_placed_triangle_with_area_is_listed_once_with_its_corners() -> No
     np.testing.assert_array_equal(corners[-1], [[1, 2, 3], [2, 2, 3], [1, 3, 3]])
 
 
-def test_thin_triangles_are_kept_and_no_triangles_are_an_empty_list() -> None:
+def test_thin_triangles_are_kept_and_no_triangles_are_an_empty_list():
     """Area is judged in double: its square would vanish in single precision."""
     corners = [[0, 0, 0], [1, 0, 0], [0.5, 1e-20, 0]]
     for faces in ([[0, 1, 2]], np.zeros((0, 3), int)):

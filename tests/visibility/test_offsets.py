@@ -1,7 +1,5 @@
 """Offsets follow the surface that a ray leaves: what is far or large moves no other shadow."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -69,7 +67,7 @@ def lit(
 
 @pytest.mark.parametrize("far", [1e3, 1e4, 1e6])
 @pytest.mark.parametrize("rays", RAYS)
-def test_one_far_triangle_moves_no_shadow(rays: str, far: float) -> None:
+def test_one_far_triangle_moves_no_shadow(rays, far):
     near = lit([floor(1e3)], rays=RAYS[rays])
     assert 0.03 < 1 - near.mean() < 0.3
     np.testing.assert_array_equal(lit([floor(1e3), card(far)], rays=RAYS[rays]), near)
@@ -77,12 +75,12 @@ def test_one_far_triangle_moves_no_shadow(rays: str, far: float) -> None:
 
 @pytest.mark.parametrize("half", [1e4, 1e6])
 @pytest.mark.parametrize("rays", RAYS)
-def test_a_large_floor_keeps_the_shadow_of_a_small_ball(rays: str, half: float) -> None:
+def test_a_large_floor_keeps_the_shadow_of_a_small_ball(rays, half):
     np.testing.assert_array_equal(lit([floor(half)], rays=RAYS[rays]), lit([floor(1e3)]))
 
 
 @pytest.mark.parametrize("visibility", ["exact", "packets", "shafts", "aqvc?c_e=64"])
-def test_packets_shafts_and_caches_keep_it_too(visibility: str) -> None:
+def test_packets_shafts_and_caches_keep_it_too(visibility):
     chosen = {
         "exact": vc.Exact(),
         "packets": vc.Exact(engine="packets"),
@@ -96,7 +94,7 @@ def test_packets_shafts_and_caches_keep_it_too(visibility: str) -> None:
 
 
 @pytest.mark.parametrize("rays", RAYS)
-def test_a_dome_of_tilted_triangles_moves_no_shadow_inside(rays: str) -> None:
+def test_a_dome_of_tilted_triangles_moves_no_shadow_inside(rays):
     q = turn(3)
     near = lit([floor(1e3)], "point", frame=q)
     found = lit([floor(1e3), dome(1e6)], "point", rays=RAYS[rays], frame=q)
@@ -105,7 +103,7 @@ def test_a_dome_of_tilted_triangles_moves_no_shadow_inside(rays: str) -> None:
 
 
 @pytest.mark.parametrize("rays", RAYS)
-def test_a_large_tilted_floor_shades_itself_nowhere(rays: str) -> None:
+def test_a_large_tilted_floor_shades_itself_nowhere(rays):
     """Its offset grows with it, as its plane is known to ulps of its size."""
     q = turn(3)
     for half in (1e3, 1e4):

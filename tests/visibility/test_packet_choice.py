@@ -1,7 +1,5 @@
 """How exact rays share packets, and Embree's flag: from geometry, never by timing."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -43,7 +41,7 @@ def coherent(scene: vc.Scene, origins: float, ends: float) -> bool:
 
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e9])
-def test_packets_that_are_wide_for_the_triangles_are_incoherent(size: float) -> None:
+def test_packets_that_are_wide_for_the_triangles_are_incoherent(size):
     scene = squares(size)
     below, above = 0.99 * WIDEST * size, 1.01 * WIDEST * size
     assert coherent(scene, below, below) and coherent(scene, 0, 0)
@@ -51,18 +49,18 @@ def test_packets_that_are_wide_for_the_triangles_are_incoherent(size: float) -> 
 
 
 @pytest.mark.parametrize("scale", [0.25, 8.0])
-def test_triangles_count_as_large_as_they_are_placed(scale: float) -> None:
+def test_triangles_count_as_large_as_they_are_placed(scale):
     scene = squares(1.0, placed=scale)
     assert coherent(scene, 0.99 * WIDEST * scale, 0)
     assert not coherent(scene, 1.01 * WIDEST * scale, 0)
 
 
-def test_scenes_without_area_have_an_answer() -> None:
+def test_scenes_without_area_have_an_answer():
     line = vc.Scene.from_arrays([[0, 0, 0], [1, 1, 1], [2, 2, 2]], [[0, 1, 2]])
     assert coherent(line, 0, 0) and not coherent(line, 1, 1)
 
 
-def test_rows_that_share_few_lights_are_traced_by_pixel() -> None:
+def test_rows_that_share_few_lights_are_traced_by_pixel():
     by_light = testing.by_light
     assert by_light(np.ones((16, 100), bool)) and by_light(np.ones((3, 100), bool))
     assert not by_light(np.ones((2, 100), bool))
@@ -87,7 +85,7 @@ viscache/shafts/shaft_source.cpp
 """
 
 
-def test_no_choice_is_timed() -> None:
+def test_no_choice_is_timed():
     """Where the clock chooses how rays are traced, two runs can differ by a byte."""
     clock = re.compile(r"clock_gettime|_clock::|rdtsc|(cpu_time|wall_clock|stage_clock)\.h")
     found = {str(p.relative_to(CPP)) for p in CPP.rglob("*.[ch]*") if clock.search(p.read_text())}

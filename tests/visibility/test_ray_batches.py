@@ -1,7 +1,5 @@
 """Rays from arrays: checked, packed and ordered with the same bits on every instruction set."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,7 @@ def fine() -> vc.Scene:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("n", [1, 15, 16, 17, 240, 256])
-def test_lanes_hold_the_rays_in_their_order(isa: str, n: int) -> None:
+def test_lanes_hold_the_rays_in_their_order(isa, n):
     o, d = rays(n)
     t = np.random.default_rng(2).uniform(0.5, 2, n).astype(np.float32)
     d[n // 2], t[n // 3] = 0, 0
@@ -45,7 +43,7 @@ def test_lanes_hold_the_rays_in_their_order(isa: str, n: int) -> None:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("gaps", [False, True])
-def test_one_bad_number_anywhere_stops_its_batch(isa: str, gaps: bool) -> None:
+def test_one_bad_number_anywhere_stops_its_batch(isa, gaps):
     n = 40
     wide = np.zeros((n, 8), np.float32)
     o, d = (wide[:, :3], wide[:, 4:7]) if gaps else (wide[:, :3].copy(), wide[:, 4:7].copy())
@@ -73,7 +71,7 @@ def test_one_bad_number_anywhere_stops_its_batch(isa: str, gaps: bool) -> None:
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
-def test_every_instruction_set_orders_rays_in_the_same_way(isa: str) -> None:
+def test_every_instruction_set_orders_rays_in_the_same_way(isa):
     for n in (1, 2, 33, 1000, 5000):
         o, d = rays(n)
         want, share = ray_order(o, d, isa="portable")
@@ -85,7 +83,7 @@ def test_every_instruction_set_orders_rays_in_the_same_way(isa: str) -> None:
     np.testing.assert_array_equal(ray_order(wide[:, :3], wide[:, 3:], isa=isa)[0], want)
 
 
-def test_the_share_in_order_tells_images_from_rays_without_order() -> None:
+def test_the_share_in_order_tells_images_from_rays_without_order():
     scene = built("room?triangles=2000")
     from viscache_lab.bench.ray_sets import make_ray_set
 
@@ -96,7 +94,7 @@ def test_the_share_in_order_tells_images_from_rays_without_order() -> None:
     assert shares["camera"] > 0.9 and shares["hemi"] < 0.1 and shares["p2p"] < 0.1
 
 
-def test_sorted_rays_are_near_their_predecessors() -> None:
+def test_sorted_rays_are_near_their_predecessors():
     o, d = rays(40_000)
     order, _ = ray_order(o, d)
     jump = np.linalg.norm(np.diff(o[order], axis=0), axis=1).mean()
@@ -104,7 +102,7 @@ def test_sorted_rays_are_near_their_predecessors() -> None:
 
 
 @pytest.mark.parametrize("instanced", [False, True])
-def test_every_way_gives_the_answers_of_single_rays(instanced: bool) -> None:
+def test_every_way_gives_the_answers_of_single_rays(instanced):
     scene = vc.scenes.courtyard(triangles=30_000) if instanced else fine()
     caster = scene.caster()
     o, d = rays(20_011)
@@ -121,7 +119,7 @@ def test_every_way_gives_the_answers_of_single_rays(instanced: bool) -> None:
 
 @pytest.mark.parametrize("way", ["coherent", "as_given", "sorted"])
 @pytest.mark.parametrize("row", [0, 1, 70_001, 99_999])
-def test_the_first_bad_row_of_many_is_named(way: str, row: int) -> None:
+def test_the_first_bad_row_of_many_is_named(way, row):
     """Debian's Embree would end the process if one of them reached it."""
     caster = vc.Scene.from_arrays(*soup(10)).caster()
     n = 100_000
@@ -138,7 +136,7 @@ def test_the_first_bad_row_of_many_is_named(way: str, row: int) -> None:
         caster.occluded(o, d, t, way=way)
 
 
-def test_rows_with_gaps_and_one_row_for_all_are_read_in_place() -> None:
+def test_rows_with_gaps_and_one_row_for_all_are_read_in_place():
     wide = np.concatenate(rays(9000), axis=1)
     o, d = wide[:, :3], wide[:, 3:]
     (views, shape) = together(origins=o, directions=d)

@@ -1,7 +1,5 @@
 """Next Event Estimation++: by roulette, and with its means as a control variate."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -48,7 +46,7 @@ def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("way", ["roulette", "means"])
-def test_slits_of_light_in_voxels_of_shadow_keep_their_light(way: str) -> None:
+def test_slits_of_light_in_voxels_of_shadow_keep_their_light(way):
     """They are traced one time in ten, or one in five."""
     scene, seeds = vc.scenes.stairs(12), range(96 if way == "roulette" else 64)
     exact = stack(scene, vc.Direct(), vc.Exact(), seeds)
@@ -66,9 +64,7 @@ def test_slits_of_light_in_voxels_of_shadow_keep_their_light(way: str) -> None:
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
 @pytest.mark.parametrize("never", [{"min_probability": 1.0}, {"exponent": 0.0}])
-def test_where_nothing_is_left_out_the_frame_is_the_exact_one(
-    integrator: Any, never: dict[str, float], room: vc.Scene
-) -> None:
+def test_where_nothing_is_left_out_the_frame_is_the_exact_one(integrator, never, room):
     exact = vc.render(room, integrator, size=SIZE)
     frame = vc.render(room, integrator, size=SIZE, visibility=vc.NeePlusPlus(**never))
     assert frame.sha256 == exact.sha256
@@ -86,7 +82,7 @@ def walled() -> vc.Scene:
     return Model(parts, points=(((2.0, 2.0, 0.1), (9, 9, 9)),)).to_viscache()
 
 
-def test_connections_between_voxels_that_never_see_each_other_are_hardly_traced() -> None:
+def test_connections_between_voxels_that_never_see_each_other_are_hardly_traced():
     scene = walled()
     camera = vc.look_at((0.0, 12.0, 0.01), (0, 0, 0), fov_deg=40)
     view: dict[str, Any] = {"size": (160, 100), "camera": camera}
@@ -99,7 +95,7 @@ def test_connections_between_voxels_that_never_see_each_other_are_hardly_traced(
     assert vc.metrics.rel_l1(frame.image, exact.image) < 0.05
 
 
-def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room: vc.Scene) -> None:
+def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room):
     exact = vc.render(room, vc.Direct(n_area=0), size=(64, 48))
 
     def error(**given: Any) -> float:
@@ -144,14 +140,14 @@ def corrected(
 
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
-def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, room: vc.Scene) -> None:
+def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator, room):
     exact = vc.render(room, integrator, size=SIZE)
     frame = vc.render(room, integrator, size=SIZE, visibility=COARSE, use=vc.Correct(share=1))
     assert frame.sha256 == exact.sha256
     assert frame.counters["corrections"] == frame.counters["queries"] == exact.counters["queries"]
 
 
-def test_weights_are_the_mean_or_the_corrected_mean(scene: vc.Scene) -> None:
+def test_weights_are_the_mean_or_the_corrected_mean(scene):
     """μ where nothing was traced; of a traced query, q follows from its weight and the truth."""
     conn = vc.connections(scene, LIGHTS, size=SIZE)
     settings, exact = vc.NeePlusPlus(n_voxels=6), conn.answers(vc.Exact())["vpl"]
@@ -180,7 +176,7 @@ def test_weights_are_the_mean_or_the_corrected_mean(scene: vc.Scene) -> None:
         assert abs(truth[there].mean() - mean[there].mean()) < 0.1
 
 
-def test_the_contribution_decides_beside_the_mean(scene: vc.Scene) -> None:
+def test_the_contribution_decides_beside_the_mean(scene):
     """Rays go where light is: the same rays, spread evenly, leave several times the error."""
     exact = vc.render(scene, LIGHTS, size=SIZE, spp=4)
     options: dict[str, Any] = {"size": SIZE, "visibility": vc.NeePlusPlus(), "spp": 4}
@@ -191,7 +187,7 @@ def test_the_contribution_decides_beside_the_mean(scene: vc.Scene) -> None:
     assert errors[1] > 3 * errors[0] > 0
 
 
-def test_a_smaller_certain_share_draws_more(scene: vc.Scene) -> None:
+def test_a_smaller_certain_share_draws_more(scene):
     drawn = [
         vc.render(scene, LIGHTS, size=SIZE, visibility=vc.NeePlusPlus(certain=c), use=use)
         for c, use in (
@@ -215,7 +211,7 @@ def kept_frames(
     return [vc.render(scene, LIGHTS, keep=keep, first_sample=i, **given) for i in range(n)]
 
 
-def test_later_frames_learn_less_and_add_to_the_counts(scene: vc.Scene) -> None:
+def test_later_frames_learn_less_and_add_to_the_counts(scene):
     counts = vc.VoxelCounts()
     tests = []
     for i in range(3):
@@ -228,7 +224,7 @@ def test_later_frames_learn_less_and_add_to_the_counts(scene: vc.Scene) -> None:
     assert frames[1].counters["learning_rays"] == 0 < frames[0].counters["learning_rays"]
 
 
-def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
+def test_what_does_not_fit_is_refused(room):
     counts = vc.VoxelCounts()
     given: dict[str, Any] = {"size": SIZE, "visibility": COARSE, "keep": counts}
     vc.render(room, vc.Direct(), **given)
@@ -246,7 +242,7 @@ def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
     vc.render(vc.scenes.stairs(12), vc.Direct(), **given)
 
 
-def test_damaged_counts_are_refused(scene: vc.Scene) -> None:
+def test_damaged_counts_are_refused(scene):
     counts = vc.VoxelCounts()
     kept_frames(scene, 1, counts)
     state = counts._state()

@@ -1,7 +1,5 @@
 """Shadow maps: depths, the depth test and its bias, and frames that use them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -47,7 +45,7 @@ def unit(v: Any) -> Floats:
     return np.asarray(v, float) / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
-def test_depths_of_a_room_are_the_distances_of_its_walls() -> None:
+def test_depths_of_a_room_are_the_distances_of_its_walls():
     light = np.array([0.3, -0.2, 0.5])
     _, depths = look_up(room(), light, np.zeros((1, 3)), np.zeros((1, 3)), resolution=8)
     assert depths.shape == (6, 8, 8)
@@ -63,7 +61,7 @@ def test_depths_of_a_room_are_the_distances_of_its_walls() -> None:
         np.testing.assert_allclose(depths[face], walls.min(axis=-1), rtol=1e-5)
 
 
-def test_a_directional_map_holds_depths_along_the_light_over_the_bounding_sphere() -> None:
+def test_a_directional_map_holds_depths_along_the_light_over_the_bounding_sphere():
     towards = unit([0.3, 0.9, -0.2])
     floor = quads(((-9, -1, -9), (0, 0, 18), (18, 0, 0)))
     point = np.array([[0.4, -1.0, 0.7]])
@@ -93,7 +91,7 @@ def random_scene(seed: int) -> tuple[vc.Scene, Floats, Floats, Floats]:
 
 
 @pytest.mark.parametrize("direction", [False, True])
-def test_wrong_bits_fall_with_the_resolution(direction: bool) -> None:
+def test_wrong_bits_fall_with_the_resolution(direction):
     """Wrong are points within a texel of a shadow's edge: as many as the texel is wide."""
     resolutions = (32, 64, 128, 256, 512)
     wrong = np.zeros(len(resolutions))
@@ -127,7 +125,7 @@ def tilted_plane(degrees: float) -> tuple[vc.Scene, Floats, Floats]:
 
 @pytest.mark.parametrize("degrees", [0, 30, 60, 80, 87])
 @pytest.mark.parametrize("direction", [False, True])
-def test_a_plane_never_shadows_itself_with_the_slope_bias(degrees: float, direction: bool) -> None:
+def test_a_plane_never_shadows_itself_with_the_slope_bias(degrees, direction):
     scene, points, normals = tilted_plane(degrees)
     far = (0.0, 1.0, 0.0) if direction else (0.0, 1.9, 0.0)
     options: dict[str, Any] = {"direction": direction, "resolution": 64}
@@ -140,7 +138,7 @@ def test_a_plane_never_shadows_itself_with_the_slope_bias(degrees: float, direct
 
 
 @pytest.mark.parametrize("bias", [0.01, 0.05])
-def test_light_leaks_under_a_wall_as_far_as_the_bias(bias: float) -> None:
+def test_light_leaks_under_a_wall_as_far_as_the_bias(bias):
     """Sun at 45°: the wall is √2·x before a floor point at distance x behind it."""
     scene = quads(((-1.5, 0, -1.5), (0, 0, 3), (3, 0, 0)), ((0, 0, -1), (0, 0, 2), (0, 0.9, 0)))
     x = np.linspace(1e-3, 0.6, 4000)
@@ -154,7 +152,7 @@ def test_light_leaks_under_a_wall_as_far_as_the_bias(bias: float) -> None:
     assert lit[x < 0.8 * leak].all()
 
 
-def test_outside_and_degenerate_points_are_lit_or_finite() -> None:
+def test_outside_and_degenerate_points_are_lit_or_finite():
     scene = quads(((-1, 0, -1), (0, 0, 2), (2, 0, 0)))
     points = np.array([[9, -1, 9], [0, 1, 0], [0, -1, 0], [0, -1, 0], [np.nan, 0, 0]])
     normals = np.array([[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 0, 0], [0, 1, 0]])
@@ -164,7 +162,7 @@ def test_outside_and_degenerate_points_are_lit_or_finite() -> None:
     assert lamp.tolist()[1:4] == [True, False, False]
 
 
-def test_frames_ask_maps_for_points_and_directions_and_rays_for_the_rest() -> None:
+def test_frames_ask_maps_for_points_and_directions_and_rays_for_the_rest():
     scene = ROOM.to_viscache()
     whitted = vc.Whitted(n_vpls=24, n_area=4, n_environment=2, n_brdf=2)
     maps = vc.ShadowMap(resolution=200)
@@ -185,7 +183,7 @@ def test_frames_ask_maps_for_points_and_directions_and_rays_for_the_rest() -> No
     assert groups["point"]["queries"] == exact.counters["groups"]["point"]["queries"]
 
 
-def test_shared_directions_of_the_sky_are_samples_without_maps() -> None:
+def test_shared_directions_of_the_sky_are_samples_without_maps():
     scene = ROOM.to_viscache()
     direct = vc.Direct(n_area=0, n_environment=9, environment="shared")
     exact = vc.render(scene, direct, size=(32, 24))
@@ -196,7 +194,7 @@ def test_shared_directions_of_the_sky_are_samples_without_maps() -> None:
     assert frame.counters["shadow_maps"] == 2
 
 
-def test_virtual_point_lights_have_maps_where_asked_for() -> None:
+def test_virtual_point_lights_have_maps_where_asked_for():
     scene = vc.scenes.cornell_box()
     whitted = vc.Whitted(n_vpls=8, n_area=1)
     exact = vc.render(scene, whitted, size=(40, 40))
@@ -213,7 +211,7 @@ def test_virtual_point_lights_have_maps_where_asked_for() -> None:
     assert errors[1] < 0.5 * errors[0] and errors[1] < 0.02
 
 
-def test_maps_that_do_not_fit_are_refused_with_the_bytes_they_need() -> None:
+def test_maps_that_do_not_fit_are_refused_with_the_bytes_they_need():
     scene = vc.scenes.cube_on_plane()
     maps = vc.ShadowMap(resolution=1000, max_bytes=10**6)
     with pytest.raises(ValueError, match=r"max_bytes must be >= 24000000 .* got 1000000"):

@@ -3,8 +3,6 @@
 That its bits are those of packets is in test_shafts.py.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -15,7 +13,6 @@ import viscache as vc
 from oracles.test_oracle import area_points
 from viscache import _core
 from viscache.oracles.points import unpack
-from viscache.settings.rays import Rays
 from visibility.test_shafts import (
     count_of_differences,
     differences,
@@ -39,7 +36,7 @@ def by_shafts(scene: vc.Scene, x: Array, y: Array, **more: Any) -> tuple[Array, 
     return _core.shaft_matrix(_core.ShaftScene(scene._core), scene.caster(), x, y, **more)
 
 
-def test_the_bytes_are_the_same_for_any_number_of_threads(room: vc.Scene) -> None:
+def test_the_bytes_are_the_same_for_any_number_of_threads(room):
     x, y = on_surfaces(room, 9000), in_space(room, 150)
     alone, work = by_shafts(room, x, y, threads=1)
     seen: list[tuple[int, int]] = []
@@ -50,7 +47,7 @@ def test_the_bytes_are_the_same_for_any_number_of_threads(room: vc.Scene) -> Non
 
 
 @pytest.mark.extreme
-def test_points_close_together_and_far_away() -> None:
+def test_points_close_together_and_far_away():
     scene, low = some_of_a_grid(), positions(grid_points(9, 0.0, 1.0))
     near = np.random.default_rng(4).normal(3, 1e-5, (300, 3)).astype(np.float32)
     assert differences(scene, near, near[:70]) == 0
@@ -61,7 +58,7 @@ def test_points_close_together_and_far_away() -> None:
         assert bits.tobytes() == scene.visible_matrix(x, y, engine="packets").tobytes()
 
 
-def test_packets_answer_a_row_alone_as_beside_others(room: vc.Scene) -> None:
+def test_packets_answer_a_row_alone_as_beside_others(room):
     """Segments along faces of boxes, for which coherent packets depend on the other rays."""
     x, y = on_surfaces(room, 1500), on_surfaces(room, 70, 9)
     together = room.visible_matrix(x, y, engine="packets")
@@ -79,7 +76,7 @@ def instanced() -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def test_packets_of_turned_instances_answer_as_single_rays() -> None:
+def test_packets_of_turned_instances_answer_as_single_rays():
     """Faces of their boxes lie along axes of their own."""
     d = vc.SceneDescription()
     corners = np.stack([positions(grid_points(9, y, 1.0)) for y in (0, 1)]).astype(float) - 4
@@ -97,7 +94,7 @@ def test_packets_of_turned_instances_answer_as_single_rays() -> None:
     np.testing.assert_array_equal(unpack(scene.visible_matrix(x, x), len(x)), one_by_one)
 
 
-def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> None:
+def test_packets_answer_where_shafts_cannot_or_do_not_pay(room):
     x, y = on_surfaces(room, 300), in_space(room, 20)
     own = vc.scenes.build("room?triangles=3000")  # a scene without a tree
     assert "too few queries" in by_shafts(own, x, y, choose=True)[1]["no_shafts"]
@@ -117,7 +114,7 @@ def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> Non
     assert count_of_differences(scene, eyes, vc.FarEnds.points(y)) == 0
 
 
-def test_the_default_takes_shafts_where_points_are_dense(room: vc.Scene) -> None:
+def test_the_default_takes_shafts_where_points_are_dense(room):
     x, y = on_surfaces(room, 12_000), in_space(room, 70)
     bits, work = _core.shaft_matrix(room.shafts(), room.caster(), x, y, choose=True)
     assert work["shaft_queries"] > 0.5 * len(x) * len(y)
@@ -127,7 +124,7 @@ def test_the_default_takes_shafts_where_points_are_dense(room: vc.Scene) -> None
 
 
 @pytest.mark.parametrize("rays", [vc.Embree(robust=False), vc.Bsp()], ids=["fast", "bsp"])
-def test_other_rays_keep_packets(room: vc.Scene, rays: Rays) -> None:
+def test_other_rays_keep_packets(room, rays):
     x, y = on_surfaces(room, 50), in_space(room, 20)
     packets = room.visible_matrix(x, y, rays=rays, engine="packets")
     np.testing.assert_array_equal(room.visible_matrix(x, y, rays=rays), packets)
@@ -135,6 +132,6 @@ def test_other_rays_keep_packets(room: vc.Scene, rays: Rays) -> None:
         room.visible_matrix(x, y, rays=rays, engine="shafts")
 
 
-def test_an_unknown_engine_is_refused(room: vc.Scene) -> None:
+def test_an_unknown_engine_is_refused(room):
     with pytest.raises(ValueError, match='engine must be "auto", "packets" or "shafts"'):
         room.visible_matrix(on_surfaces(room, 5), in_space(room, 2), engine="shaft")  # type: ignore[arg-type]

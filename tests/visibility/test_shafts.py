@@ -3,8 +3,6 @@
 Blocks and frames here; matrices of the same scenes in test_shaft_matrix.py.
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -118,7 +116,7 @@ def needles(n: int = 400) -> vc.Scene:
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 @pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
-def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
+def test_bits_are_those_of_packets_on_every_instruction_set(spec, isa):
     scene = built(spec)
     eyes = area_points(scene, 1500)
     for ends in (lamps(scene, 40), surfaces(scene, 70)):
@@ -152,7 +150,7 @@ def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
-def test_rays_through_edges_and_corners_are_those_of_packets(isa: str) -> None:
+def test_rays_through_edges_and_corners_are_those_of_packets(isa):
     scene, eyes, ends = through_corners()
     packets, is_sure = sure_packets(scene, eyes, ends)
     shafts = visible(scene, Shafts(isa=isa), eyes, ends)
@@ -164,7 +162,7 @@ def test_rays_through_edges_and_corners_are_those_of_packets(isa: str) -> None:
         assert differences(scene, x, y, isa=isa) == 0
 
 
-def test_without_bounds_rays_at_edges_differ() -> None:
+def test_without_bounds_rays_at_edges_differ():
     """The negative control: tests at edges notice bounds of zero."""
     scene, eyes, ends = through_corners()
     packets, is_sure = sure_packets(scene, eyes, ends)
@@ -174,14 +172,14 @@ def test_without_bounds_rays_at_edges_differ() -> None:
 
 
 @pytest.mark.parametrize("isa", AVAILABLE)
-def test_needles_and_triangles_without_area_are_those_of_packets(isa: str) -> None:
+def test_needles_and_triangles_without_area_are_those_of_packets(isa):
     scene = needles()
     eyes, others = area_points(scene, 800), positions(area_points(scene, 130, seed=4))
     assert count_of_differences(scene, eyes, vc.FarEnds.points(others), Shafts(isa=isa)) == 0
     assert differences(scene, positions(eyes), others, isa=isa) == 0
 
 
-def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
+def test_eyes_and_lights_in_one_plane_are_those_of_packets():
     scene = some_of_a_grid()
     for height in (0.0, 1.0):
         eyes = grid_points(9, height, 1.0)
@@ -195,9 +193,7 @@ def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
 @pytest.mark.parametrize(
     ("n_eyes", "n_lights"), [(1, 1), (1, 70), (15, 3), (17, 64), (65, 65), (4097, 65)]
 )
-def test_any_numbers_of_points_and_lights_have_the_bits_of_packets(
-    n_eyes: int, n_lights: int
-) -> None:
+def test_any_numbers_of_points_and_lights_have_the_bits_of_packets(n_eyes, n_lights):
     scene = built("room?triangles=3000")
     eyes, ends = area_points(scene, n_eyes), lamps(scene, n_lights)
     assert count_of_differences(scene, eyes, ends) == 0
@@ -209,7 +205,7 @@ def test_any_numbers_of_points_and_lights_have_the_bits_of_packets(
         assert not (bits[:, -1] >> np.uint64(rest)).any()
 
 
-def test_a_tree_beyond_the_limit_is_not_built() -> None:
+def test_a_tree_beyond_the_limit_is_not_built():
     scene = built("room?triangles=3000")
     assert "max_bytes" in _core.ShaftScene(scene._core, max_bytes=1000).refusal
     assert 0 < _core.ShaftScene(scene._core).memory_bytes() < 200 * scene.triangles
@@ -219,7 +215,7 @@ WHITTED = vc.Whitted(n_vpls=150)
 
 
 @pytest.mark.parametrize(("engine", "threads"), [("shafts", 1), ("auto", 2), ("shafts", 3)])
-def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
+def test_frames_have_the_bytes_of_packets(engine, threads):
     scene = built("room?triangles=3000")
     given: dict[str, Any] = {"size": (150, 90), "spp": 2}
     packets = vc.render(scene, WHITTED, visibility=PACKETS, **given)
@@ -233,7 +229,7 @@ def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
 
 
 @pytest.mark.parametrize(("engine", "threads"), [("shafts", 1), ("auto", 3)])
-def test_blocks_from_arrays_have_the_bits_of_packets(engine: Any, threads: int) -> None:
+def test_blocks_from_arrays_have_the_bits_of_packets(engine, threads):
     room = built("room?triangles=3000")
     eyes, ends = area_points(room, 20_000), lamps(room, 100)
     wanted = np.random.default_rng(3).random((len(eyes), len(ends))) < 0.6
@@ -247,7 +243,7 @@ def test_blocks_from_arrays_have_the_bits_of_packets(engine: Any, threads: int) 
     assert work["shaft_traced_packets"] < 0.5 * work["shaft_asked_packets"]
 
 
-def test_directions_and_few_lights_stay_with_packets() -> None:
+def test_directions_and_few_lights_stay_with_packets():
     room = built("room?triangles=3000")
     room.shafts().memory_bytes()  # builds the tree
     eyes = area_points(room, 3000)
@@ -268,7 +264,7 @@ def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
     return frame.parameters.get("engine")
 
 
-def test_by_default_the_tree_is_built_where_queries_pay_for_it() -> None:
+def test_by_default_the_tree_is_built_where_queries_pay_for_it():
     scene = vc.scenes.build("room?triangles=3000")  # a scene without a tree
     assert work_of(scene, size=(40, 24)) is None  # 1920 points x 150 lights < 256 x 3000 triangles
     assert work_of(scene)["shaft_queries"] > 0
@@ -276,14 +272,14 @@ def test_by_default_the_tree_is_built_where_queries_pay_for_it() -> None:
     assert work_of(scene, size=(40, 24))["shaft_queries"] > 0
 
 
-def test_by_default_packets_answer_points_that_ask_for_few_lights() -> None:
+def test_by_default_packets_answer_points_that_ask_for_few_lights():
     scene = built("room?triangles=3000&lights=4")
     scene.shafts().memory_bytes()  # builds the tree
     work = work_of(scene, vc.Direct())
     assert work["shaft_queries"] == 0 < work["left_to_packets"]
 
 
-def test_by_default_packets_answer_where_a_trial_leaves_many_rays() -> None:
+def test_by_default_packets_answer_where_a_trial_leaves_many_rays():
     """Points farther apart than triangles: a node of 64 points has more of them than a list."""
     scene = built("random_triangles")
     scene.shafts().memory_bytes()
@@ -292,7 +288,7 @@ def test_by_default_packets_answer_where_a_trial_leaves_many_rays() -> None:
     assert tried["shaft_traced_packets"] > 0.33 * tried["shaft_asked_packets"]
 
 
-def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
+def test_rays_that_are_not_robust_keep_packets_by_default():
     scene = built("room?triangles=3000")
     fast = vc.Embree(robust=False)
     frame = vc.render(scene, WHITTED, size=(150, 90), rays=fast)
@@ -301,7 +297,7 @@ def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
         vc.render(scene, WHITTED, size=(150, 90), rays=fast, visibility=vc.Exact(engine="shafts"))
 
 
-def test_exact_groups_of_the_quantized_cache_go_through_shafts() -> None:
+def test_exact_groups_of_the_quantized_cache_go_through_shafts():
     scene = built("room?triangles=3000&lights=24")
     options: dict[str, Any] = {"size": (150, 90), "spp": 4}
     cache = vc.Aqvc(exact_groups=("point",))
@@ -332,7 +328,7 @@ def leaves(**holes: Any) -> vc.Scene:
 
 
 @pytest.mark.parametrize("holes", [{"alpha_texture": 0, "alpha_cutoff": 0.5}, {"opacity": 0.5}])
-def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
+def test_holes_are_left_to_rays(holes):
     scene = leaves(**holes)
     eyes, ends = area_points(scene, 1500), lamps(scene, 64)
     assert count_of_differences(scene, eyes, ends) == 0
@@ -364,7 +360,7 @@ def same_bytes(scene: vc.Scene, size: tuple[int, int], spp: int) -> None:
         for n in sorted(vc.scenes.SCENES)
     ],
 )
-def test_built_in_scenes_have_the_bytes_of_packets(name: str) -> None:
+def test_built_in_scenes_have_the_bytes_of_packets(name):
     same_bytes(vc.scenes.build(name), (128, 96), 2)
 
 
@@ -380,5 +376,5 @@ def shared_scenes() -> list[Path]:
 @pytest.mark.slow
 @pytest.mark.skipif(not SCENES, reason="VISCACHE_SCENES is not set")
 @pytest.mark.parametrize("path", shared_scenes(), ids=lambda p: p.parent.name)
-def test_shared_scenes_have_the_bytes_of_packets(path: Path) -> None:
+def test_shared_scenes_have_the_bytes_of_packets(path):
     same_bytes(vc.load_scene(path, missing="skip"), (320, 200), 1)

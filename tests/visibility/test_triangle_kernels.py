@@ -1,7 +1,5 @@
 """One ray against one triangle: right hits, strict ends, no gaps between neighbours, extremes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -25,7 +23,7 @@ def hits(kernel: str, corners: Array, o: Array, d: Array, **ends: float) -> Arra
 
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("axis", range(3))
-def test_rays_along_an_axis_hit_triangles_across_it(kernel: str, axis: int) -> None:
+def test_rays_along_an_axis_hit_triangles_across_it(kernel, axis):
     """Every dominant axis and both directions; u and v belong to vertices 1 and 2."""
     corners = np.roll(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], float), axis, axis=-1)
     for sign in (1, -1):
@@ -35,7 +33,7 @@ def test_rays_along_an_axis_hit_triangles_across_it(kernel: str, axis: int) -> N
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_a_hit_at_t_min_does_not_count(kernel: str) -> None:
+def test_a_hit_at_t_min_does_not_count(kernel):
     corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]], float)
     o, d = np.zeros((1, 3)), np.array([[0.0, 0, 1]])
     below, above = np.nextafter(np.float32(2), [0, 3], dtype=np.float32)
@@ -73,7 +71,7 @@ def holes(kernel: str, n: int = 20_000) -> int:
     return int((~stopped).sum())
 
 
-def test_no_ray_passes_between_triangles_that_share_an_edge() -> None:
+def test_no_ray_passes_between_triangles_that_share_an_edge():
     assert holes("watertight") == 0
     # The control: the same rays find the gaps of the paper's kernel
     assert holes("wald") > 0
@@ -81,7 +79,7 @@ def test_no_ray_passes_between_triangles_that_share_an_edge() -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_what_cannot_be_hit_is_missed(kernel: str) -> None:
+def test_what_cannot_be_hit_is_missed(kernel):
     """No area, no direction, not a number: a miss each, and nothing but a miss."""
     corners, (o, d) = np.random.default_rng(0).normal(size=(6, 3, 3)), rays(6)
     corners[0] = corners[0, :1]
@@ -95,7 +93,7 @@ def test_what_cannot_be_hit_is_missed(kernel: str) -> None:
 
 
 @pytest.mark.extreme
-def test_the_watertight_kernel_reaches_the_largest_and_smallest_triangles() -> None:
+def test_the_watertight_kernel_reaches_the_largest_and_smallest_triangles():
     """Products of these corners leave single precision; double takes over."""
     for size in (1e-20, 1e16):
         corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]]) * size

@@ -1,9 +1,5 @@
 """Every point against every target, and queries that broadcast."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -22,9 +18,7 @@ def points(n: int, seed: int) -> npt.NDArray[np.float32]:
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 200), (300, 1), (129, 64), (257, 65), (40, 700)])
 @pytest.mark.parametrize("rays", ["embree", "bsp", vc.Vlf(n_directions=33, n_tiles=16)], ids=str)
-def test_the_matrix_is_visible_for_every_pair_bit_for_bit(
-    shape: tuple[int, int], rays: Any
-) -> None:
+def test_the_matrix_is_visible_for_every_pair_bit_for_bit(shape, rays):
     x, y = points(shape[0], 1), points(shape[1], 2)
     y[-1] = x[0]  # a pair without length
     bits = SCENE.visible_matrix(x, y, rays=rays)
@@ -40,7 +34,7 @@ def test_the_matrix_is_visible_for_every_pair_bit_for_bit(
 
 
 @pytest.mark.extreme
-def test_a_matrix_without_rows_or_columns_is_empty() -> None:
+def test_a_matrix_without_rows_or_columns_is_empty():
     none = np.zeros((0, 3))
     assert SCENE.visible_matrix(none, points(5, 1)).shape == (0, 1)
     assert SCENE.visible_matrix(points(5, 1), none).shape == (5, 0)
@@ -58,12 +52,12 @@ def test_a_matrix_without_rows_or_columns_is_empty() -> None:
         (np.full((2, 3), "a"), "points must be numbers"),
     ],
 )
-def test_bad_points_of_a_matrix_are_refused(x: npt.NDArray[Any], says: str) -> None:
+def test_bad_points_of_a_matrix_are_refused(x, says):
     with pytest.raises(ValueError, match=says):
         SCENE.visible_matrix(x, points(2, 1))
 
 
-def test_a_field_answers_the_matrix_too() -> None:
+def test_a_field_answers_the_matrix_too():
     field = vc.VisibilityField(SCENE, 33, 16)
     x, y = points(30, 5), points(70, 6)
     np.testing.assert_array_equal(
@@ -71,7 +65,7 @@ def test_a_field_answers_the_matrix_too() -> None:
     )
 
 
-def test_queries_broadcast_as_numpy_does() -> None:
+def test_queries_broadcast_as_numpy_does():
     x, y = points(12, 7).reshape(3, 4, 3), points(4, 8)
     wide = np.broadcast_to(y, (3, 4, 3))
     rows = SCENE.visible(x.reshape(-1, 3), wide.reshape(-1, 3)).reshape(3, 4)
@@ -117,6 +111,6 @@ def test_queries_broadcast_as_numpy_does() -> None:
         (lambda: SCENE.occluded(np.zeros((2, 3)), np.ones(3), [1.0, -1.0]), "t_max must be >= 0"),
     ],
 )
-def test_shapes_that_do_not_go_together_are_named(call: Any, says: str) -> None:
+def test_shapes_that_do_not_go_together_are_named(call, says):
     with pytest.raises(ValueError, match=says):
         call()

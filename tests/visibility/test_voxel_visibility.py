@@ -1,7 +1,5 @@
 """The map of voxel-to-voxel visibilities, against NumPy."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -34,8 +32,8 @@ def connections(n: int, seed: int = 0) -> tuple[npt.NDArray[Any], ...]:
 @pytest.mark.parametrize("symmetric", [True, False])
 @pytest.mark.parametrize(("n", "least", "exponent"), [(3, 0.05, 1.0), (2, 0.3, 0.5), (1, 0.01, 2)])
 def test_cells_visibilities_and_probabilities_are_those_of_the_equations(
-    n: int, least: float, exponent: float, symmetric: bool
-) -> None:
+    n, least, exponent, symmetric
+):
     near, far, seen = connections(600)
     a, b, visibility, probability = learn(
         near, far, seen, n_voxels=n, min_probability=least, exponent=exponent, symmetric=symmetric
@@ -51,7 +49,7 @@ def test_cells_visibilities_and_probabilities_are_those_of_the_equations(
 
 
 @pytest.mark.parametrize("n", [1, 4, 16])
-def test_directions_have_cells_of_their_own_behind_the_voxels(n: int) -> None:
+def test_directions_have_cells_of_their_own_behind_the_voxels(n):
     rng = np.random.default_rng(1)
     near = rng.uniform(LOW, HIGH, (20_000, 3))
     towards = rng.normal(size=(20_000, 3))
@@ -64,7 +62,7 @@ def test_directions_have_cells_of_their_own_behind_the_voxels(n: int) -> None:
     assert {1: 0 <= gap < 0.1, 4: 0.3 < gap < 0.6, 16: 0.65 < gap < 0.9}[n]
 
 
-def test_a_pair_is_shared_in_both_orders_only_if_asked() -> None:
+def test_a_pair_is_shared_in_both_orders_only_if_asked():
     near, far = np.array([[-0.9, 0.1, 2.1]] * 9), np.array([[2.9, 0.4, 3.9]] * 9)
     both = np.concatenate([near, far]), np.concatenate([far, near])
     seen = np.arange(18) < 9  # one way free, the other blocked
@@ -76,7 +74,7 @@ def test_a_pair_is_shared_in_both_orders_only_if_asked() -> None:
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, -1e30])
-def test_points_that_are_far_off_or_no_numbers_have_a_voxel(value: float) -> None:
+def test_points_that_are_far_off_or_no_numbers_have_a_voxel(value):
     near = np.array([[value, 0.2, 3.0], [1.0, value, 3.0], [value, value, value]])
     a, b, visibility, _ = learn(near, near, [True] * 3, n_voxels=5)
     assert (a < 125).all() and (b < 125).all() and np.isfinite(visibility).all()
@@ -85,13 +83,13 @@ def test_points_that_are_far_off_or_no_numbers_have_a_voxel(value: float) -> Non
 
 
 @pytest.mark.extreme
-def test_a_flat_box_has_one_layer_of_voxels() -> None:
+def test_a_flat_box_has_one_layer_of_voxels():
     near = np.random.default_rng(2).uniform(-1, 1, (100, 3)) * [1, 1, 0]
     a, *_ = learn(near, near, [True] * 100, box=((-1, -1, 0), (1, 1, 0)), n_voxels=4)
     assert a.max() < 16 and len(np.unique(a)) > 10
 
 
-def test_a_map_that_does_not_fit_is_refused_with_the_bytes_it_needs() -> None:
+def test_a_map_that_does_not_fit_is_refused_with_the_bytes_it_needs():
     n, cells = 16**3, 16**2
     needed = 8 * (n * (n + 1) // 2 + n * cells)
     near, far, seen = connections(4)

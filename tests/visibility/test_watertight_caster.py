@@ -1,7 +1,5 @@
 """Embree's candidates with our edge test: the hits of the BSP, and nothing passes a vertex."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -42,7 +40,7 @@ SCENES = scenes()
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_hits_are_those_of_the_bsp_bit_for_bit(name: str) -> None:
+def test_hits_are_those_of_the_bsp_bit_for_bit(name):
     scene = SCENES[name]
     o, d = rays(20_000, along=True)
     low, high = scene.bounds
@@ -59,7 +57,7 @@ def test_hits_are_those_of_the_bsp_bit_for_bit(name: str) -> None:
 
 
 @pytest.mark.parametrize("radii", [3.9, 4.1, 1e3, 1e6, 1e9])
-def test_rays_may_come_from_far_away(radii: float) -> None:
+def test_rays_may_come_from_far_away(radii):
     """Aimed at points of triangles from outside, so each of them hits something nearer or that."""
     vertices, triangles = soup(300, 0.3)
     scene = SCENES["soup"]
@@ -87,16 +85,16 @@ def leaks(shape: str, rotated: bool, rays: Any, n: int, seed: int = 7) -> int:
 
 @pytest.mark.parametrize("rotated", [False, True])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_no_ray_passes_an_edge_or_a_vertex(shape: str, rotated: bool) -> None:
+def test_no_ray_passes_an_edge_or_a_vertex(shape, rotated):
     assert leaks(shape, rotated, WATERTIGHT, 50_000) == 0
 
 
-def test_robust_rays_pass_vertices_so_that_the_test_can_fail() -> None:
+def test_robust_rays_pass_vertices_so_that_the_test_can_fail():
     assert leaks("sphere 1/1000 as high", True, vc.Embree(), 50_000) > 20
 
 
 @pytest.mark.release
-def test_none_of_fifty_million_rays_passes() -> None:
+def test_none_of_fifty_million_rays_passes():
     found = {
         (shape, rotated): sum(
             leaks(shape, rotated, WATERTIGHT, 625_000, seed) for seed in range(10)
@@ -107,14 +105,14 @@ def test_none_of_fifty_million_rays_passes() -> None:
     assert found == dict.fromkeys(found, 0)
 
 
-def test_without_the_robust_flag_it_is_refused() -> None:
+def test_without_the_robust_flag_it_is_refused():
     with pytest.raises(ValueError, match="robust must be True with watertight"):
         vc.Embree(robust=False, watertight=True)
 
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("length", [5e-39, 1e-37, 1.0, 1e15])
-def test_directions_of_any_length_find_their_hit(length: float) -> None:
+def test_directions_of_any_length_find_their_hit(length):
     scene = vc.Scene.from_arrays([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
     down = np.float32([[0, 0, -length]])
     hit = scene.intersect([[0, 0, 1]], down, rays=WATERTIGHT)

@@ -211,9 +211,7 @@ def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta):
 
 @pytest.mark.slow
 @pytest.mark.stat
-def test_the_gain_is_the_same_for_any_number_of_independent_samples_and_shrinks_for_even_ones() -> (
-    None
-):
+def test_the_gain_is_the_same_for_any_number_of_independent_samples_and_shrinks_for_even_ones():
     """Eq. 4 knows no N; even points take what is smooth from the baseline too (Table 3)."""
     made, samples, batches = world("courtyard"), (4, 10, 30, 100, 300), 12
     slopes = {}

@@ -1,7 +1,5 @@
 """`viscache bench`: its JSON, its registry; and speed settings never change an answer."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import subprocess

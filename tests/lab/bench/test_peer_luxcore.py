@@ -1,7 +1,5 @@
 """LuxCore as a peer: what it is told, and what its frames' time has. A stand-in takes its place."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`viscache bench peers`: what it asks of peers, and that wrong answers are refused."""
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import json

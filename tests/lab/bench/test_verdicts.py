@@ -1,7 +1,5 @@
 """Ratios, errors and verdicts of benches, on measurements made up by hand."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +17,7 @@ from viscache_lab.bench.text import text
 from viscache_lab.experiment import Trial, amounts
 
 
-def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
+def test_a_limit_and_a_goal_hold_on_their_side_alone():
     for value, holds in ((0.5, True), (1.0, True), (1.5, False)):
         assert amounts.at_most_figure("x", value, "s", 1.0)["holds"] is holds
         assert amounts.figure("x", 1.0, "s", ratios=[value], goal=1.0)["holds"] is (value >= 1)
@@ -27,7 +25,7 @@ def test_a_limit_and_a_goal_hold_on_their_side_alone() -> None:
     assert amounts.figure("x", 1.0, "s", ratios=[9.0])["holds"] is None
 
 
-def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other() -> None:
+def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other():
     n = 8
     found = {
         "exact": (np.full(n, 4.0), np.full(n, 6.0)),
@@ -65,7 +63,7 @@ def passes_of(settings: dict[str, tuple[float, float, float]]) -> xarray.Dataset
     )
 
 
-def test_an_interval_of_a_gain_covers_the_seeds() -> None:
+def test_an_interval_of_a_gain_covers_the_seeds():
     r = np.random.default_rng(0)
     found = {"exact": (4 + r.normal(0, 0.4, 64), r.random(64)), "a": (np.ones(64), r.random(64))}
     gain, low, high = errors_of_frames.gain(found, {"exact": [1.0] * 64, "a": [1.0] * 64}, "a", 0)
@@ -73,7 +71,7 @@ def test_an_interval_of_a_gain_covers_the_seeds() -> None:
     assert low < gain < high and high - low == pytest.approx(4 * 0.4 / 8, rel=0.25)
 
 
-def test_the_noise_of_the_reference_is_taken_out_of_squared_errors() -> None:
+def test_the_noise_of_the_reference_is_taken_out_of_squared_errors():
     truth = np.full((2, 4, 4, 3), 2.0)
     truth[:, :2] = 4.0
     noise = np.array([0.5, -0.5])[:, None, None, None]
@@ -87,7 +85,7 @@ def test_the_noise_of_the_reference_is_taken_out_of_squared_errors() -> None:
     assert errors.of(truth[:1])[0] == pytest.approx(-0.25 / 9)
 
 
-def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences() -> None:
+def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences():
     r = np.random.default_rng(1)
     exact = r.random((9, 4, 4, 3))
     off = np.linspace(-1, 1, 9)[:, None, None, None]
@@ -110,7 +108,7 @@ def covered(error_seen: float) -> dict[str, Any]:
     return meter._coverage(case, light, error, 3 * float(light.sum()), truth, 1024)
 
 
-def test_a_coverage_is_the_share_of_intervals_that_hold_the_truth() -> None:
+def test_a_coverage_is_the_share_of_intervals_that_hold_the_truth():
     right = covered(1.0)
     assert right["shown"] == 1 and 0.85 < right["coverage"] <= 1
     assert 0.85 < right["coverage_of_nrmse"] <= 1
@@ -120,13 +118,13 @@ def test_a_coverage_is_the_share_of_intervals_that_hold_the_truth() -> None:
 
 
 @pytest.mark.parametrize(("value", "holds"), [(0.92, False), (0.95, True), (0.99, False)])
-def test_a_coverage_can_be_too_small_and_too_large(value: float, holds: bool) -> None:
+def test_a_coverage_can_be_too_small_and_too_large(value, holds):
     trial = Trial()
     meter._check(trial, "coverage", value, meter.COVERAGE)
     assert trial.answers_hold is holds and len(trial.answers) == 2
 
 
-def test_means_that_are_off_by_more_than_chance_are_found() -> None:
+def test_means_that_are_off_by_more_than_chance_are_found():
     r = np.random.default_rng(3)
     truth = r.random(20)
     for shift, holds in ((0.0, True), (0.05, False)):
@@ -137,7 +135,7 @@ def test_means_that_are_off_by_more_than_chance_are_found() -> None:
         assert trial.answers_hold is holds
 
 
-def test_a_persistent_error_is_told_from_noise() -> None:
+def test_a_persistent_error_is_told_from_noise():
     """A bias of a fifth of one pass' noise, over 64 passes; the first is nearly all noise."""
     r = np.random.default_rng(5)
     noise = r.normal(0, 0.5, (64, 64, 64, 3))
@@ -151,7 +149,7 @@ def test_a_persistent_error_is_told_from_noise() -> None:
     assert errors_of_frames.energy_z(noise + 0.01) > 10
 
 
-def test_passes_alone_are_those_of_the_running_mean() -> None:
+def test_passes_alone_are_those_of_the_running_mean():
     passes = np.random.default_rng(6).random((5, 4, 4, 3)).astype(np.float32)
     means = iter([SimpleNamespace(image=passes[: i + 1].mean(axis=0)) for i in range(5)])
     picture: Any = SimpleNamespace(passes=lambda n: next(means))

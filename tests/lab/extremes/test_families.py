@@ -1,7 +1,5 @@
 """Every family holds here, and each of its checks fails when what it measures is broken."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import itertools
@@ -157,7 +155,7 @@ def refused(case: Case) -> bool:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_a_sample_of_a_family_holds(name: str) -> None:
+def test_a_sample_of_a_family_holds(name):
     found = [checked(case) for case in cases(name, SAMPLE)]
     assert [check.line() for check in found if not check.holds] == []
     assert found
@@ -180,9 +178,7 @@ def never_failing(name: str, every: int, monkeypatch: pytest.MonkeyPatch) -> lis
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_a_sample_of_the_checks_fails_when_something_is_broken(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_sample_of_the_checks_fails_when_something_is_broken(name, monkeypatch):
     assert never_failing(name, SAMPLE, monkeypatch) == []
 
 
@@ -191,13 +187,11 @@ def test_a_sample_of_the_checks_fails_when_something_is_broken(
     "name",
     [pytest.param(n, marks=pytest.mark.release) if n in ("isa", "lights") else n for n in FAMILIES],
 )
-def test_every_check_fails_when_something_is_broken(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_check_fails_when_something_is_broken(name, monkeypatch):
     assert never_failing(name, 1, monkeypatch) == []
 
 
-def test_families_have_names_and_cases_of_their_own() -> None:
+def test_families_have_names_and_cases_of_their_own():
     assert len(FAMILIES) >= len(MODULES)
     for name, family in FAMILIES.items():
         assert name.isidentifier() and family.description

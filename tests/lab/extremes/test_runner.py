@@ -1,7 +1,5 @@
 """Families run in processes: crashes and hangs are failed checks and take nothing with them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -23,7 +21,7 @@ def broken(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(FAMILIES, name, family)
 
 
-def test_a_crash_a_hang_and_an_exception_fail_their_check_alone(broken: None) -> None:
+def test_a_crash_a_hang_and_an_exception_fail_their_check_alone(broken):
     told: list[Check] = []
     found = extremes.run(["broken"], limit_s=3, told=told.append)
     assert found == told
@@ -43,16 +41,14 @@ def test_a_crash_a_hang_and_an_exception_fail_their_check_alone(broken: None) ->
 @pytest.mark.parametrize(
     ("name", "says"), [("stops", "RuntimeError: no more cases"), ("ends", "status 3")]
 )
-def test_a_process_that_ends_too_early_is_a_failed_check(
-    broken: None, name: str, says: str
-) -> None:
+def test_a_process_that_ends_too_early_is_a_failed_check(broken, name, says):
     fine, failed = extremes.run([name])
     assert fine.holds and fine.name == f"{name}: fine"
     assert not failed.holds and says in failed.error
     assert failed.name == f"{name}: the process starts and ends by itself"
 
 
-def test_an_unknown_family_is_refused_with_the_nearest_name() -> None:
+def test_an_unknown_family_is_refused_with_the_nearest_name():
     with pytest.raises(ValueError, match=r"family must be known.*'scales'"):
         extremes.run(["scale"])
 
@@ -70,7 +66,7 @@ def test_an_unknown_family_is_refused_with_the_nearest_name() -> None:
         (float("nan"), 1e30, False),
     ],
 )
-def test_a_value_holds_up_to_its_limit(value: float, limit: Any, holds: bool) -> None:
+def test_a_value_holds_up_to_its_limit(value, limit, holds):
     check = checked(Case(name="a", measure=lambda: value, limit=limit, why="made up"))
     assert check.holds == holds
     again = Check.from_dict(json.loads(json.dumps(check.as_dict())))
@@ -89,7 +85,7 @@ def report(**values: Any) -> dict[str, Any]:
     }
 
 
-def test_two_reports_differ_where_states_or_values_do() -> None:
+def test_two_reports_differ_where_states_or_values_do():
     a = report(same=0.5, near=0.3, far=0.1, fails=0.5, gone=0.0, crashed=0.5, tiny=1e-12)
     b = report(same=0.5, near=0.4, far=0.3, fails=2.0, new=0.0, crashed=None, tiny=0.0)
     assert differences(a, a) == []
@@ -102,7 +98,7 @@ def test_two_reports_differ_where_states_or_values_do() -> None:
     ]
 
 
-def test_doctor_compares_two_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_doctor_compares_two_files(capsys, tmp_path):
     paths = [str(tmp_path / name) for name in ("a.json", "b.json", "c.json")]
     for path, made in zip(paths, (report(x=0.1), report(x=0.9), report(x=2.0)), strict=True):
         Path(path).write_text(json.dumps(made))
@@ -117,9 +113,7 @@ def test_doctor_compares_two_files(capsys: pytest.CaptureFixture[str], tmp_path:
     assert "must be an output of viscache doctor --json" in capsys.readouterr().err
 
 
-def test_doctor_prints_a_line_and_a_record_per_check(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_doctor_prints_a_line_and_a_record_per_check(capsys, monkeypatch):
     made = [
         Check(name="a: fine", value=0.0, limit=0, family="a"),
         Check(name="a: bad", value=2.0, limit=(0.0, 1.0), family="a"),

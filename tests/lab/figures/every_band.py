@@ -1,7 +1,5 @@
 """Shared by the tests of bands."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 from viscache_lab.experiment import Band

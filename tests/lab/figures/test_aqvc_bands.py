@@ -1,14 +1,12 @@
 """Numbers of the quantized cache's paper are consistent and lie in the bands."""
 
-from __future__ import annotations
-
 import pytest
 
 from viscache_lab.figures import aqvc_printed as printed
 from viscache_lab.figures.bands import aqvc as bands
 
 
-def test_the_papers_speedups_are_its_ratios_and_lie_in_the_bands() -> None:
+def test_the_papers_speedups_are_its_ratios_and_lie_in_the_bands():
     implied = {name: scene.implied_speedup for name, scene in printed.SCENES.items()}
     rounded = {name: round(value, 1) for name, value in implied.items()}
     assert rounded == {
@@ -25,7 +23,7 @@ def test_the_papers_speedups_are_its_ratios_and_lie_in_the_bands() -> None:
     assert implied["hairball"] in bands.HAIRBALL_SPEEDUP
 
 
-def test_the_papers_other_numbers_lie_in_the_bands() -> None:
+def test_the_papers_other_numbers_lie_in_the_bands():
     assert printed.RAY_REDUCTION + 1 in bands.LARGEST_REDUCTION
     left = 1 / (printed.RAY_REDUCTION + 1)
     assert left < 0.02 and left in bands.H1_RAYS_LEFT
@@ -37,7 +35,7 @@ def test_the_papers_other_numbers_lie_in_the_bands() -> None:
     assert printed.LARGER_TABLE in bands.H3_LARGE_TABLES
 
 
-def test_the_prototypes_numbers_lie_in_the_bands() -> None:
+def test_the_prototypes_numbers_lie_in_the_bands():
     assert 0.0241 / 0.0092 in bands.REFINEMENT_GAIN["paper"]
     assert 107 / 32.8 in bands.REFINEMENT_COST
     assert 0.0159 / 0.0092 in bands.SCANLINE_HURTS_REFINEMENT

@@ -1,9 +1,6 @@
 """Parts of the quantized cache's figures."""
 
-from __future__ import annotations
-
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,7 +29,7 @@ def disc(x: float, y: float) -> Any:
 
 
 @pytest.mark.parametrize("moved", [(0.0, 0.0), (0.4, -0.2), (-3.0, 2.0)])
-def test_a_shift_is_found_to_the_right_and_down(moved: tuple[float, float]) -> None:
+def test_a_shift_is_found_to_the_right_and_down(moved):
     found = aqvc_edges.shift(disc(*moved), disc(0, 0))
     assert found == pytest.approx(moved, abs=0.02)
 
@@ -45,7 +42,7 @@ def trade() -> Trade:
     return Trade(frame=shot.frame(vc.Aqvc(c_e=16, exact_groups=())), exact=shot.frame())
 
 
-def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
+def test_a_trade_names_the_error_of_every_light_group(trade):
     assert trade.groups == ["area", "vpl"]
     rows = list(group_rows("box", trade))
     assert [row.what for row in rows] == ["box: rel_l1 of area light", "box: rel_l1 of vpl light"]
@@ -60,9 +57,7 @@ def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
     assert set(trade.record()) >= {"rel_l1_area", "rr_vpl", "speedup", "cpu_s"}
 
 
-def test_settings_take_turns_and_keep_the_frame_of_the_median_time(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_settings_take_turns_and_keep_the_frame_of_the_median_time(monkeypatch):
     seconds = {"Exact": [9.0, 6.0, 7.0], "Aqvc": [3.0, 1.0, 2.0]}
     asked: list[str] = []
 
@@ -91,7 +86,7 @@ def test_settings_take_turns_and_keep_the_frame_of_the_median_time(
         shot.trades({"a": vc.Aqvc()}, quick=False)
 
 
-def test_differences_are_amplified() -> None:
+def test_differences_are_amplified():
     image = np.full((4, 5, 3), 1.0, np.float32)
     brighter = image.copy()
     brighter[1, 2] += 0.03125
@@ -101,13 +96,13 @@ def test_differences_are_amplified() -> None:
     assert (np.delete(shown.ravel(), 7) == 0).all()
 
 
-def test_presets_stand_side_by_side_with_what_was_given() -> None:
+def test_presets_stand_side_by_side_with_what_was_given():
     both = presets(9.0, refinement="off")
     assert {name: s.preset for name, s in both.items()} == {"default": "default", "paper": "paper"}
     assert all((s.c_e, s.refinement) == (9.0, "off") for s in both.values())
 
 
-def test_false_colours_are_equal_where_keys_are() -> None:
+def test_false_colours_are_equal_where_keys_are():
     shot = Shot(
         scene=vc.scenes.bumpy_spheres(triangles=2000, spheres=4),
         size=(48, 40),
@@ -125,13 +120,13 @@ def test_false_colours_are_equal_where_keys_are() -> None:
     assert (image[unseen] == 0).all()
 
 
-def test_bins_of_normals_are_as_wide_as_their_rule_says() -> None:
+def test_bins_of_normals_are_as_wide_as_their_rule_says():
     rounded = aqvc_clusters.greatest_angle_deg(vc.Aqvc())
     floored = aqvc_clusters.greatest_angle_deg(vc.Aqvc(paper=vc.PaperForm(normal_mode="floor")))
     assert rounded == pytest.approx(11.3, abs=0.1) and floored == pytest.approx(25.2, abs=0.3)
 
 
-def test_stand_ins_have_the_papers_lights_samples_and_triangles() -> None:
+def test_stand_ins_have_the_papers_lights_samples_and_triangles():
     kinds = Counter(light["kind"] for light in SETUPS["delta"].make(2000).lights)
     assert kinds == {"point": 24, "directional": 1}
     assert SETUPS["hairball"].make(100).triangles >= 100
@@ -149,7 +144,7 @@ def test_stand_ins_have_the_papers_lights_samples_and_triangles() -> None:
     assert apartment.cache("default", 24.0).preset == "default"
 
 
-def test_reflected_light_leaves_out_what_shines_itself() -> None:
+def test_reflected_light_leaves_out_what_shines_itself():
     shown = np.full((3, 4, 3), 1.0, np.float32)
     lit = Frame(layers={"color": shown * 5, "emitted": shown * 4})
     wrong = Frame(layers={"color": shown * 5.5, "emitted": shown * 4})
@@ -157,7 +152,7 @@ def test_reflected_light_leaves_out_what_shines_itself() -> None:
     assert made.rel_l1 == pytest.approx(0.1) and made.reflected_rel_l1 == pytest.approx(0.5)
 
 
-def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch):
     image = np.ones((2, 2, 3), np.float32)
 
     def taking(cpu_s: float) -> Trade:
@@ -175,7 +170,7 @@ def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch: pytest.Monkey
     assert trial.skipped == [{"what": "maps of 4096x4096", "reason": "they need 9.1 GiB of memory"}]
 
 
-def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
+def test_sweeps_run_from_end_to_end_of_the_papers_ranges():
     ranges = {
         ("delta", True): printed.DELTA_AA,
         ("delta", False): printed.DELTA_PLAIN,
@@ -197,9 +192,7 @@ def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
     assert (shot.integrator.n_vpls, shot.integrator.n_environment) == (256, 32)
 
 
-def test_scenes_made_by_others_stand_in_their_own_light_or_under_a_sky(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scenes_made_by_others_stand_in_their_own_light_or_under_a_sky(tmp_path, monkeypatch):
     monkeypatch.setenv("VISCACHE_SCENES", str(tmp_path))
     trial = Trial()
     assert aqvc_sweeps.load_file("room", trial) is None
@@ -220,7 +213,7 @@ def test_scenes_made_by_others_stand_in_their_own_light_or_under_a_sky(
     assert dark is not None and len(dark.lights) == 1
 
 
-def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows() -> None:
+def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows():
     planes = [np.array([[0.0, 1.0]]), np.array([[0.0, 3.0]]), np.array([[0.0, 5.0]])]
     assert aqvc_claims.mean_temporal_variance(planes) == pytest.approx(4.0 / 2)
     image = np.full((1, 2, 3), 0.25, np.float32)
@@ -235,7 +228,7 @@ def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows() -> None:
     )
 
 
-def test_a_picture_is_exact_above_the_diagonal_and_cached_below() -> None:
+def test_a_picture_is_exact_above_the_diagonal_and_cached_below():
     above, below = np.full((40, 60, 3), 1.0), np.full((40, 60, 3), 2.0)
     picture = aqvc_pictures.diagonal(above, below)
     assert picture[0, 0, 0] == picture[5, 30, 1] == 1.0
@@ -244,7 +237,7 @@ def test_a_picture_is_exact_above_the_diagonal_and_cached_below() -> None:
     assert line[39, 0] and line[0, 59] and line[20, 29] and 30 < line.sum() < 120
 
 
-def test_bidirectional_paths_go_through_both_presets_without_refinement() -> None:
+def test_bidirectional_paths_go_through_both_presets_without_refinement():
     trades = aqvc_pictures.bidirectional(True, (12, 10))
     assert list(trades) == ["default", "paper"]
     for preset, trade in trades.items():
@@ -255,6 +248,6 @@ def test_bidirectional_paths_go_through_both_presets_without_refinement() -> Non
         assert trade.ray_reduction > 1 and trade.rel_l1 > 0
 
 
-def test_equal_time_weighs_squared_errors_by_seconds() -> None:
+def test_equal_time_weighs_squared_errors_by_seconds():
     exact, fewer_rays = aqvc_nee.Noise(0.5, 4.0), aqvc_nee.Noise(0.75, 2.0)
     assert fewer_rays.at_equal_time(exact) == 0.75 and exact.at_equal_time(exact) == 1

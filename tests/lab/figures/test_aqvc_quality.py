@@ -1,7 +1,5 @@
 """Quality choices of the quantized cache: measures with known values, and small parts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,7 @@ def frame_of(*values: float) -> Frame:
     return Frame(layers={"color": image, "emitted": np.zeros_like(image)})
 
 
-def test_the_interval_of_a_mean_holds_it_95_times_in_100() -> None:
+def test_the_interval_of_a_mean_holds_it_95_times_in_100():
     rng = np.random.default_rng(2)
     held = 0
     for _ in range(400):
@@ -26,7 +24,7 @@ def test_the_interval_of_a_mean_holds_it_95_times_in_100() -> None:
     assert str(aqvc_quality.Interval(0.0125, 0.001)) == "+1.250 ± 0.100 %"
 
 
-def test_bias_is_the_energys_and_stray_light_that_of_black_pixels() -> None:
+def test_bias_is_the_energys_and_stray_light_that_of_black_pixels():
     exact, cached = frame_of(0.0, 1.0, 3.0), frame_of(0.5, 1.0, 1.5)
     assert aqvc_quality.bias(cached, exact) == pytest.approx(-0.25)
     assert aqvc_quality.stray_light(cached, exact) == pytest.approx(0.125)
@@ -34,7 +32,7 @@ def test_bias_is_the_energys_and_stray_light_that_of_black_pixels() -> None:
     assert aqvc_quality.bias(shining, exact) == -1
 
 
-def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall() -> None:
+def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall():
     shared = {row.what.split()[1]: row.measured for row in aqvc_quality.leaking_cells()}
     single = shared.pop("single:")
     assert single is not None and single > 0.9 and set(shared.values()) == {0.0}
@@ -42,7 +40,7 @@ def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall() -> None:
 
 @pytest.mark.stat
 @pytest.mark.slow
-def test_refinement_loses_thin_shadows_and_thin_light() -> None:
+def test_refinement_loses_thin_shadows_and_thin_light():
     """Majority filtering brightens below slats and darkens below slits."""
     for name, sign in (("slats", 1), ("slits", -1)):
         scene = getattr(vc.scenes, name)()

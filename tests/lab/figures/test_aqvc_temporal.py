@@ -1,7 +1,5 @@
 """Parts of the figure about tables kept over frames."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from viscache.frame import Frame
 from viscache_lab.figures import aqvc_temporal
 
 
-def test_paths_move_the_camera_or_the_ball() -> None:
+def test_paths_move_the_camera_or_the_ball():
     camera, ball = (aqvc_temporal.views(path, True) for path in ("camera", "ball"))
     assert len(camera) == len(ball) == aqvc_temporal.QUICK_FRAMES
     assert len({scene.geometry_hash for scene, _ in camera}) == 1
@@ -19,7 +17,7 @@ def test_paths_move_the_camera_or_the_ball() -> None:
     assert ball[0][0].triangles > camera[0][0].triangles
 
 
-def test_a_sequence_adds_up_its_frames() -> None:
+def test_a_sequence_adds_up_its_frames():
     counters = [
         {"queries": 100, "rays": 50, "checked_kept": 0, "wrong_kept": 0},
         {"queries": 100, "rays": 10, "checked_kept": 40, "wrong_kept": 2},
@@ -32,7 +30,7 @@ def test_a_sequence_adds_up_its_frames() -> None:
 
 
 @pytest.mark.slow
-def test_epochs_trace_like_dropped_tables_and_kept_ones_less() -> None:
+def test_epochs_trace_like_dropped_tables_and_kept_ones_less():
     shots = aqvc_temporal.views("ball", True)[:3]
     rays = {
         way: aqvc_temporal.run(shots, way, "off", (48, 30)).total("rays")

@@ -1,7 +1,5 @@
 """Bands of all papers are not empty and name their source."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path
@@ -13,7 +11,7 @@ from viscache_lab.figures.bands import aqvc, trade, vismap, vlf
 SOURCES = ("Eq. ", "Fig. ", "Sec. ", "Tab. ", "expected: ")
 
 
-def test_bands_are_not_empty_and_name_their_source() -> None:
+def test_bands_are_not_empty_and_name_their_source():
     assert {"aqvc.REFINEMENT_GAIN[paper]", "vlf.CHORD_TILES[513]", "vismap.LEAST_WEIGHT"} <= set(
         EVERY
     )
@@ -23,7 +21,7 @@ def test_bands_are_not_empty_and_name_their_source() -> None:
         assert band.source.startswith(SOURCES), name
 
 
-def test_figures_use_every_band() -> None:
+def test_figures_use_every_band():
     """Names are looked up when a figure runs: one that is misspelt is noticed here."""
     used = set()
     for path in Path(figures.__file__).parent.glob("*.py"):

@@ -3,8 +3,6 @@
 The numbers of the papers about the field and the maps are consistent.
 """
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -22,7 +20,7 @@ PLACE = re.compile(r"(Sec|Fig|Tab|Eq)\. [\d.]+")
 OF_A_NUMBER = ("at_least", "at_most", "about", "exact")
 
 
-def test_bands_that_quote_a_paper_have_a_rule_and_no_others() -> None:
+def test_bands_that_quote_a_paper_have_a_rule_and_no_others():
     wrong = {
         name: band.source
         for name, band in EVERY.items()
@@ -32,13 +30,13 @@ def test_bands_that_quote_a_paper_have_a_rule_and_no_others() -> None:
     assert sum(band.claimed is not None for band in EVERY.values()) >= 75
 
 
-def test_every_rule_is_known_and_used() -> None:
+def test_every_rule_is_known_and_used():
     used = {band.claimed.rule for band in EVERY.values() if band.claimed}
     assert used == set(RULES)
 
 
 @pytest.mark.parametrize("name", [n for n, band in EVERY.items() if band.claimed])
-def test_an_interval_is_the_one_of_its_rule(name: str) -> None:
+def test_an_interval_is_the_one_of_its_rule(name):
     claimed = EVERY[name].claimed
     assert claimed is not None and claimed.low <= claimed.high
     assert bool(claimed.because) == (claimed.rule == "words")
@@ -62,7 +60,7 @@ def follows(claim: Claim) -> bool:
     )
 
 
-def test_an_interval_of_another_rule_is_noticed() -> None:
+def test_an_interval_of_another_rule_is_noticed():
     assert follows(Claim.by("nearly_none")) and not follows(Claim(0.0, 0.9, "nearly_none"))
     assert follows(Claim.by("at_least", 3.0)) and not follows(Claim(3.0, 9.0, "at_least"))
     assert follows(Claim.by("none")) and not follows(Claim(0.0, 1.3, "none"))
@@ -109,18 +107,18 @@ IDENTITIES = {
     "name",
     [n for n, band in EVERY.items() if band.claimed and band.claimed.rule in OF_A_NUMBER],
 )
-def test_the_number_of_an_interval_is_in_the_quotation(name: str) -> None:
+def test_the_number_of_an_interval_is_in_the_quotation(name):
     assert of_the_quotation(EVERY[name]) or name in IDENTITIES
 
 
-def test_a_number_that_the_paper_does_not_print_is_noticed() -> None:
+def test_a_number_that_the_paper_does_not_print_is_noticed():
     assert of_the_quotation(Band(0, 9, "Fig. 6: 3", claimed=Claim.by("at_least", 3.0)))
     assert not of_the_quotation(Band(0, 9, "Fig. 6: 3", claimed=Claim.by("at_least", 6.0)))
     assert not of_the_quotation(Band(0, 9, "Sec. 5.2: 32 %", claimed=Claim.by("about", 0.52)))
     assert not of_the_quotation(Band(0, 9, "Sec. 5.2: no number", claimed=Claim.by("exact", 5)))
 
 
-def test_printed_numbers_lie_where_their_claims_are_found() -> None:
+def test_printed_numbers_lie_where_their_claims_are_found():
     def found(band: Band, value: float) -> bool:
         claim = band.claim
         assert claim is not None
@@ -146,13 +144,13 @@ def test_printed_numbers_lie_where_their_claims_are_found() -> None:
 
 
 @pytest.mark.parametrize("scene", field.OCCLUSION)
-def test_speedups_of_table_1_are_ratios_of_its_seconds(scene: str) -> None:
+def test_speedups_of_table_1_are_ratios_of_its_seconds(scene):
     row = field.OCCLUSION[scene]
     assert row.crt_s / row.field_s == pytest.approx(row.speedup, abs=0.0051)
     assert row.speedup in vlf.OCCLUSION_SPEEDUP
 
 
-def test_the_churchs_rays_per_second_follow_from_its_seconds() -> None:
+def test_the_churchs_rays_per_second_follow_from_its_seconds():
     """So 513 rays were traced from every pixel."""
     rays = field.OCCLUSION_PIXELS * field.OCCLUSION_RAYS / 1e6
     church = field.OCCLUSION["church"]
@@ -160,13 +158,13 @@ def test_the_churchs_rays_per_second_follow_from_its_seconds() -> None:
     assert rays / church.field_s == pytest.approx(field.CHURCH_FIELD, abs=0.05)
 
 
-def test_the_papers_gain_falls_with_the_triangles() -> None:
+def test_the_papers_gain_falls_with_the_triangles():
     rows = field.OCCLUSION
     assert rows["tugboat"].speedup / rows["cow"].speedup in vlf.OCCLUSION_DECLINE
 
 
 @pytest.mark.parametrize("scene", maps.CACHES)
-def test_rays_per_pixel_of_table_2_follow_from_its_records(scene: str) -> None:
+def test_rays_per_pixel_of_table_2_follow_from_its_records(scene):
     cache = maps.CACHES[scene]
     rays = cache.records * cache.map_size**2 / 2
     assert cache.rays_per_pixel * maps.PIXELS / rays in vismap.RAYS_OF_RECORDS
@@ -175,7 +173,7 @@ def test_rays_per_pixel_of_table_2_follow_from_its_records(scene: str) -> None:
 
 
 @pytest.mark.parametrize("scene", maps.COSTS)
-def test_overheads_of_table_3_are_differences_of_its_times(scene: str) -> None:
+def test_overheads_of_table_3_are_differences_of_its_times(scene):
     for cost in maps.COSTS[scene]:
         assert cost.cache_s - cost.product_s == pytest.approx(cost.overhead_s, abs=0.051)
         percent = 100 * cost.overhead_s / cost.product_s
@@ -184,7 +182,7 @@ def test_overheads_of_table_3_are_differences_of_its_times(scene: str) -> None:
     assert max(overheads) / min(overheads) in vismap.OVERHEAD_IS_CONSTANT
 
 
-def test_the_papers_own_results_lie_in_the_bands() -> None:
+def test_the_papers_own_results_lie_in_the_bands():
     ratios = {
         scene: {cost.samples: cost.variance_ratio for cost in costs}
         for scene, costs in maps.COSTS.items()
@@ -202,7 +200,7 @@ def test_the_papers_own_results_lie_in_the_bands() -> None:
     assert megabytes == pytest.approx(maps.CACHE_MEGABYTES, abs=0.1)
 
 
-def test_the_weighting_function_of_figure_5_has_the_values_of_its_bands() -> None:
+def test_the_weighting_function_of_figure_5_has_the_values_of_its_bands():
     def weight(distance: float, theta_deg: float) -> float:
         return (1 - theta_deg / 180) * (1 - distance / (1 + maps.STEEPNESS * distance))
 

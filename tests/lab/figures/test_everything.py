@@ -1,7 +1,5 @@
 """`viscache reproduce all`: one page, resumable figure by figure, and its exit status."""
 
-from __future__ import annotations
-
 import json
 import re
 from html.parser import HTMLParser
@@ -75,9 +73,7 @@ class Page(HTMLParser):
         self.text += data + "|"
 
 
-def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
-    two: dict[str, Any], tmp_path: Path
-) -> None:
+def test_the_page_has_every_row_and_picture_and_needs_nothing_else(two, tmp_path):
     assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--quick"]) == 0
     page = Page((tmp_path / "index.html").read_text())
     assert {"holds", "varies"} <= page.ids and {"#holds", "#varies"} <= page.links
@@ -95,9 +91,7 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     assert not re.search("https?:", (tmp_path / "index.html").read_text())
 
 
-def test_a_band_that_fails_fails_the_command_and_is_named(
-    two: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_band_that_fails_fails_the_command_and_is_named(two, tmp_path, capsys):
     two["measured"] = 2.0
     assert cli.main(["reproduce", "all", "-o", str(tmp_path)]) == 1
     out = capsys.readouterr().out
@@ -110,9 +104,7 @@ def test_a_band_that_fails_fails_the_command_and_is_named(
     assert "What does not hold" in Page((tmp_path / "index.html").read_text()).text
 
 
-def test_a_figure_that_raises_fails_the_command_and_the_others_run(
-    two: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_figure_that_raises_fails_the_command_and_the_others_run(two, tmp_path, capsys):
     two["raises"] = RuntimeError("out of luck")
     assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--json"]) == 1
     got = json.loads(capsys.readouterr().out)
@@ -126,9 +118,7 @@ def test_a_figure_that_raises_fails_the_command_and_the_others_run(
     assert CALLS == ["holds", "varies", "varies"]
 
 
-def test_an_interrupted_run_goes_on_figure_by_figure(
-    two: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_run_goes_on_figure_by_figure(two, tmp_path, monkeypatch):
     two["raises"] = KeyboardInterrupt()
     words = ["reproduce", "all", "-o", str(tmp_path)]
     assert cli.main(words) == 130
@@ -144,14 +134,14 @@ def test_an_interrupted_run_goes_on_figure_by_figure(
     assert cli.main([*words, "--quick"]) == 0 and len(CALLS) == 8
 
 
-def test_the_code_hash_is_of_the_sources() -> None:
+def test_the_code_hash_is_of_the_sources():
     ours, every = provenance.code_hash(), everything.code_hash()
     assert len(ours) == len(every) == 64
     assert (ours, every) == (provenance.code_hash(), everything.code_hash())
     assert ours != every  # a change of a figure leaves the exact frames of sweeps as they are
 
 
-def test_figures_of_one_folder_share_their_references(tmp_path: Path) -> None:
+def test_figures_of_one_folder_share_their_references(tmp_path):
     for name in ("one", "other"):
         frames = Trial(folder=tmp_path, options={"name": name}).exact_frames()
         assert frames.directory == tmp_path / "references"

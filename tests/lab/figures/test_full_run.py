@@ -1,7 +1,5 @@
 """The pages list times, bands and claims of the last full runs as `full_run.json` keeps them."""
 
-from __future__ import annotations
-
 import datetime
 import math
 import re
@@ -30,7 +28,7 @@ def claim_of(band: Band) -> tuple[str, str, str, float, float]:
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_pages_list_the_last_full_runs(page: str) -> None:
+def test_pages_list_the_last_full_runs(page):
     """After a change: scripts/claims_pages.py."""
     assert filled(page, text(page)) == text(page)
     changed = text(page).replace("`viscache reproduce aqvc-fig", "`").replace("| found |", "| |")
@@ -39,7 +37,7 @@ def test_pages_list_the_last_full_runs(page: str) -> None:
         filled(page, "")
 
 
-def test_every_figure_has_a_full_run_in_order() -> None:
+def test_every_figure_has_a_full_run_in_order():
     assert list(RUNS) == list(FIGURES)
     method = text("docs/performance/method.md")
     for run in RUNS.values():
@@ -48,7 +46,7 @@ def test_every_figure_has_a_full_run_in_order() -> None:
         assert len(run.failing) <= run.bands
 
 
-def test_every_claim_is_judged_by_a_full_run() -> None:
+def test_every_claim_is_judged_by_a_full_run():
     judged = {row.claim for run in RUNS.values() for row in run.judged}
     of_full_runs = {n: b for n, b in EVERY.items() if b.claim is not None and ".QUICK_" not in n}
     declared = {name: claim_of(band) for name, band in of_full_runs.items()}
@@ -58,7 +56,7 @@ def test_every_claim_is_judged_by_a_full_run() -> None:
 
 
 @pytest.mark.parametrize("name", [name for name, run in RUNS.items() if run.judged])
-def test_the_frame_of_each_claim_is_listed(name: str) -> None:
+def test_the_frame_of_each_claim_is_listed(name):
     assert re.search(rf"^\| `{name}` \| [^|`]+ \|$", text("docs/claims.md"), re.MULTILINE)
 
 
@@ -79,7 +77,7 @@ def result(*rows: Row, **others: Any) -> dict[str, Any]:
 WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.by("more"))
 
 
-def test_a_run_is_kept_with_its_bands_and_claims() -> None:
+def test_a_run_is_kept_with_its_bands_and_claims():
     run = kept(result(Row("a", 0.7, band=WIDE), Row("b", 0.4, band=WIDE), Row("c", 2.0)), "C")
     assert (run.date, run.machine, run.seconds, run.bands) == ("2026-11-26", "C", 6.0, 2)
     assert [row.what for row in run.failing] == ["b"]
@@ -91,7 +89,7 @@ def test_a_run_is_kept_with_its_bands_and_claims() -> None:
 
 
 @pytest.mark.parametrize("fault", [{"quick": True}, {"size": [32, 32]}, {"error": "too hot"}])
-def test_only_full_runs_are_kept(fault: dict[str, Any]) -> None:
+def test_only_full_runs_are_kept(fault):
     with pytest.raises(ValueError, match=r"must be full.*aqvc-claims is not"):
         kept(result(Row("a", 1.0), **fault), "C")
 
@@ -100,7 +98,7 @@ def run_of(*judged: Judged) -> dict[str, FullRun]:
     return {"aqvc-claims": replace(RUNS["aqvc-claims"], judged=judged)}
 
 
-def test_a_claim_of_one_row_has_a_verdict_and_its_value() -> None:
+def test_a_claim_of_one_row_has_a_verdict_and_its_value():
     (row,) = claims_pages.claims("aqvc", run_of(replace(FLICKER, measured=0.54))).splitlines()[2:]
     assert row.endswith("| ≤ 0.1 | 0.54 | not found |") and "`nearly_none`" in row
     (row,) = claims_pages.claims("aqvc", run_of(replace(FLICKER, measured=0.05))).splitlines()[2:]
@@ -108,7 +106,7 @@ def test_a_claim_of_one_row_has_a_verdict_and_its_value() -> None:
     assert claims_pages.claims("vlf", run_of(FLICKER)).count("\n") == 2
 
 
-def test_a_claim_of_many_rows_has_their_range() -> None:
+def test_a_claim_of_many_rows_has_their_range():
     rows = [replace(FLICKER, what=f"row {n}", measured=0.05 * n) for n in range(4)]
     (row,) = claims_pages.claims("aqvc", run_of(*rows)).splitlines()[2:]
     assert "| 4 rows | ≤ 0.1 | 0 to 0.15 | found in 3 of 4 |" in row
@@ -117,13 +115,13 @@ def test_a_claim_of_many_rows_has_their_range() -> None:
     assert claims_pages.not_found(run_of(*rows[:3])).count("\n") == 2
 
 
-def test_an_unmeasured_row_is_not_found() -> None:
+def test_an_unmeasured_row_is_not_found():
     unmeasured = replace(FLICKER, measured=None)
     (row,) = claims_pages.not_found(run_of(unmeasured)).splitlines()[2:]
     assert row.endswith("| ≤ 0.1 | – |") and not unmeasured.found
 
 
-def test_bands_that_do_not_hold_are_listed() -> None:
+def test_bands_that_do_not_hold_are_listed():
     run = kept(result(Row("b", 0.4, band=WIDE), Row("a", 0.7, band=WIDE)), "C")
     (row,) = claims_pages.failing({"aqvc-claims": run}).splitlines()[2:]
     assert row == "| `viscache reproduce aqvc-claims` | b | 0.4 | ≥ 0.5 |"
@@ -132,7 +130,7 @@ def test_bands_that_do_not_hold_are_listed() -> None:
     assert rows[1] == "| all 1 | | | 0 | 0 | 1 of 2 |"
 
 
-def test_an_interval_is_written_in_words() -> None:
+def test_an_interval_is_written_in_words():
     assert interval(2.0, 2.0) == "2" and interval(51_208, 51_208) == "51208"
     assert interval(1.45, math.inf) == "≥ 1.45" and interval(0.0, 0.489) == "≤ 0.489"
     assert interval(-1.0, -0.99) == "-1 to -0.99" and interval(-math.inf, 2.0) == "≤ 2"

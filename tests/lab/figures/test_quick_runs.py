@@ -1,7 +1,5 @@
 """Quick runs of all figures and tables: all rows are measured, bands hold, files exist."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -36,7 +34,7 @@ INVERSIONS: dict[str, Callable[[float], float]] = {
 }
 
 
-def test_every_figure_has_a_quick_run_with_a_band() -> None:
+def test_every_figure_has_a_quick_run_with_a_band():
     assert set(QUICK) == set(figures.FIGURES)
     assert [name for name, quick in QUICK.items() if quick["banded"] == 0] == []
 
@@ -53,7 +51,7 @@ def broken(rows: list[dict[str, Any]], how: str) -> list[str]:
     return wrong
 
 
-def test_a_band_that_holds_any_sense_notices_no_wrong_one() -> None:
+def test_a_band_that_holds_any_sense_notices_no_wrong_one():
     wide = {"what": "x", "measured": 2.0, "band": [-9.0, 9.0]}
     tight = wide | {"band": [1.0, None]}
     assert [broken([wide], how) for how in INVERSIONS] == [[], []]
@@ -79,12 +77,7 @@ def quick_result(
 @pytest.mark.figure
 @pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
-def test_a_quick_run_measures_every_row_holds_and_draws(
-    name: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_quick_run_measures_every_row_holds_and_draws(name, tmp_path, monkeypatch, capsys):
     got = quick_result(name, tmp_path, monkeypatch, capsys)
     assert [row for row in got["rows"] if row["holds"] is False] == []
     assert got["holds"]

@@ -1,7 +1,5 @@
 """Ratios of figures have the sense that their rows say, on measurements made up by hand."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 
@@ -41,7 +39,7 @@ def holding(rows: list[Row]) -> list[bool]:
     return [row.holds for row in rows if row.holds is not None]
 
 
-def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields() -> None:
+def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields():
     found = {"CRT": 6.0, "VLF-RT": 3.0, "Embree": 0.5, FAST_EMBREE: 0.25}
     rows = list(vlf_frames._count_rows(1000, found, TUNED, quick=False))
     assert list(measured(rows).values()) == [2.0, 6.0, 12.0]
@@ -52,7 +50,7 @@ def test_speed_ups_over_random_triangles_are_the_others_seconds_over_the_fields(
     assert holding(slower) == [False, False]
 
 
-def test_growth_is_that_of_time_and_steps_over_that_of_triangles() -> None:
+def test_growth_is_that_of_time_and_steps_over_that_of_triangles():
     times = {"CRT": [1.0, 9.0], "VLF-RT": [2.0, 3.0], "Embree": [1.0, 1.0]}
     rows = list(vlf_frames._growth_rows((1000, 10_000), times, (5.0, 20.0), quick=False))
     assert [row.measured for row in rows] == pytest.approx([0.4, 0.9, 0.15, 0.1])
@@ -61,7 +59,7 @@ def test_growth_is_that_of_time_and_steps_over_that_of_triangles() -> None:
     assert [row.measured for row in fast] == [1.0, 1.0] and holding(fast) == [False, False]
 
 
-def test_the_walk_compares_tracers_frame_by_frame() -> None:
+def test_the_walk_compares_tracers_frame_by_frame():
     ms = {
         "OpenGL-like": {
             "CRT": (3.0, 9.0, 4.0),
@@ -96,7 +94,7 @@ def test_the_walk_compares_tracers_frame_by_frame() -> None:
     }
 
 
-def test_ambient_occlusion_compares_the_better_order_of_embree() -> None:
+def test_ambient_occlusion_compares_the_better_order_of_embree():
     seconds = {
         "CRT, by point": 30.0,
         "CRT, by direction": 25.0,
@@ -139,26 +137,26 @@ def trade(error: float, reduction: float) -> Trade:
     return Trade(frame=frame(1 + error, ray_reduction=reduction), exact=frame(1.0))
 
 
-def test_a_reduction_counts_up_to_an_error_of_three_percent() -> None:
+def test_a_reduction_counts_up_to_an_error_of_three_percent():
     trades = [trade(0.01, 30.0), trade(0.025, 45.0), trade(0.035, 90.0)]
     assert aqvc_claims.largest_reduction(trades) == 45.0
     assert aqvc_claims.largest_reduction([trade(0.0299, 7.0), trade(0.0301, 8.0)]) == 7.0
     assert aqvc_claims.largest_reduction([trade(0.2, 90.0)]) == 0.0
 
 
-def test_collisions_are_told_by_the_rays_of_a_lossless_table() -> None:
+def test_collisions_are_told_by_the_rays_of_a_lossless_table():
     lossy, lossless = frame(1.0, rays=1250), frame(1.0, rays=1000)
     assert aqvc_claims.share_of_collisions(lossy, lossless) == 0.2
     assert aqvc_claims.share_of_collisions(lossless, lossless) == 0.0
 
 
-def test_a_speed_up_is_the_exact_frames_time_over_the_cached_ones() -> None:
+def test_a_speed_up_is_the_exact_frames_time_over_the_cached_ones():
     made = Trade(frame=frame(1.0, cpu_s=2.0, ray_reduction=5.0), exact=frame(1.0, cpu_s=8.0))
     assert made.speedup == 4.0 and made.ray_reduction == 5.0
     assert "speed-up 4.00 (8.00 to 2.00 CPU s)" in made.note
 
 
-def test_ambient_occlusion_compares_the_reference_with_the_cache() -> None:
+def test_ambient_occlusion_compares_the_reference_with_the_cache():
     def frame(seconds: float, **counters: float) -> Any:
         layers = {"ambient": np.ones((2, 2)), "coverage": np.ones((2, 2, 1))}
         return SimpleNamespace(
@@ -174,7 +172,7 @@ def test_ambient_occlusion_compares_the_reference_with_the_cache() -> None:
     assert rows["time, reference over cache"] == 4
 
 
-def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch):
     costs = vismap_printed.COSTS["garage"]
     samples = tuple(cost.samples for cost in costs)
     times = vismap_table3.Times(
@@ -198,9 +196,7 @@ def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch: pytest.Monke
         assert row.measured == pytest.approx(float(row.printed), rel=close), row.what
 
 
-def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Any
-) -> None:
+def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(monkeypatch, tmp_path):
     """Noise of n samples has the variance 1 / n, with maps 0.2 / n where light is hidden."""
     size, rng = (64, 48), np.random.default_rng(6)
     share = np.zeros((48, 64))

@@ -1,7 +1,5 @@
 """`viscache reproduce`: the list, the JSON, and bands that fail with status 1."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path
@@ -33,9 +31,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
     return rows
 
 
-def test_every_figure_is_listed_in_the_order_of_the_papers(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_every_figure_is_listed_in_the_order_of_the_papers(capsys):
     assert cli.main(["reproduce", "list", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["figures"]
     assert listed == [{"figure": name} for name in figures.FIGURES]
@@ -51,7 +47,7 @@ def test_every_figure_is_listed_in_the_order_of_the_papers(
     assert "aqvc-fig6 (fine geometry: the hairball)\n" in capsys.readouterr().out
 
 
-def test_a_decorated_function_is_an_experiment() -> None:
+def test_a_decorated_function_is_an_experiment():
     made = Registry("figure", "lab.figures", ("aqvc", "vlf"))
 
     @made.add("vlf-x9", "made up", sized=True)
@@ -72,9 +68,7 @@ def test_a_decorated_function_is_an_experiment() -> None:
         made.find("vlf-x8")
 
 
-def test_the_json_has_the_rows_and_the_files_that_were_written(
-    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_json_has_the_rows_and_the_files_that_were_written(made_up, tmp_path, capsys):
     made_up.append(Row(what="speed", measured=3.0, printed=2.0, band=BAND, note="here"))
     made_up.append(Row(what="count", measured=7, printed="1 to 2"))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path / "new"), "--json"]) == 0
@@ -101,9 +95,7 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
     assert json.loads((tmp_path / "new" / "made-up.json").read_text())["rows"] == got["rows"]
 
 
-def test_a_figure_prints_and_records_two_verdicts(
-    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_figure_prints_and_records_two_verdicts(made_up, tmp_path, capsys):
     band = Band(2.0, math.inf, "Sec. 5.2: 8", claimed=Claim.by("at_least", 8.0))
     made_up.append(Row(what="speed", measured=3.0, band=band))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 0  # a band decides, no claim
@@ -118,26 +110,24 @@ def test_a_figure_prints_and_records_two_verdicts(
 
 
 @pytest.mark.parametrize("measured", [0.79, math.nan, None])
-def test_a_band_that_fails_is_status_1(
-    made_up: list[Row], measured: float | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_band_that_fails_is_status_1(made_up, measured, tmp_path, capsys):
     made_up.append(Row(what="speed", measured=measured, band=BAND))
     assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 1
     assert "| **no** |" in capsys.readouterr().out
 
 
-def test_ends_of_a_band_belong_to_it() -> None:
+def test_ends_of_a_band_belong_to_it():
     band = Band(1.0, 2.0, "")
     values = [Row(what="x", measured=v, band=band).holds for v in (1.0, 2.0, 0.999, 2.001)]
     assert values == [True, True, False, False]
 
 
-def test_the_table_says_what_was_printed_and_what_was_measured() -> None:
+def test_the_table_says_what_was_printed_and_what_was_measured():
     table = text("made-up", [Row(what="speed", measured=3.0, printed=2.0, band=BAND)])
     assert "| speed | 2 | 3 | 1.5 | 0.8 … ∞ | yes | the paper says so |" in table
 
 
-def test_unknown_figures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_figures_are_refused(tmp_path, capsys):
     out = ["-o", str(tmp_path / "none")]
     assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
     assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
@@ -145,8 +135,8 @@ def test_unknown_figures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, monkeypatch, capsys
+):
     sizes = []
 
     def function(trial: Trial) -> None:
@@ -169,9 +159,7 @@ def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
 
 
 @pytest.mark.parametrize(("name", "instead"), figures.FIGURES.gone.items())
-def test_a_figure_that_is_no_more_names_what_to_use(
-    name: str, instead: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_figure_that_is_no_more_names_what_to_use(name, instead, tmp_path, capsys):
     assert name not in figures.FIGURES
     assert cli.main(["reproduce", name, "-o", str(tmp_path)]) == 2
     assert f"the figure {name!r} is gone: use {instead}" in capsys.readouterr().err

@@ -1,7 +1,5 @@
 """The figure of the trade over time: its bands, its t values and its verdict."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -34,7 +32,7 @@ def passes(
 WAYS = ("exact", "packets", "biased", "corrected", "16 picks")
 
 
-def test_bands_are_not_empty_and_name_their_source() -> None:
+def test_bands_are_not_empty_and_name_their_source():
     found = all_bands(trade_bands)
     assert {"GAIN[room]", "NEVER_WORSE", "UNBIASED"} <= set(found)
     for name, band in found.items():
@@ -45,7 +43,7 @@ def test_bands_are_not_empty_and_name_their_source() -> None:
     assert len(trade.CASES) == 8
 
 
-def test_rows_hold_the_gains_against_the_bands() -> None:
+def test_rows_hold_the_gains_against_the_bands():
     nmse = dict.fromkeys(WAYS, 0.01) | {"biased": 0.03}
     seconds = dict.fromkeys(WAYS, 1.0) | {"packets": 8.0, "exact": 4.0, "16 picks": 1.2}
     ds = passes(nmse, seconds, [0.01, -0.01, 0.02, 0.0])
@@ -60,7 +58,7 @@ def test_rows_hold_the_gains_against_the_bands() -> None:
         assert quick == [*stalls, trade_bands.UNBIASED, trade_bands.UNBIASED]
 
 
-def test_a_lost_energy_fails_the_t_value() -> None:
+def test_a_lost_energy_fails_the_t_value():
     even = dict.fromkeys(WAYS, 1.0)
     fair = passes(even, even, [0.01, -0.01, 0.012, -0.008])
     lost = passes(even, even, [0.101, 0.1, 0.102, 0.099])
@@ -72,7 +70,7 @@ def test_a_lost_energy_fails_the_t_value() -> None:
     )
 
 
-def test_the_verdict_names_the_best_unbiased_way_of_each_scene() -> None:
+def test_the_verdict_names_the_best_unbiased_way_of_each_scene():
     even = dict.fromkeys(WAYS, 1.0)
     found = {
         "a": passes(even | {"corrected": 0.5}, even, [0.0, 0.1]),

@@ -1,7 +1,5 @@
 """Two verdicts per figure: the paper's claim and our expectation, on rows made up by hand."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -35,21 +33,19 @@ def row(band: Band | None, measured: float | None) -> dict[str, object]:
         (None, 0.5, None, None),
     ],
 )
-def test_a_row_tells_the_claim_and_the_band_apart(
-    band: Band | None, measured: float | None, found: bool | None, holds: bool | None
-) -> None:
+def test_a_row_tells_the_claim_and_the_band_apart(band, measured, found, holds):
     made = row(band, measured)
     assert (made["found"], made["holds"]) == (found, holds)
 
 
-def test_the_claim_of_a_row_is_data() -> None:
+def test_the_claim_of_a_row_is_data():
     assert row(WIDER, 3.0)["claim"] == [8.0, math.inf]
     assert row(QUOTED, 3.0)["claim"] == [1.0, math.inf]
     assert row(WIDER, 3.0)["rule"] == "at_least" and row(OURS, 3.0)["rule"] is None
     assert row(OURS, 3.0)["claim"] is None and row(None, 3.0)["claim"] is None
 
 
-def test_a_figure_has_one_verdict_of_each_kind() -> None:
+def test_a_figure_has_one_verdict_of_each_kind():
     rows = [row(WIDER, 9.0), row(OURS, 2.0), row(None, 1.0)]
     assert verdicts(rows, quick=False, figure="vlf-fig6") == {
         "claim": {"verdict": "found", "yes": 1, "all": 1},
@@ -69,7 +65,7 @@ def test_a_figure_has_one_verdict_of_each_kind() -> None:
     assert verdicts([], quick=False, figure="vlf-fig6")["expectation"]["verdict"] == "no band"
 
 
-def test_both_verdicts_are_one_line() -> None:
+def test_both_verdicts_are_one_line():
     rows = [row(WIDER, 3.7)]
     said = "The paper's claim: not found (0 of 1). Our expectation: holds (1 of 1)"
     assert sentence(rows, quick=False, figure="vlf-fig6") == f"{said}."
@@ -83,7 +79,7 @@ def test_both_verdicts_are_one_line() -> None:
     )
 
 
-def test_claims_not_found_name_their_figure() -> None:
+def test_claims_not_found_name_their_figure():
     results = [{"figure": "a", "rows": [row(WIDER, 3.7), row(WIDER, 9.0), row(OURS, 0.0)]}]
     assert [(r["figure"], r["measured"]) for r in claims_not_found(results)] == [("a", 3.7)]
 
@@ -97,6 +93,6 @@ def test_claims_not_found_name_their_figure() -> None:
         (aqvc.H1_RAYS_LEFT, 0.021),
     ],
 )
-def test_our_band_may_hold_where_the_papers_claim_is_not_found(band: Band, measured: float) -> None:
+def test_our_band_may_hold_where_the_papers_claim_is_not_found(band, measured):
     made = Row("x", measured, band=band)
     assert made.holds and made.found is False

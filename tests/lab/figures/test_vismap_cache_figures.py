@@ -1,10 +1,7 @@
 """Figures of the visibility cache: dots where records are, rows and samples."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,7 +17,7 @@ from viscache_lab.figures.vismap_living_room import living_rooms, variance_rows
 from viscache_lab.figures.vismap_table3 import Times
 
 
-def test_points_are_drawn_where_the_camera_sees_them() -> None:
+def test_points_are_drawn_where_the_camera_sees_them():
     camera = vc.look_at((1, 2, 3), (1, 2, -4), fov_deg=90)
     points = np.array([[1, 2, 0], [4, 2, 0], [1, 5, 0], [1, 2, 5]], float)
     pixels = project(camera, (200, 100), points)
@@ -28,9 +25,7 @@ def test_points_are_drawn_where_the_camera_sees_them() -> None:
     assert np.isnan(pixels[3]).all(), "behind the camera"
 
 
-def test_figure_5_needs_no_scene_and_holds_its_bands(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figure_5_needs_no_scene_and_holds_its_bands(tmp_path, capsys):
     assert cli.main(["reproduce", "vismap-fig5", "-o", str(tmp_path), "--json"]) == 0
     got = json.loads(capsys.readouterr().out)
     assert [row["holds"] for row in got["rows"]] == [True] * 4
@@ -42,7 +37,7 @@ def frames(ratios: list[float]) -> list[Frame]:
     return [replace(one, ratio=ratio) for ratio in ratios]
 
 
-def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band() -> None:
+def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band():
     steady = list(_rows(frames([0.3, 0.5] * 30)))
     assert steady[0].measured == pytest.approx(1) and steady[0].holds
     creeping = list(_rows(frames(list(np.linspace(0.3, 0.9, 60)))))
@@ -50,20 +45,20 @@ def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band() -> None:
     assert steady[1].note == "120 inserted, 60 removed"
 
 
-def test_the_crate_of_the_animation_moves_and_the_camera_swings() -> None:
+def test_the_crate_of_the_animation_moves_and_the_camera_swings():
     first, last = (crate_and_garage(t) for t in (0.0, 1.0))
     assert first.triangles == last.triangles and first.content_hash != last.content_hash
     assert swinging_camera(0.25).origin[2] - swinging_camera(0.75).origin[2] == pytest.approx(2.8)
 
 
-def test_crops_are_where_the_noise_is_and_do_not_overlap() -> None:
+def test_crops_are_where_the_noise_is_and_do_not_overlap():
     variance = np.full((20, 30), 0.01)
     variance[5:9, 10:14], variance[12:16, 20:24] = 3.0, 2.0
     assert noisiest_windows(variance, 4, 2) == [(5, 10), (12, 20)]
     assert variance[5, 10] == 3.0, "stays as it was"
 
 
-def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets() -> None:
+def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets():
     times = Times(samples=(10, 30, 100), product=(3.0, 5.0, 12.0), maps=(4.0, 6.0, 13.5))
     assert times.overhead == pytest.approx((1.0, 1.0, 1.5))
     assert times.split() == pytest.approx((2.0, 0.1))
@@ -75,9 +70,7 @@ def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets() -> None:
     assert samples_in(Fake(), 6.0) == 40  # type: ignore[arg-type]
 
 
-def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(monkeypatch, tmp_path):
     monkeypatch.delenv("VISCACHE_SCENES", raising=False)
     trial = Trial()
     assert list(living_rooms(trial)) == []

@@ -1,9 +1,5 @@
 """Figures 3 and 4 of the visibility-map paper: what their rows measure."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray
@@ -28,7 +24,7 @@ def slices(over_theta: np.ndarray, over_d: np.ndarray) -> xarray.Dataset:
     )
 
 
-def test_a_straight_fall_is_straight_and_a_bent_one_is_not() -> None:
+def test_a_straight_fall_is_straight_and_a_bent_one_is_not():
     theta, d = (np.arange(64) + 0.5) / 64, (np.arange(64) + 0.5) / 64
     straight = slices(1 - 2 * theta, d)
     assert figure.straightness(straight) == pytest.approx(1)
@@ -36,7 +32,7 @@ def test_a_straight_fall_is_straight_and_a_bent_one_is_not() -> None:
     assert bent is not None and bent not in bands.LINEAR_IN_THETA
 
 
-def test_the_middle_of_a_line_has_half_of_the_fall_and_of_a_convex_curve_more() -> None:
+def test_the_middle_of_a_line_has_half_of_the_fall_and_of_a_convex_curve_more():
     t = np.arange(64) / 63
     line = figure.fall_by_the_middle(slices(t, 1 - 0.7 * t))
     convex = figure.fall_by_the_middle(slices(t, np.exp(-4 * t)))
@@ -47,7 +43,7 @@ def test_the_middle_of_a_line_has_half_of_the_fall_and_of_a_convex_curve_more() 
     assert figure.fall_by_the_middle(few) is None
 
 
-def test_lines_of_flat_faces_are_found_and_smooth_bodies_have_none() -> None:
+def test_lines_of_flat_faces_are_found_and_smooth_bodies_have_none():
     rng = np.random.default_rng(0)
     flat = np.eye(3, dtype=np.float32)[rng.integers(0, 3, 600)]
     round_ = rng.normal(size=(600, 3)).astype(np.float32)
@@ -59,9 +55,7 @@ def test_lines_of_flat_faces_are_found_and_smooth_bodies_have_none() -> None:
         assert [row.holds for row in figure._line_rows(ds)] == [holds, holds]
 
 
-def test_scenes_that_are_absent_are_skipped_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_scenes_that_are_absent_are_skipped_by_name(tmp_path, monkeypatch):
     monkeypatch.setenv(SCENES_VARIABLE, str(tmp_path))
     assert [view.find() for view in figure.OTHERS] == [None, None]
     (tmp_path / "living-room").mkdir()

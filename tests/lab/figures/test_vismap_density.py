@@ -1,7 +1,5 @@
 """Density of records, and its rank correlation with what attracts them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -17,7 +15,7 @@ from viscache_lab.figures.vismap_records import (
 RNG = np.random.default_rng(5)
 
 
-def test_cells_hold_equal_numbers_of_points_near_each_other() -> None:
+def test_cells_hold_equal_numbers_of_points_near_each_other():
     points = RNG.random((4096, 3)) * (4, 1, 1)
     cell = equal_cells(points, 6)
     assert set(np.bincount(cell)) == {64}
@@ -25,7 +23,7 @@ def test_cells_hold_equal_numbers_of_points_near_each_other() -> None:
     assert inside < 0.05 * points.var(axis=0).sum()
 
 
-def test_records_are_counted_in_the_cell_of_the_nearest_point() -> None:
+def test_records_are_counted_in_the_cell_of_the_nearest_point():
     points = RNG.random((512, 3))
     cell = equal_cells(points, 3)
     np.testing.assert_array_equal(records_per_cell(points, points, cell), np.full(8, 64))
@@ -33,7 +31,7 @@ def test_records_are_counted_in_the_cell_of_the_nearest_point() -> None:
     np.testing.assert_array_equal(records_per_cell(near_first, points, cell), [64] + 7 * [0])
 
 
-def test_means_leave_out_what_is_not_finite_and_angles_are_those_of_a_cone() -> None:
+def test_means_leave_out_what_is_not_finite_and_angles_are_those_of_a_cone():
     cell = np.array([0, 0, 1, 1, 2])
     means = per_cell_mean(np.array([1.0, 3.0, np.nan, 5.0, np.nan]), cell)
     np.testing.assert_array_equal(means, [2, 5, np.nan])
@@ -45,7 +43,7 @@ def test_means_leave_out_what_is_not_finite_and_angles_are_those_of_a_cone() -> 
 
 
 @pytest.mark.stat
-def test_records_drawn_at_random_correlate_with_nothing_and_attracted_ones_do() -> None:
+def test_records_drawn_at_random_correlate_with_nothing_and_attracted_ones_do():
     points = RNG.random((8192, 3))
     cell = equal_cells(points, 9)
     attraction = per_cell_mean(points[:, 0] ** 2, cell)

@@ -1,8 +1,5 @@
 """Parts of the visibility field's figures."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +17,7 @@ from viscache_lab.figures.vlf_occlusion import place
 from viscache_lab.figures.vlf_tracers import camera_rays, first_hits
 
 
-def test_tiles_of_an_edge_by_every_way() -> None:
+def test_tiles_of_an_edge_by_every_way():
     """A diagonal through a tile's corner region: a DDA steps over it."""
     a, b = np.float32([-0.99, -0.99]), np.float32([0.95, -0.2])
     touched = vlf_drawings.touched_tiles(a, b)
@@ -31,7 +28,7 @@ def test_tiles_of_an_edge_by_every_way() -> None:
     assert vlf_drawings.touched_tiles(*level) == vlf_drawings.dda(*level) == row
 
 
-def test_rays_of_a_camera_meet_what_its_picture_shows() -> None:
+def test_rays_of_a_camera_meet_what_its_picture_shows():
     scene = vc.scenes.room(triangles=2000)
     view, size = scene.cameras[1], (40, 24)
     beams = camera_rays(view, size)
@@ -48,7 +45,7 @@ def test_rays_of_a_camera_meet_what_its_picture_shows() -> None:
         assert alike(wrong) < 0.5
 
 
-def test_first_hits_lie_on_surfaces_and_their_normals_look_back() -> None:
+def test_first_hits_lie_on_surfaces_and_their_normals_look_back():
     scene = vc.scenes.cube_on_plane()
     view = scene.cameras[0]
     positions, normals, seen = first_hits(scene, view, (20, 12))
@@ -60,7 +57,7 @@ def test_first_hits_lie_on_surfaces_and_their_normals_look_back() -> None:
     assert scene.visible(positions + 1e-3 * normals, eye).all()
 
 
-def test_rays_of_occlusion_are_those_of_the_aligned_batch() -> None:
+def test_rays_of_occlusion_are_those_of_the_aligned_batch():
     spot = place("cow", quick=True)
     by_point, by_direction = spot.beams(40)
     blocked = spot.scene.occluded(by_point.origins, by_point.directions).reshape(-1, 129)
@@ -75,7 +72,7 @@ def test_rays_of_occlusion_are_those_of_the_aligned_batch() -> None:
     assert 0.05 < blocked.mean() < 0.95
 
 
-def test_a_grid_search_takes_the_fastest(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_grid_search_takes_the_fastest(monkeypatch):
     seconds = iter([3.0, 1.0, 2.0, 4.0])
     monkeypatch.setattr(vlf_tracers, "cpu_seconds", lambda run: next(seconds))
     scene = vc.scenes.cube_on_plane()
@@ -85,7 +82,7 @@ def test_a_grid_search_takes_the_fastest(monkeypatch: pytest.MonkeyPatch) -> Non
     assert best.nbytes == best.caster.stats["bytes"]
 
 
-def test_a_trial_takes_runs_of_neighbours_from_everywhere() -> None:
+def test_a_trial_takes_runs_of_neighbours_from_everywhere():
     o = np.arange(30_000, dtype=np.float32).reshape(-1, 3)
     some = Beams(origins=o, directions=o).some(160)
     assert len(some) == 160
@@ -93,7 +90,7 @@ def test_a_trial_takes_runs_of_neighbours_from_everywhere() -> None:
     assert some.origins[0, 0] == 0 and some.origins[-1, 0] == o[-1, 0]
 
 
-def test_local_shading_is_direct_light_where_nothing_stands_between() -> None:
+def test_local_shading_is_direct_light_where_nothing_stands_between():
     d = vc.SceneDescription()
     material = d.add_material(base_color=(0.5, 0.25, 0.75))
     floor = [[-3, 0, 3], [3, 0, 3], [3, 0, -3], [-3, 0, -3]]
@@ -109,7 +106,7 @@ def test_local_shading_is_direct_light_where_nothing_stands_between() -> None:
     assert local_shading(lit, view, []).max() == 0
 
 
-def test_the_object_that_moves_is_closed_and_of_the_size_asked_for() -> None:
+def test_the_object_that_moves_is_closed_and_of_the_size_asked_for():
     for wanted in (100, 1000, 10_000):
         vertices, triangles = ball(wanted, (0, 0, 0))
         assert 0.7 * wanted < len(triangles) < 1.4 * wanted
@@ -122,6 +119,6 @@ def test_the_object_that_moves_is_closed_and_of_the_size_asked_for() -> None:
         assert volume == pytest.approx(4 / 3 * np.pi * 0.12**3, rel=0.2)
 
 
-def test_a_table_has_every_column_of_its_rows(tmp_path: Path) -> None:
+def test_a_table_has_every_column_of_its_rows(tmp_path):
     Trial(folder=tmp_path).csv("a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
     assert (tmp_path / "a.csv").read_text() == "x,y,z\n1,0.5,\n2,,a\n"

@@ -1,7 +1,5 @@
 """Statistics of blocks: how often equal pictures differ, and which differences are found."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -24,7 +22,7 @@ def scene(rng: np.random.Generator) -> Array:
     return 10 ** rng.uniform(-1, 1, (ROWS, COLUMNS, 3))
 
 
-def test_means_of_blocks_leave_out_what_does_not_fill_one() -> None:
+def test_means_of_blocks_leave_out_what_does_not_fill_one():
     picture = np.arange(5 * 7 * 3, dtype=np.float32).reshape(5, 7, 3)
     means = block_means(picture, 2)
     assert means.shape == (2, 3, 3)
@@ -34,7 +32,7 @@ def test_means_of_blocks_leave_out_what_does_not_fill_one() -> None:
 @pytest.mark.stat
 @pytest.mark.parametrize("noise", [0.01, 0.1])
 @pytest.mark.parametrize("n", [6, 12, 48])
-def test_equal_expectations_agree(n: int, noise: float) -> None:
+def test_equal_expectations_agree(n, noise):
     rng = np.random.default_rng(3)
     alarms = 0
     for _ in range(200):
@@ -46,7 +44,7 @@ def test_equal_expectations_agree(n: int, noise: float) -> None:
 
 @pytest.mark.stat
 @pytest.mark.parametrize("noise", [0.01, 0.05])
-def test_the_stated_power_is_that_of_a_block(noise: float) -> None:
+def test_the_stated_power_is_that_of_a_block(noise):
     rng = np.random.default_rng(5)
     level = np.ones((ROWS, COLUMNS, 3))
     power = compare(stack(rng, 48, level, noise), stack(rng, 48, level, noise)).power
@@ -64,7 +62,7 @@ def test_the_stated_power_is_that_of_a_block(noise: float) -> None:
 
 
 @pytest.mark.stat
-def test_five_per_cent_more_light_is_found() -> None:
+def test_five_per_cent_more_light_is_found():
     rng = np.random.default_rng(7)
     level = scene(rng)
     ours, theirs = stack(rng, 12, level, 0.02), stack(rng, 12, level, 0.02)
@@ -76,7 +74,7 @@ def test_five_per_cent_more_light_is_found() -> None:
 
 
 @pytest.mark.stat
-def test_a_difference_in_few_blocks_counts_by_its_energy() -> None:
+def test_a_difference_in_few_blocks_counts_by_its_energy():
     rng = np.random.default_rng(9)
     level = np.ones((ROWS, COLUMNS, 3))
     ours, theirs = stack(rng, 24, level, 0.01), stack(rng, 24, level, 0.01)
@@ -88,14 +86,14 @@ def test_a_difference_in_few_blocks_counts_by_its_energy() -> None:
     assert found.worst_z > 50
 
 
-def test_black_pictures_agree_and_light_in_the_dark_does_not() -> None:
+def test_black_pictures_agree_and_light_in_the_dark_does_not():
     black = np.zeros((4, ROWS, COLUMNS, 3))
     assert compare(black, black).agrees
     assert not compare(black + 1e-3, black).agrees
     assert not compare(black, black + 1e-3).agrees
 
 
-def test_blocks_that_are_not_finite_do_not_agree() -> None:
+def test_blocks_that_are_not_finite_do_not_agree():
     a = np.ones((4, ROWS, COLUMNS, 3))
     b = a.copy()
     b[2, 1, 1, 0] = np.nan
@@ -104,7 +102,7 @@ def test_blocks_that_are_not_finite_do_not_agree() -> None:
     assert not compare(b, a).agrees
 
 
-def test_stacks_of_other_sizes_are_refused() -> None:
+def test_stacks_of_other_sizes_are_refused():
     a = np.ones((4, ROWS, COLUMNS, 3))
     with pytest.raises(ValueError, match="stacks must have shape"):
         compare(a[:, 1:], a)

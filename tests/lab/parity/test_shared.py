@@ -1,7 +1,5 @@
 """Scenes of others: what is prepared for Mitsuba 3 shows the same scene."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -40,9 +38,7 @@ def mean_picture(loaded: renderers.Loaded) -> float:
 
 @pytest.mark.slow
 @pytest.mark.mitsuba
-def test_the_sky_of_an_old_file_stands_upright_in_mitsuba_3(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_sky_of_an_old_file_stands_upright_in_mitsuba_3(tmp_path, monkeypatch):
     if reason := renderers.missing():
         pytest.skip(reason)
     path = prepared(tmp_path, monkeypatch)

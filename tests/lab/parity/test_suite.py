@@ -1,7 +1,5 @@
 """The suite on few scenes: right ones agree, wrong ones are found, and the page shows them."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
@@ -57,9 +55,7 @@ def brighter(factor: float, load: Callable[..., Loaded]) -> Callable[..., Loaded
 class TestWithMitsuba:
     pytestmark = needs_mitsuba
 
-    def test_a_cube_agrees_and_five_per_cent_more_light_does_not(
-        self, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+    def test_a_cube_agrees_and_five_per_cent_more_light_does_not(self, monkeypatch):
         (right,) = run()
         assert right.verdict == "agrees"
         assert right.compared is not None
@@ -70,8 +66,8 @@ class TestWithMitsuba:
         assert wrong.silent_miss and re.fullmatch(r"energy \+[45]\.\d%", wrong.why)
 
     def test_a_light_that_is_five_per_cent_brighter_in_one_file_is_found(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+        self, tmp_path, monkeypatch
+    ):
         (case,) = [c for c in zoo.cases() if c.name == "light/point-position"]
         (path,) = zoo.write(tmp_path, [case]).values()
         other = tmp_path / "brighter.xml"
@@ -86,7 +82,7 @@ class TestWithMitsuba:
         assert found.compared is not None
         assert found.compared.energy_difference == pytest.approx(0.05, abs=0.01)
 
-    def test_what_is_warned_of_is_listed_with_its_warning(self) -> None:
+    def test_what_is_warned_of_is_listed_with_its_warning(self):
         outcome = Trial(quick=True, options={"only": "material/principled-default-sky"})
         bench.parity.parity(outcome)
         assert outcome.answers_hold
@@ -94,7 +90,7 @@ class TestWithMitsuba:
         assert row["what"] == "material/principled-default-sky"
         assert row["reason"].startswith("warned: 'principled' is not modelled in full")
 
-    def test_a_file_that_is_warned_of_gets_the_first_pictures_alone(self, tmp_path: Path) -> None:
+    def test_a_file_that_is_warned_of_gets_the_first_pictures_alone(self, tmp_path):
         pictures = {"material/principled-default-sky": 3, "material/diffuse-colour-sky": 6}
         paths = zoo.write(tmp_path, [case for case in zoo.cases() if case.name in pictures])
         effort = Effort(spp=4, first=3, most=6, power=0.0)
@@ -102,7 +98,7 @@ class TestWithMitsuba:
             for name, count in pictures.items():
                 assert judge(mi, name, paths[name], effort=effort).pictures == count
 
-    def test_a_file_that_is_refused_is_named(self, tmp_path: Path) -> None:
+    def test_a_file_that_is_refused_is_named(self, tmp_path):
         path = tmp_path / "bad.xml"
         path.write_text('<scene version="3.0.0"><shape type="ply"/></scene>')
         with renderers.mitsuba() as mi:
@@ -110,7 +106,7 @@ class TestWithMitsuba:
         assert found.verdict == "not loaded"
         assert "needs a filename" in found.why
 
-    def test_the_page_holds_pictures_and_needs_no_other_file(self, tmp_path: Path) -> None:
+    def test_the_page_holds_pictures_and_needs_no_other_file(self, tmp_path):
         from PIL import Image
 
         found = run(tmp_path, "shape/cube-*")
@@ -147,7 +143,7 @@ def judged_of(
     return judge(None, "even", Path("even.xml"), effort=Effort(first=6, most=12))
 
 
-def test_pictures_that_compare_nothing_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pictures_that_compare_nothing_do_not_agree(monkeypatch):
     black = judged_of(monkeypatch, 0, 0)
     assert (black.verdict, black.why) == ("not comparable", "both pictures are black")
     said = judged_of(monkeypatch, 1, 0, mitsubas=("the sun is below the horizon",))
@@ -172,16 +168,14 @@ def miss(share: float) -> Judged:
     return Judged(name=f"x/{share}", verdict="differs", warnings=[], mitsuba=[], compared=compared)
 
 
-def test_silent_misses_come_worst_first() -> None:
+def test_silent_misses_come_worst_first():
     trial = Trial()
     bench.parity.record(trial, [miss(0.9), miss(0.2), miss(0.5)], 1.0)
     named = [a["what"].partition(",")[0] for a in trial.answers[1:]]
     assert named == ["x/0.2", "x/0.5", "x/0.9"]
 
 
-def test_a_silent_miss_fails_the_bench(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_silent_miss_fails_the_bench(monkeypatch, capsys):
     info = Experiment(
         description="", function=lambda trial: bench.parity.record(trial, [miss(0.2)], 1.0)
     )
@@ -192,21 +186,21 @@ def test_a_silent_miss_fails_the_bench(
     assert "WRONG x/0.2" in shown
 
 
-def test_without_mitsuba_the_bench_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_mitsuba_the_bench_says_so(monkeypatch):
     monkeypatch.setattr(renderers, "missing", lambda: "Mitsuba 3 is not installed")
     result = bench.run_bench("parity", quick=True)
     assert result["skipped"] == [{"what": "parity", "reason": "Mitsuba 3 is not installed"}]
     assert result["answers_hold"]
 
 
-def test_options_of_the_suite_are_refused_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_of_the_suite_are_refused_elsewhere(capsys):
     assert cli.main(["bench", "rays", "--only", "x"]) == 2
     assert "--only is an option of the benches parity and peers alone" in capsys.readouterr().err
     assert cli.main(["bench", "parity", "--threads", "0"]) == 2
     assert "threads must be >= 1, got 0" in capsys.readouterr().err
 
 
-def test_a_pattern_that_matches_nothing_is_refused() -> None:
+def test_a_pattern_that_matches_nothing_is_refused():
     if renderers.missing() is not None:
         pytest.skip("needs the package mitsuba")
     with pytest.raises(ValueError, match="no quick scene has a name like 'nothing'"):
