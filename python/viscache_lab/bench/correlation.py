@@ -77,10 +77,7 @@ class Run(NamedTuple):
 
 
 def make_points(n: int, groups: int, seed: int = 0) -> Points:
-    """n points of a 10 x 10 ground. Each sees the half space above it, except two spheres.
-
-    `groups`, the number of blocks of the ground, is a square.
-    """
+    """n points of a 10 x 10 ground of `groups` (a square) blocks. Each sees all but two spheres."""
     random = np.random.default_rng(seed)
     directions = DirectionSet(map_size=MAP_SIZE).directions
     positions = (random.random((n, 3)) * (10, 10, 0)).astype(np.float32)

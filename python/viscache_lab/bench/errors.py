@@ -64,18 +64,8 @@ def error_over_time(
 ) -> None:
     """Gains of ways over the first, which take turns seed by seed.
 
-    Parameters
-    ----------
-    ways : dict of callable
-        Image and CPU seconds of a seed.
-    converged : callable
-        The same of the frames whose mean is the converged picture.
-    seeds, references : int
-        How many of both.
-    goals : mapping
-        Least gain by way.
-    biased : sequence of str
-        Ways whose energy is not that of the first.
+    A way gives the image and CPU seconds of a seed; so does `converged`, whose mean is the
+    converged picture. `goals` are least gains. `biased` ways have another energy than the first.
     """
     first = range(FIRST_REFERENCE, FIRST_REFERENCE + references)
     errors = Errors(np.stack([converged(seed)[0] for seed in first]))
@@ -207,23 +197,7 @@ def persistent_z(found: Array, light: float) -> tuple[float, float]:
 
 
 def log_interval(ratios: Sequence[float]) -> tuple[float, float, float]:
-    """Geometric mean of independent ratios and its 95 % interval.
-
-    Parameters
-    ----------
-    ratios : sequence of float > 0
-        One per turn, at least two.
-
-    Returns
-    -------
-    tuple of float
-        The mean, and the ends of Student's interval of the logarithm's mean.
-
-    Raises
-    ------
-    ValueError
-        There are fewer than two ratios, or one is not above 0.
-    """
+    """Geometric mean of independent ratios, and Student's 95 % interval of its logarithm."""
     if len(ratios) < 2 or not all(r > 0 and math.isfinite(r) for r in ratios):
         raise ValueError(f"ratios must be two or more finite numbers > 0, got {list(ratios)}")
     logs = [math.log(r) for r in ratios]

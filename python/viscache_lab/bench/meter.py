@@ -30,7 +30,7 @@ MOST_COST = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A picture. A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it."""
+    """A picture."""
 
     name: str
     scene: str

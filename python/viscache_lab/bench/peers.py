@@ -34,10 +34,7 @@ def default_folder() -> Path:
 
 
 def interpreter(name: str, folder: Path) -> Path | None:
-    """The interpreter that has a module of `PACKAGES`; None if there is none.
-
-    That of its environment in `folder`, or the one that runs now.
-    """
+    """The interpreter that has a module of `PACKAGES`: that of its environment, or this one."""
     own = _python(folder / name)
     if own.exists():
         return own
@@ -45,18 +42,7 @@ def interpreter(name: str, folder: Path) -> Path | None:
 
 
 def make_environments(folder: Path) -> dict[str, str]:
-    """Make an environment for each peer, or bring it up to date.
-
-    Parameters
-    ----------
-    folder : Path
-        Each environment is a folder in it. pip's own settings say where packages come from.
-
-    Returns
-    -------
-    dict of str
-        For each name: "" if it was made, else the last line that venv or pip said.
-    """
+    """Make or update each peer's environment in a folder: by name "", or what pip said last."""
     folder.mkdir(parents=True, exist_ok=True)
     return {name: _make(folder / name, needs) for name, needs in PACKAGES.items()}
 
@@ -136,24 +122,10 @@ def blocked(found: npt.NDArray[Any], name: str) -> npt.NDArray[np.bool_]:
 
 
 class Peer:
-    """One peer with its scene built; `run(job)` runs one job and returns its duration.
+    """One of `PEERS` with the triangles of a scene; `run(job)` runs one job and gives its duration.
 
-    Each job is one line of JSON on standard input; each report is one line of JSON.
-
-    Parameters
-    ----------
-    name : str
-        One of `PEERS`.
-    scene : Scene
-        Its triangles are handed over; see `missing`.
-    python : Path, optional
-        The interpreter that has the peer's package; this package need not be there. The one that
-        runs now by default.
-
-    Raises
-    ------
-    PeerError
-        The peer did not start, ended, or reported an error. Its scene may be built already.
+    `python` is the interpreter that has the peer's package; this package need not be there. Jobs
+    and reports are lines of JSON. PeerError: it did not start, ended, or reported an error.
     """
 
     def __init__(self, name: str, scene: vc.Scene, python: Path | None = None) -> None:

@@ -34,11 +34,7 @@ ENGINES: tuple[Literal["auto", "embree"], ...] = ("auto", "embree")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """Rays along shared directions in one scene; one per direction and point with a hit.
-
-    Of a square image from its camera ("AO"), of side² points on its surfaces as the correlation
-    statistics have them ("rows", 9216 directions), or a whole frame ("frame").
-    """
+    """Rays along shared directions: of a square image ("AO"), its frame, or of points ("rows")."""
 
     title: str
     scene: str

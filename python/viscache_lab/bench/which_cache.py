@@ -71,10 +71,7 @@ class Cells:
 
 
 def ways(case: Case, edge: float = 1.0) -> tuple[Any, dict[str, dict[str, Any]]]:
-    """The integrator of the references, and the ways; the first is the baseline.
-
-    `edge` is that of the cells of the oracle in Python.
-    """
+    """The integrator of the references, and the ways, the baseline first; edge of `Cells`."""
     exact = {"visibility": vc.Exact()}
     voxels = {
         "nee++, roulette": {"visibility": vc.NeePlusPlus(), "use": "replace"},

@@ -48,11 +48,8 @@ def blocked_share(
     """Fraction of light-product samples that are occluded, per pixel: (H, W) in [0, 1].
 
     Directions are sampled with a density ∝ luminance(L)·B over the texels of the environment, with
-    B = BRDF·cos at their centres. This is the importance sampling on which the visibility-map paper
-    is based. NaN if a pixel sees no surface, or a surface without possible light.
-
-    The scene is lit by its environment alone, of flat-shaded meshes without instances, diffuse and
-    glossy without textures; the camera is a pinhole, with one ray through the centre of each pixel.
+    B = BRDF·cos at their centres, as in the visibility-map paper. NaN without surface or light. The
+    scene has flat meshes without instances or textures; one ray through the centre of each pixel.
     """
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)

@@ -110,12 +110,10 @@ def simulate(
     seed: int = 0,
     threads: int | None = None,
 ) -> PixelEstimates:
-    """Estimate random pixels of an image, independently and many times.
+    """Estimate at most `n_pixels` random pixels of an image, independently and many times.
 
     The cache is of a scene that `light_product` accepts, and is not changed. Samples count per
-    pixel and pass, or in total if the method is `one_shot`. The size of pixels determines the
-    search radius for records. At most `n_pixels` of those that see a surface are chosen. ValueError
-    if a parameter is out of range, or the scene has other lights.
+    pixel and pass, or in total if the method is `one_shot`.
     """
     require(n_pixels >= 1, "n_pixels must be >= 1", n_pixels)
     require(replicates >= 2, "replicates must be >= 2", replicates)

@@ -68,17 +68,9 @@ def turns(
     warm_up: bool = True,
     clock: Callable[[Any], Sample] | None = None,
 ) -> Turns:
-    """Time runs that take turns, and keep their answers.
+    """Time runs that take turns, and keep their answers; one that gives a `Sample` is timed by it.
 
-    Parameters
-    ----------
-    runs : mapping
-        One that gives a `Sample` is timed by it.
-    repeats : int
-    warm_up : bool
-        Whether each runs once before.
-    clock : callable, optional
-        The duration of an answer, e.g. `frame_clock`; that of the call by default.
+    `clock` is the duration of an answer, e.g. `frame_clock`; that of the call by default.
     """
     answers: dict[Any, Any] = {}
 

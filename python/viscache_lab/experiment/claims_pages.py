@@ -134,13 +134,7 @@ PAGES: dict[str, dict[str, str]] = {
 
 
 def filled(page: str, text: str) -> str:
-    """The page's text with its tables as they must be.
-
-    Raises
-    ------
-    ValueError
-        The text lacks a pair of comments.
-    """
+    """The page's text with its tables as they must be; ValueError if it lacks their comments."""
     for name, table in PAGES[page].items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
         if begin not in text or end not in text:

@@ -35,22 +35,10 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Panel:
-    """Axes of a picture: an image, or series.
+    """Axes of a picture: a linear image (H, W, C), or series.
 
-    Parameters
-    ----------
-    title : str
-    image : (H, W, C) array, optional
-        Linear; `exposure` is that of `draw_image`.
-    series : sequence of Series
-    x, y : str
-        Labels.
-    logarithmic : str
-        Letters of the axes that are.
-    legend : bool
-        Whether the names of the series are shown.
-    more : callable, optional
-        Draws onto the axes what a panel has beside these.
+    `logarithmic` has the letters of such axes, `legend` shows the names of the series, and `more`
+    draws onto the axes what a panel has beside these.
     """
 
     title: str = ""

@@ -68,13 +68,7 @@ class FullRun:
 
 
 def kept(result: Mapping[str, Any], machine: str) -> FullRun:
-    """What is kept of a figure's result.
-
-    Raises
-    ------
-    ValueError
-        The run was quick, had another size, or ended with an error.
-    """
+    """What is kept of a result; ValueError if it was quick, had another size, or an error."""
     if result["quick"] or result["size"] is not None or "error" in result:
         raise ValueError(
             f"runs must be full, in their own size and without an error; {result['figure']} is not"

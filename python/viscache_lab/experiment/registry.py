@@ -47,18 +47,10 @@ class Experiment:
 
 
 class Registry(dict[str, Experiment]):
-    """Name to experiment. The modules of `package` declare them by `@REGISTRY.add`.
+    """Name to experiment. The modules of `package`, but those named `peer_…`, declare them.
 
-    Parameters
-    ----------
-    kind : str
-        What messages call one of them.
-    package : str
-        All its modules but those named `peer_…` are imported by `load`.
-    papers : tuple of str
-        The first words of all names, in their order; names without such words are in theirs.
-    gone : mapping
-        Names that were known once, to what takes their place.
+    `kind` is what messages call one of them. `papers` are the first words of all names, in their
+    order. `gone` are names that were known once, to what takes their place.
     """
 
     def __init__(
@@ -86,13 +78,7 @@ class Registry(dict[str, Experiment]):
         return declare
 
     def find(self, name: str) -> Experiment:
-        """The experiment of a name.
-
-        Raises
-        ------
-        ValueError
-            The name is unknown; the message gives the nearest known one, or what takes its place.
-        """
+        """The experiment of a name; ValueError gives the nearest known one, or what replaces it."""
         if name in self.gone:
             raise ValueError(f"the {self.kind} {name!r} is gone: use {self.gone[name]}")
         if name not in self:

@@ -30,21 +30,7 @@ C = TypeVar("C", bound=InScene | str)
 
 @dataclass(kw_only=True, slots=True)
 class Trial:
-    """One run of an experiment, which its function fills.
-
-    Parameters
-    ----------
-    folder : path
-        Of pictures and tables.
-    quick : bool
-        Small sizes.
-    progress : bool
-        Show progress bars.
-    size : (width, height), optional
-        Of the pictures, where the experiment is sized.
-    options : mapping
-        Of this experiment alone.
-    """
+    """One run of an experiment, which its function fills; `options` are its own alone."""
 
     folder: Path = Path()
     quick: bool = False

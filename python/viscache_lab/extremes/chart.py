@@ -34,19 +34,12 @@ Row = dict[str, Any]
 
 
 def measure(quick: bool = False, told: Callable[[int, int], None] | None = None) -> list[Row]:
-    """One row per method and value: axis, method, x, error, own.
+    """One row per method and value: axis, method, x, error, own. `told` gets (done, total).
 
     `error` is rel_l1 against exact visibility with the same samples in the scene as it is; `own`
     the same where nothing is moved. Noisy methods have virtual lights here, whose paths rounding
     changes. They are compared with exact visibility of the moved scene, and the error of exact
     visibility there is added.
-
-    Parameters
-    ----------
-    quick : bool
-        Fewer values.
-    told : callable, optional
-        Gets (done, total).
     """
     jobs = list(_jobs(quick))
     rows: list[Row] = []

@@ -79,12 +79,9 @@ class Comparison:
 
 
 def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike) -> Comparison:
-    """Compare block means of independent pictures.
+    """Compare block means (n >= 2, rows, columns, channels) of independent pictures.
 
-    Parameters
-    ----------
-    ours, theirs : (n, rows, columns, channels)
-        Block means, n >= 2; n may differ. Non-finite blocks do not agree.
+    n may differ. Non-finite blocks do not agree.
     """
     a, b = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
     if a.shape[1:] != b.shape[1:] or a.ndim != 4 or min(len(a), len(b)) < 2:

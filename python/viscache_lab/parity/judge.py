@@ -25,16 +25,8 @@ SMALL_PX = 128
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Effort:
-    """How many samples a file gets.
-
-    Parameters
-    ----------
-    spp : int
-        Samples per pixel of each picture.
-    first, most : int
-        Pictures of each renderer: to begin with, and at most. They double in between.
-    power : float
-        An agreement is clear if such a relative difference of a block would have been found.
+    """Samples per pixel of each picture; pictures of each renderer to begin with, doubled up to the
+    most; and the relative difference of a block that must be found before an agreement is clear.
     """
 
     spp: int = 16
@@ -79,20 +71,7 @@ class Judged:
 def judge(
     mi: Any, name: str, path: Path, *, effort: Effort = FULL, threads: int | None = None
 ) -> Judged:
-    """Load and render a file with both renderers, and compare.
-
-    Parameters
-    ----------
-    mi : module
-        Of `renderers.mitsuba`.
-    name : str
-        The scene's name in the result.
-    path : path
-        A Mitsuba 3 XML file.
-    effort : Effort
-    threads : int, optional
-        Of our frames.
-    """
+    """Load and render a Mitsuba 3 file with both renderers, and compare; threads are of ours."""
     mine, other = load_viscache(path, threads), load_mitsuba(mi, path)
     judged = partial(Judged, name=name, warnings=mine.warnings, mitsuba=other.warnings)
     if mine.render is None:

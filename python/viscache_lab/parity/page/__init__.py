@@ -41,15 +41,7 @@ _HEADS = ("scene", "verdict", "blocks within", "worst z", "energy", "finds", "pi
 
 
 def write_page(target: Path, results: Sequence[Judged], about: Mapping[str, str]) -> None:
-    """Write the page.
-
-    Parameters
-    ----------
-    target : path
-    results : sequence of Judged
-    about : mapping
-        Rows of the page's head.
-    """
+    """Write the page; `about` has the rows of its head."""
     ordered = sorted(results, key=lambda r: (VERDICTS.index(r.verdict), -_size(r), r.name))
     pictures = json.dumps({"pictures": {r.name: _pictures(r) for r in ordered}})
     parts = [
