@@ -14,12 +14,13 @@ from viscache.metrics.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
 from viscache_lab.cases.light_product import LUMINANCE
-from viscache_lab.cases.simulated_pixels import Pixels, pooled_alphas
 from viscache_lab.cases.simulation import (
     PILOT_SEED,
     PixelEstimates,
+    Pixels,
     Way,
     one_shot_passes,
+    pooled_alphas,
     simulate,
 )
 from viscache_lab.experiment import Trial

@@ -149,10 +149,8 @@ def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
 class Made(Sample):
     """A frame of one turn: its durations and its error."""
 
-    error: float
-    """Squared, of the squared mean of the reference; of a biased way, rel_l1."""
-    build_s: float = 0.0
-    """CPU seconds of what is built once, however many samples follow."""
+    error: float  # squared, of the squared mean of the reference; of a biased way, rel_l1
+    build_s: float = 0.0  # CPU seconds of what is built once, however many samples follow
 
 
 def compare_pictures(trial: Trial, peers: Peers, case: PictureCase, repeats: int) -> None:

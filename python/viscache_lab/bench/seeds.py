@@ -28,8 +28,7 @@ class Picks:
 
     name: str
     scene: str
-    goals: Mapping[int, float]
-    """Least gain by number of picks."""
+    goals: Mapping[int, float]  # least gain by number of picks
     integrator: vc.Direct | vc.Whitted
     picks: tuple[int, ...] = (8, 16, 64)
     size: tuple[int, int] = (192, 120)

@@ -158,11 +158,9 @@ class Case:
     name: str
     scene: str
     quick_scene: str
-    goals: Mapping[tuple[str, str, int], float]
-    """By way, points and samples."""
+    goals: Mapping[tuple[str, str, int], float]  # by way, points and samples
     camera: int = 0
-    m: int = 5
-    """A map has 2^m × 2^m cells."""
+    m: int = 5  # a map has 2^m × 2^m cells
 
 
 STEADY_WAY, PAPER = "control variate, alpha of earlier passes", "control variate, alpha 1"

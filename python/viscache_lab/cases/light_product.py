@@ -25,16 +25,11 @@ CONSTANT_EDGE = 128  # texels along the edge of a constant environment; maps hav
 class Hits:
     """First hits of N rays from a camera."""
 
-    positions: Array
-    """(N, 3)"""
-    normals: Array
-    """(N, 3), geometric normals facing the camera."""
-    towards: Array
-    """(N, 3) unit vectors to the camera."""
-    starts: Array
-    """(N, 3) origins of shadow rays, offset from the surface."""
-    materials: npt.NDArray[np.int64]
-    """(N,) index of the material; -1: no surface."""
+    positions: Array  # (N, 3)
+    normals: Array  # (N, 3), geometric normals facing the camera
+    towards: Array  # (N, 3) unit vectors to the camera
+    starts: Array  # (N, 3) origins of shadow rays, offset from the surface
+    materials: npt.NDArray[np.int64]  # (N,) index of the material; -1: no surface
 
 
 def blocked_share(

@@ -26,6 +26,11 @@ RULES = {
 }
 
 
+def _fixed(rule: str, low: float, high: float) -> staticmethod[[], Claim]:
+    """A rule that needs no printed number."""
+    return staticmethod(lambda: Claim(low, high, rule))
+
+
 @dataclass(frozen=True, slots=True)
 class Claim:
     """Where a paper's claim is found, both ends included, and the rule that says so."""
@@ -33,17 +38,24 @@ class Claim:
     low: float
     high: float
     rule: str
-    because: str = ""
-    """The reason of a limit for words."""
+    because: str = ""  # the reason of a limit for words
+
+    less = _fixed("less", 0.0, 1.0)
+    much_more = _fixed("much_more", 2.0, math.inf)
+    much_less = _fixed("much_less", 0.0, 0.5)
+    little_gain = _fixed("little_gain", 0.5, math.inf)
+    none = _fixed("none", 0.0, 1.1)
+    nearly_all = _fixed("nearly_all", 0.9, 1.0)
+    nearly_none = _fixed("nearly_none", 0.0, 0.1)
+    some = _fixed("some", 0.01, 0.99)
+    most = _fixed("most", 0.5, 1.0)
 
     @classmethod
     def at_least(cls, printed: float) -> Claim:
-        """An advantage: the printed value or more."""
         return cls(printed, math.inf, "at_least")
 
     @classmethod
     def at_most(cls, printed: float) -> Claim:
-        """A bound, or an advantage where less is better."""
         return cls(0.0, printed, "at_most")
 
     @classmethod
@@ -53,7 +65,6 @@ class Claim:
 
     @classmethod
     def exact(cls, printed: float) -> Claim:
-        """This value alone."""
         return cls(printed, printed, "exact")
 
     @classmethod
@@ -65,51 +76,6 @@ class Claim:
     def more(cls, other: float = 1.0) -> Claim:
         """No less than on the other side; of a ratio this is 1."""
         return cls(other, math.inf, "more")
-
-    @classmethod
-    def less(cls) -> Claim:
-        """A ratio of at most 1."""
-        return cls(0.0, 1.0, "less")
-
-    @classmethod
-    def much_more(cls) -> Claim:
-        """A ratio of 2 or more."""
-        return cls(2.0, math.inf, "much_more")
-
-    @classmethod
-    def much_less(cls) -> Claim:
-        """A ratio of 1/2 or less."""
-        return cls(0.0, 0.5, "much_less")
-
-    @classmethod
-    def little_gain(cls) -> Claim:
-        """A ratio of what remains, above 1/2."""
-        return cls(0.5, math.inf, "little_gain")
-
-    @classmethod
-    def none(cls) -> Claim:
-        """A ratio of at most 1.1: no gain, no growth."""
-        return cls(0.0, 1.1, "none")
-
-    @classmethod
-    def nearly_all(cls) -> Claim:
-        """Nine tenths or more of 1."""
-        return cls(0.9, 1.0, "nearly_all")
-
-    @classmethod
-    def nearly_none(cls) -> Claim:
-        """A tenth or less."""
-        return cls(0.0, 0.1, "nearly_none")
-
-    @classmethod
-    def some(cls) -> Claim:
-        """A share that is neither none nor all."""
-        return cls(0.01, 0.99, "some")
-
-    @classmethod
-    def most(cls) -> Claim:
-        """A share of half or more."""
-        return cls(0.5, 1.0, "most")
 
     @classmethod
     def words(cls, low: float, high: float, *, because: str) -> Claim:

@@ -22,11 +22,9 @@ class Judged:
 
     what: str
     measured: float | None
-    said: str
-    """What the paper prints, with its place."""
+    said: str  # what the paper prints, with its place
     rule: str
-    because: str
-    """The reason of a limit for words."""
+    because: str  # the reason of a limit for words
     low: float
     high: float
 
@@ -55,14 +53,11 @@ class Failing:
 class FullRun:
     """A full run of one figure."""
 
-    date: str
-    """Year, month and day."""
-    machine: str
-    """Its name in docs/performance/method.md."""
+    date: str  # year, month and day
+    machine: str  # its name in docs/performance/method.md
     seconds: float
     cpu_s: float
-    bands: int
-    """Rows that have a band."""
+    bands: int  # rows that have a band
     failing: tuple[Failing, ...]
     judged: tuple[Judged, ...]
 

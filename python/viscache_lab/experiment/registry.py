@@ -24,17 +24,13 @@ class Experiment:
     description: str
     function: Callable[..., Any]
     """Takes a `Trial`; that of a family takes `full` and gives its cases."""
-    sized: bool = False
-    """Whether its pictures can have another size."""
-    every_isa: bool = True
-    """Of a family: whether `--full` repeats it for every instruction set."""
-    most_bytes: int | None = None
-    """Of a family: address space of its process."""
+    sized: bool = False  # whether its pictures can have another size
+    every_isa: bool = True  # of a family: whether `--full` repeats it for every instruction set
+    most_bytes: int | None = None  # of a family: address space of its process
     cases: Sequence[Any] = ()
     """If there are any, the function takes a `Trial`, a case and its scene; see `Trial.scenes`."""
     quick_cases: Sequence[Any] = ()
-    note: str = ""
-    """How to read its numbers."""
+    note: str = ""  # how to read its numbers
 
     def fill(self, trial: Any) -> None:
         """Run it, case by case where it has cases."""

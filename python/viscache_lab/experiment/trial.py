@@ -37,8 +37,7 @@ class Trial:
     progress: bool = False
     size: tuple[int, int] | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
-    rows: list[Row] = field(default_factory=list)
-    """Measured values beside the papers' and bands."""
+    rows: list[Row] = field(default_factory=list)  # measured values beside the papers' and bands
     figures: list[dict[str, Any]] = field(default_factory=list)
     """Amounts, and ratios to a baseline of the same run."""
     answers: list[dict[str, Any]] = field(default_factory=list)

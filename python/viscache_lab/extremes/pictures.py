@@ -29,14 +29,10 @@ PRODUCT = vc.Direct(n_area=4, n_environment=4, environment="product")
 class Method:
     """What answers "does x see y?" in a frame, and how."""
 
-    settings: dict[str, Any] = field(default_factory=dict)
-    """Arguments of `vc.render`."""
-    exact: bool = False
-    """Whether it answers as rays do."""
-    noisy: bool = False
-    """Whether another unit of length draws other random numbers or other cells."""
-    maps: bool = False
-    """Whether it serves the environment alone."""
+    settings: dict[str, Any] = field(default_factory=dict)  # arguments of `vc.render`
+    exact: bool = False  # whether it answers as rays do
+    noisy: bool = False  # whether another unit of length draws other random numbers or other cells
+    maps: bool = False  # whether it serves the environment alone
 
     @property
     def integrator(self) -> Any:

@@ -39,20 +39,14 @@ def block_means(picture: npt.NDArray[Any], edge: int) -> Array:
 class Comparison:
     """The outcome of `compare`."""
 
-    share: float
-    """Share of the blocks within 3 σ + 1 %."""
-    z: Array
-    """Signed difference of each block (rows, columns, channels) in standard deviations."""
-    worst_z: float
-    """The z of largest size among the blocks that do not agree, else among all."""
+    share: float  # share of the blocks within 3 σ + 1 %
+    z: Array  # signed difference of each block (rows, columns, channels) in standard deviations
+    worst_z: float  # the z of largest size among the blocks that do not agree, else among all
     energy_ours: float
     energy_theirs: float
-    energy_sigma: float
-    """Standard deviation of the difference of both."""
-    power: float
-    """Relative difference of a block that is found at 95 %: its median over lit blocks."""
-    power_weak: float
-    """The same, at the 90th percentile of lit blocks."""
+    energy_sigma: float  # standard deviation of the difference of both
+    power: float  # relative difference of a block that is found at 95 %: its median over lit blocks
+    power_weak: float  # the same, at the 90th percentile of lit blocks
 
     @property
     def energy_difference(self) -> float:

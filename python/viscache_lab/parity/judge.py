@@ -45,14 +45,11 @@ class Judged:
 
     name: str
     verdict: Verdict
-    warnings: list[str]
-    """Of our loader; for a file that is not loaded, the error."""
-    mitsuba: list[str]
-    """Mitsuba's warnings or its error."""
+    warnings: list[str]  # of our loader; for a file that is not loaded, the error
+    mitsuba: list[str]  # Mitsuba's warnings or its error
     why: str = ""
     compared: Comparison | None = None
-    ours: FloatImage | None = None
-    """Mean picture."""
+    ours: FloatImage | None = None  # mean picture
     theirs: FloatImage | None = None
     pictures: int = 0
 
