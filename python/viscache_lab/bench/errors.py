@@ -71,7 +71,12 @@ def error_over_time(
     errors = Errors(np.stack([converged(seed)[0] for seed in first]))
     for render in ways.values():
         render(0)
-    images, seconds = seed_by_seed(ways, seeds)
+    taken: dict[str, list[tuple[Array, float]]] = {way: [] for way in ways}
+    for seed in range(seeds):
+        for way in ways if seed % 2 else reversed(ways):
+            taken[way].append(ways[way](seed))
+    images = {way: np.stack([image for image, _ in made]) for way, made in taken.items()}
+    seconds = {way: [spent for _, spent in made] for way, made in taken.items()}
     found = {way: errors.of(stack) for way, stack in images.items()}
     base, *others = ways
     for way in others:
@@ -80,20 +85,6 @@ def error_over_time(
         if way not in biased:
             z = energy_z(images[way] - images[base])
             trial.check(f"{name}: {way}, |z| of the energy", abs(z), MOST_Z)
-
-
-def seed_by_seed(
-    ways: dict[str, Callable[[int], tuple[Array, float]]], seeds: int
-) -> tuple[dict[str, Array], dict[str, list[float]]]:
-    """Images and CPU seconds of ways that take turns; each gives both for a seed."""
-    images: dict[str, list[Array]] = {way: [] for way in ways}
-    seconds: dict[str, list[float]] = {way: [] for way in ways}
-    for seed in range(seeds):
-        for way in ways if seed % 2 else reversed(ways):
-            image, spent = ways[way](seed)
-            images[way].append(image)
-            seconds[way].append(spent)
-    return {way: np.stack(stack) for way, stack in images.items()}, seconds
 
 
 def gain(
@@ -120,8 +111,8 @@ def gain_figure(
     found: Mapping[str, tuple[Array, Array]],
     seconds: Mapping[str, list[float]],
     way: str,
-    base: str = "exact",
-    goal: float | None = None,
+    base: str,
+    goal: float | None,
 ) -> dict[str, Any]:
     """The gain of a way over the base by both errors, with errors and seconds of the two."""
     ratio, low, high = gain(found, seconds, way, 0, base)

@@ -35,7 +35,7 @@ def default_folder() -> Path:
 
 def interpreter(name: str, folder: Path) -> Path | None:
     """The interpreter that has a module of `PACKAGES`: that of its environment, or this one."""
-    own = _python(folder / name)
+    own = folder / name / "bin/python"
     if own.exists():
         return own
     return Path(sys.executable) if importlib.util.find_spec(name) is not None else None
@@ -50,7 +50,7 @@ def make_environments(folder: Path) -> dict[str, str]:
 def _make(place: Path, needs: tuple[str, ...]) -> str:
     steps = (
         [sys.executable, "-m", "venv", str(place)],
-        [str(_python(place)), "-m", "pip", "install", "--quiet", "--upgrade", *needs],
+        [str(place / "bin/python"), "-m", "pip", "install", "--quiet", "--upgrade", *needs],
     )
     for step in steps:
         try:
@@ -61,10 +61,6 @@ def _make(place: Path, needs: tuple[str, ...]) -> str:
             said = (done.stderr or done.stdout).strip().splitlines()
             return said[-1] if said else f"{step[2]} ended with status {done.returncode}"
     return ""
-
-
-def _python(place: Path) -> Path:
-    return place / "bin" / "python"
 
 
 #: Name of a peer: (the package it needs, the module that runs it).

@@ -165,15 +165,13 @@ def ratio_figure(
     """
     other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
 
-    def of(samples: Sequence[Sample], which: Clock) -> list[float]:
-        return [getattr(s, which) for s in samples]
-
     def ratios(which: Clock) -> list[float]:
-        return [b / a for a, b in zip(of(ours, which), of(theirs, which), strict=True)]
+        pairs = zip(ours, theirs, strict=True)
+        return [getattr(b, which) / getattr(a, which) for a, b in pairs]
 
     def value(samples: Sequence[Sample]) -> float:
-        seconds = statistics.median(of(samples, clock))
-        return seconds if work is None else work / seconds / 1e6
+        seconds = statistics.median(getattr(s, clock) for s in samples)
+        return float(seconds if work is None else work / seconds / 1e6)
 
     more[f"ratio_{other.removesuffix('_s')}"] = statistics.median(ratios(other))
     return figure(

@@ -31,13 +31,9 @@ def times(runs: Runs) -> str:
         for name, run in runs.items()
     ]
     minutes, cpu = (sum(getattr(r, a) for r in runs.values()) / 60 for a in ("seconds", "cpu_s"))
-    bands, failing = (
-        sum(run.bands for run in runs.values()),
-        sum(len(run.failing) for run in runs.values()),
-    )
-    lines.append(
-        f"| all {len(runs)} | | | {minutes:.0f} | {cpu:.0f} | {_share(bands - failing, bands)} |"
-    )
+    bands = sum(run.bands for run in runs.values())
+    held = bands - sum(len(run.failing) for run in runs.values())
+    lines.append(f"| all {len(runs)} | | | {minutes:.0f} | {cpu:.0f} | {_share(held, bands)} |")
     return "\n".join(lines) + "\n"
 
 

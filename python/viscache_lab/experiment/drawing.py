@@ -105,19 +105,16 @@ def draw(panels: Panels, inches: tuple[float, float]) -> Any:
 
 def described(figure: Any) -> list[dict[str, Any]]:
     """What the axes of a picture show: title, labels, names of series, and number of images."""
-    shown = []
-    for axes in figure.axes:
-        named = axes.get_legend_handles_labels()[1]
-        shown.append(
-            {
-                "title": axes.get_title(),
-                "x": axes.get_xlabel(),
-                "y": axes.get_ylabel(),
-                "series": list(named),
-                "images": len(axes.images),
-            }
-        )
-    return shown
+    return [
+        {
+            "title": axes.get_title(),
+            "x": axes.get_xlabel(),
+            "y": axes.get_ylabel(),
+            "series": list(axes.get_legend_handles_labels()[1]),
+            "images": len(axes.images),
+        }
+        for axes in figure.axes
+    ]
 
 
 def project(camera: vc.Camera, size: tuple[int, int], points: Floats) -> Floats:

@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+#: Of a row that judges a claim.
+KEPT = ("what", "measured", "said", "rule", "because")
 FILE = Path(__file__).with_name("full_run.json")
 
 
@@ -81,14 +83,7 @@ def kept(result: Mapping[str, Any], machine: str) -> FullRun:
             if row["holds"] is False
         ),
         judged=tuple(
-            Judged(
-                row["what"],
-                row["measured"],
-                row["said"],
-                row["rule"],
-                row["because"],
-                *_ends(row["claim"]),
-            )
+            Judged(*(row[key] for key in KEPT), *_ends(row["claim"]))
             for row in rows
             if row["claim"] is not None
         ),
@@ -122,16 +117,11 @@ def read(text: str) -> dict[str, FullRun]:
         low, high = _ends((row["low"], row["high"]))
         return {**row, "low": low, "high": high}
 
-    return {
-        name: FullRun(
-            **{
-                **run,
-                "failing": tuple(Failing(**opened(row)) for row in run["failing"]),
-                "judged": tuple(Judged(**opened(row)) for row in run["judged"]),
-            }
-        )
-        for name, run in json.loads(text).items()
-    }
+    runs: dict[str, dict[str, Any]] = json.loads(text)
+    for run in runs.values():
+        for key, kind in (("failing", Failing), ("judged", Judged)):
+            run[key] = tuple(kind(**opened(row)) for row in run[key])
+    return {name: FullRun(**run) for name, run in runs.items()}
 
 
 RUNS: dict[str, FullRun] = read(FILE.read_text("utf-8"))

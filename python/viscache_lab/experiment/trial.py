@@ -12,7 +12,7 @@ import viscache as vc
 from viscache.scenes.sources import is_builtin, made_by_others
 from viscache_lab.experiment import amounts, drawing
 from viscache_lab.experiment.amounts import Sample
-from viscache_lab.experiment.rows import Band, Row
+from viscache_lab.experiment.rows import Row
 
 
 class InScene(Protocol):
@@ -52,17 +52,9 @@ class Trial:
         """Turns of what is timed."""
         return quick if self.quick else full
 
-    def row(
-        self,
-        what: str,
-        measured: float | None,
-        *,
-        printed: float | str | None = None,
-        band: Band | None = None,
-        note: str = "",
-    ) -> None:
+    def row(self, what: str, measured: float | None, **more: Any) -> None:
         """Record a measured value; see `Row`."""
-        self.rows.append(Row(what, measured, printed=printed, band=band, note=note))
+        self.rows.append(Row(what, measured, **more))
 
     def figure(self, name: str, value: float, unit: str, **more: Any) -> None:
         """Record an amount; see `amounts.figure`."""

@@ -45,10 +45,7 @@ def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:
     found = verdicts(rows, quick=quick, figure=figure)
     words = [
         f"{name}: {part['verdict']}" + (f" ({part['yes']} of {part['all']})" if part["all"] else "")
-        for name, part in (
-            ("The paper's claim", found["claim"]),
-            ("Our expectation", found["expectation"]),
-        )
+        for name, part in zip(("The paper's claim", "Our expectation"), found.values(), strict=True)
     ]
     return ". ".join(words) + (", at quick sizes." if quick else ".")
 

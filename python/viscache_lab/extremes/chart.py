@@ -47,7 +47,11 @@ def measure(quick: bool = False, told: Callable[[int, int], None] | None = None)
         rows.append({"axis": axis, "method": name, "x": x, "error": error()})
         if told is not None:
             told(done + 1, len(jobs))
-    _add_exact(rows)
+    # The error of exact visibility is added to those of noisy methods; there is none along C_E
+    exact = {(r["axis"], r["x"]): r["error"] for r in rows if r["method"] == "exact by Embree"}
+    for row in rows:
+        if row["method"] in METHODS and METHODS[row["method"]].noisy:
+            row["error"] += exact.get((row["axis"], row["x"]), 0.0)
     unmoved = {"scale": 1.0, "offset": 0.0}
     own = {
         (r["axis"], r["method"]): r["error"] for r in rows if r["x"] == unmoved.get(r["axis"], 1.0)
@@ -55,14 +59,6 @@ def measure(quick: bool = False, told: Callable[[int, int], None] | None = None)
     for row in rows:
         row["own"] = own.get((row["axis"], row["method"]))
     return [row for row in rows if row["x"] > 0]
-
-
-def _add_exact(rows: list[Row]) -> None:
-    """Add the error of exact visibility to those of noisy methods."""
-    exact = {(r["axis"], r["x"]): r["error"] for r in rows if r["method"] == "exact by Embree"}
-    for row in rows:
-        if row["method"] in METHODS and METHODS[row["method"]].noisy:
-            row["error"] += exact.get((row["axis"], row["x"]), 0.0)  # none along C_E
 
 
 def _jobs(quick: bool) -> Iterator[tuple[str, str, float, Callable[[], float]]]:
