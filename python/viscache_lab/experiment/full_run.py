@@ -83,7 +83,7 @@ def kept(result: Mapping[str, Any], machine: str) -> FullRun:
             if row["holds"] is False
         ),
         judged=tuple(
-            Judged(*(row[key] for key in KEPT), *_ends(row["claim"]))
+            Judged(*[*map(row.get, KEPT), *_ends(row["claim"])])
             for row in rows
             if row["claim"] is not None
         ),
