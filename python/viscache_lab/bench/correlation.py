@@ -141,7 +141,7 @@ def _measure(trial: Trial, near: Points, far: Points) -> None:
     if isa == "avx512":
         bound = partial(kernels.and_popcount_add, BOUND_STEPS)
         runs["bound"] = BOUND_STEPS * 512 // MAP_SIZE**2, bound
-    samples = turns({name: run for name, (_, run) in runs.items()}, trial.repeats(5, 2)).samples
+    samples, _ = turns({name: run for name, (_, run) in runs.items()}, trial.repeats(5, 2))
     rates = {name: [runs[name][0] / s.cpu_s / 1e6 for s in samples[name]] for name in runs}
     _figures(trial, rates)
 

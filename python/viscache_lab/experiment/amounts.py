@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -54,20 +54,13 @@ def interleave(
     return samples
 
 
-class Turns(NamedTuple):
-    """Durations and last answers of runs that took turns."""
-
-    samples: dict[Any, list[Sample]]
-    answers: dict[Any, Any]
-
-
 def turns(
     runs: Mapping[Any, Callable[[], Any]],
     repeats: int,
     *,
     warm_up: bool = True,
     clock: Callable[[Any], Sample] | None = None,
-) -> Turns:
+) -> tuple[dict[Any, list[Sample]], dict[Any, Any]]:
     """Time runs that take turns, and keep their answers; one that gives a `Sample` is timed by it.
 
     `clock` is the duration of an answer, e.g. `frame_clock`; that of the call by default.
@@ -81,7 +74,7 @@ def turns(
         answers[name] = answer
         return time if clock is None else clock(answer)
 
-    return Turns(interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers)
+    return interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers
 
 
 def frame_clock(frame: vc.Frame) -> Sample:
@@ -102,7 +95,7 @@ def unbuilt_clock(frame: vc.Frame) -> Sample:
 
 def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
     """Which run takes the least CPU time, of two turns."""
-    samples = turns(runs, 2, warm_up=False).samples
+    samples, _ = turns(runs, 2, warm_up=False)
     return min(runs, key=lambda name: min(s.cpu_s for s in samples[name]))
 
 

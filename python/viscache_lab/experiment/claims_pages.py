@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
 from viscache_lab.experiment.claim_rules import RULES, interval
@@ -15,73 +15,66 @@ NAMED = 2
 
 def rules() -> str:
     """The rules of docs/claims.md."""
-    lines = [f"| `{rule}` | {says} |" for rule, says in RULES.items()]
-    return "\n".join(["| rule | found at |", "| --- | --- |", *lines]) + "\n"
+    return _table("rule, found at", ([f"`{rule}`", says] for rule, says in RULES.items()))
 
 
 def times(runs: Runs) -> str:
     """When and how long each figure ran, and how many bands held."""
     lines = [
-        "| command | date | machine | minutes | CPU minutes | bands that hold |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
-    lines += [
-        f"| `viscache reproduce {name}` | {run.date} | {run.machine} | {run.seconds / 60:.1f} "
-        f"| {run.cpu_s / 60:.1f} | {_share(run.bands - len(run.failing), run.bands) or '–'} |"
+        [
+            *(f"`viscache reproduce {name}`", run.date, run.machine),
+            *(f"{run.seconds / 60:.1f}", f"{run.cpu_s / 60:.1f}"),
+            _share(run.bands - len(run.failing), run.bands) or "–",
+        ]
         for name, run in runs.items()
     ]
     minutes, cpu = (sum(getattr(r, a) for r in runs.values()) / 60 for a in ("seconds", "cpu_s"))
     bands = sum(run.bands for run in runs.values())
     held = bands - sum(len(run.failing) for run in runs.values())
-    lines.append(f"| all {len(runs)} | | | {minutes:.0f} | {cpu:.0f} | {_share(held, bands)} |")
-    return "\n".join(lines) + "\n"
+    whole = [f"all {len(runs)}", "", "", f"{minutes:.0f}", f"{cpu:.0f}", _share(held, bands)]
+    heads = "command, date, machine, minutes, CPU minutes, bands that hold"
+    return _table(heads, [*lines, whole])
 
 
 def failing(runs: Runs) -> str:
     """The bands that do not hold."""
-    lines = ["| command | row | measured | band |", "| --- | --- | --- | --- |"]
-    lines += [
-        f"| `viscache reproduce {name}` | {row.what} | {_number(row.measured)} "
-        f"| {interval(row.low, row.high)} |"
-        for name, run in runs.items()
-        for row in run.failing
-    ]
-    return "\n".join(lines) + "\n"
+    rows = [(f"`viscache reproduce {name}`", r) for name, run in runs.items() for r in run.failing]
+    lines = ([n, r.what, _number(r.measured), interval(r.low, r.high)] for n, r in rows)
+    return _table("command, row, measured, band", lines)
 
 
 def claims(paper: str, runs: Runs) -> str:
     """All claims of a paper: those of docs/claims.md."""
-    lines = [
-        "| figure | the paper | rule | row | found at | full run here | verdict |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
-    ]
+    lines = []
     for name, rows in _judged(runs):
         if name.startswith(f"{paper}-"):
             one, found = rows[0], sum(row.found for row in rows)
             rule = f"`{one.rule}`" + (f": {one.because}" if one.because else "")
             verdict = {0: "not found", len(rows): "found"}.get(found)
-            lines.append(
-                f"| `{name}` | {one.said} | {rule} | {_what(rows)} | {interval(one.low, one.high)} "
-                f"| {_values(rows)} | {verdict or f'found in {_share(found, len(rows))}'} |"
-            )
-    return "\n".join(lines) + "\n"
+            verdict = verdict or f"found in {_share(found, len(rows))}"
+            at = [interval(one.low, one.high), _values(rows), verdict]
+            lines.append([f"`{name}`", one.said, rule, _what(rows), *at])
+    return _table("figure, the paper, rule, row, found at, full run here, verdict", lines)
 
 
 def not_found(runs: Runs) -> str:
     """The rows outside the papers' claims: those of docs/limits.md."""
-    lines = [
-        "| command | the paper | measured | found at | full run here |",
-        "| --- | --- | --- | --- | --- |",
-    ]
+    lines = []
     for name, rows in _judged(runs):
         missed = [row for row in rows if not row.found]
         if missed:
             of = "" if len(missed) == len(rows) else f" (others: {len(rows) - len(missed)} found)"
-            lines.append(
-                f"| `viscache reproduce {name}` | {rows[0].said} | {_what(missed)}{of} "
-                f"| {interval(rows[0].low, rows[0].high)} | {_values(missed)} |"
-            )
-    return "\n".join(lines) + "\n"
+            at = [interval(rows[0].low, rows[0].high), _values(missed)]
+            command = f"`viscache reproduce {name}`"
+            lines.append([command, rows[0].said, f"{_what(missed)}{of}", *at])
+    return _table("command, the paper, measured, found at, full run here", lines)
+
+
+def _table(heads: str, rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table; the heads are parted by commas."""
+    names = heads.split(", ")
+    lines = [names, ["---"] * len(names), *rows]
+    return "".join("|" + "".join(f" {c} |" if c else " |" for c in line) + "\n" for line in lines)
 
 
 def _judged(runs: Runs) -> Iterator[tuple[str, list[Judged]]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -83,8 +83,9 @@ class Registry(dict[str, Experiment]):
 
     def load(self) -> None:
         """Import all modules of the package, and sort what they declare."""
-        for module in _modules(self.package):
-            importlib.import_module(module)
+        for module in pkgutil.iter_modules(importlib.import_module(self.package).__path__):
+            if not module.name.startswith("peer_"):
+                importlib.import_module(f"{self.package}.{module.name}")
         ordered = sorted(self.items(), key=lambda item: self._place(item[0]))
         self.clear()
         self.update(ordered)
@@ -108,12 +109,6 @@ def print_list(registry: Registry, *, as_json: bool) -> int:
         for name, one in registry.items():
             print(f"{name} ({one.description})")
     return 0
-
-
-def _modules(package: str) -> Iterator[str]:
-    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
-        if not module.name.startswith("peer_"):
-            yield f"{package}.{module.name}"
 
 
 #: Figures and tables in the order of the papers; the trade of all methods and their extremes.

@@ -6,26 +6,13 @@ import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import viscache as vc
 from viscache.scenes.sources import is_builtin, made_by_others
 from viscache_lab.experiment import amounts, drawing
 from viscache_lab.experiment.amounts import Sample
 from viscache_lab.experiment.rows import Row
-
-
-class InScene(Protocol):
-    """A case of an experiment: a scene is a spec, or a folder of $VISCACHE_SCENES and a file."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def scene(self) -> str: ...
-
-
-C = TypeVar("C", bound=InScene | str)
 
 
 @dataclass(kw_only=True, slots=True)
@@ -92,8 +79,11 @@ class Trial:
         self.skipped += other.skipped
         self.notes += other.notes
 
-    def scenes(self, cases: Iterable[C]) -> Iterator[tuple[C, vc.Scene]]:
-        """Each case, or spec, with its scene; those without their file are skipped."""
+    def scenes(self, cases: Iterable[Any]) -> Iterator[tuple[Any, vc.Scene]]:
+        """Each case (`name` and `scene`), or spec, with its scene; without its file it is skipped.
+
+        A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it.
+        """
         kept: tuple[str, vc.Scene | None] = "", None
         for case in cases:
             name, spec = (case, case) if isinstance(case, str) else (case.name, case.scene)
