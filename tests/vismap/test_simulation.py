@@ -133,6 +133,7 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
 
 
 def test_the_papers_first_pass_has_alpha_one() -> None:
+    assert list(map(one_shot_passes, (10, 30, 100))) == [[10], [10, 20], [10, 20, 40, 30]]
     paper = Way(alpha="previous_pass", one_shot=True)
     found = simulate(
         window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3, replicates=4

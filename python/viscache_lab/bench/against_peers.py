@@ -131,18 +131,16 @@ def compare_rays(
         label = f"{title}, {which}, {job.replace('_', ' ')}"
         trial.check(f"{label}: none hit", float(not hit.any()), 0)
         for name, peer in able.items():
-            differs = float(np.mean(_unlike(truth, peer.result(), name)))
+            theirs = peer.result()
+            if job == "any_hit":
+                unlike = truth != blocked(theirs["occluded"], name)
+            else:  # distances may differ by rounding
+                unlike = ~np.isclose(truth, theirs["t"], rtol=1e-3, atol=1e-4)
+            differs = float(np.mean(unlike))
             trial.check(f"{label}: share unlike {name}", differs, EDGE_TOLERANCE)
             if differs <= EDGE_TOLERANCE:
                 about = {"version": _version(peer), "work": len(r)}
                 trial.ratio(f"{label} vs {name}", samples["ours"], samples[name], **about)
-
-
-def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
-    """Which rays are answered otherwise; distances may differ by rounding."""
-    if "t" not in theirs:
-        return np.asarray(ours != blocked(theirs["occluded"], name))
-    return np.asarray(~np.isclose(ours, theirs["t"], rtol=1e-3, atol=1e-4))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -226,9 +224,7 @@ def _equal_error(ours: Sequence[Made], theirs: Sequence[Made]) -> dict[str, Any]
     whole = [w + t.build_s / o.cpu_s for w, (o, t) in zip(without, pairs, strict=True)]
     mean, low, high = log_interval(whole)
     made = {
-        "equal_error": mean,
-        "equal_error_low": low,
-        "equal_error_high": high,
+        **{"equal_error": mean, "equal_error_low": low, "equal_error_high": high},
         "relative_rmse": float(np.sqrt(np.mean([o.error for o in ours]))),
         "baseline_relative_rmse": float(np.sqrt(np.mean([t.error for t in theirs]))),
     }

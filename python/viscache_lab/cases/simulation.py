@@ -203,29 +203,21 @@ MODES: dict[Any, Any] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Way:
-    """A method to estimate a pixel.
+    """A method to estimate a pixel, by a control variate of coefficient α.
 
-    `alpha` is the coefficient of the control variate: 1 as in the paper, 0 for plain product
-    sampling; "oracle": the best for independent points, by summation over the true visibility.
-    `eta` in (0, 1] is the minimum of the guided density; 1: product sampling. Points are
-    independent, or a randomised (0,2)-sequence.
-
-    Only the last of the passes counts; with "previous_pass", α comes from the others. If
-    `one_shot`, the given samples are all samples of the pixel: with "previous_pass" they are
-    divided as in `one_shot_passes`, and the mean of all passes counts. `first` is the α of the
-    first pass: 1 as in the paper, or pooled from 16 samples at 1000 random pixels.
+    α is 1 in the paper, and 0 for plain product sampling; "oracle": the best for independent
+    points, by summation over the true visibility.
     """
 
     alpha: Alpha = 0.0
-    eta: float = 1.0
-    points: Literal["iid", "rqmc"] = "rqmc"
-    passes: int = 1
-    one_shot: bool = False
-    first: Literal["one", "pilot"] = "one"
+    eta: float = 1.0  # the minimum of the guided density; 1: product sampling
+    points: Literal["iid", "rqmc"] = "rqmc"  # independent, or a randomised (0,2)-sequence
+    passes: int = 1  # the last one counts; with "previous_pass", α comes from the others
+    one_shot: bool = False  # the samples are parted by `one_shot_passes`, and all of them count
+    first: Literal["one", "pilot"] = "one"  # α of the first pass: 1, or that of `pooled_alphas`
 
     def __post_init__(self) -> None:
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
-        require(self.passes >= 1, "passes must be >= 1", self.passes)
         named = self.alpha in ("loo", "previous_pass", "oracle")
         fits = named or isinstance(self.alpha, (int, float))
         require(fits, 'alpha must be a number, "loo", "previous_pass" or "oracle"', self.alpha)
@@ -233,11 +225,8 @@ class Way:
         require(fits, 'alpha="loo" needs points="iid"', self.points)
         once = not self.one_shot or self.passes == 1
         require(once, "passes must be 1 with one_shot", self.passes)
-        require(self.first in ("one", "pilot"), 'first must be "one" or "pilot"', self.first)
-        by_passes = self.alpha == "previous_pass" or not (self.one_shot or self.first == "pilot")
-        require(
-            by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"', self.alpha
-        )
+        fits = self.alpha == "previous_pass" or not (self.one_shot or self.first == "pilot")
+        require(fits, 'alpha must be "previous_pass" with one_shot or first="pilot"', self.alpha)
 
     def sizes(self, samples: int) -> list[int]:
         """Number of samples of every pass."""
@@ -249,18 +238,11 @@ class PixelEstimates:
     """Luminances of P pixels."""
 
     truth: npt.NDArray[np.float64]  # (P,)
-    estimates: dict[tuple[Way, int], npt.NDArray[np.float64]]
-    """(replicates, P) for every method and number of samples."""
+    estimates: dict[tuple[Way, int], npt.NDArray[np.float64]]  # (replicates, P), by way and samples
 
 
 def one_shot_passes(samples: int) -> list[int]:
-    """Division of the samples of a single frame: 10, 20, 40, …, the rest; no pass below ten.
-
-    Examples
-    --------
-    >>> one_shot_passes(10), one_shot_passes(30), one_shot_passes(100)
-    ([10], [10, 20], [10, 20, 40, 30])
-    """
+    """Division of the samples of a single frame: 10, 20, 40, …, the rest; no pass below ten."""
     require(samples >= 1, "samples must be >= 1", samples)
     sizes, left, size = [], samples, FIRST_PASS
     while left >= size + FIRST_PASS:

@@ -167,13 +167,8 @@ def _reproduced(
             raise  # the other figures would end in the same way
         result: Result = {
             "figure": name,
-            "rows": [],
-            "files": [],
-            "drawn": {},
-            "holds": False,
-            "verdicts": None,
-            "skipped": [],
-            "notes": [],
+            **{key: [] for key in ("rows", "files", "skipped", "notes")},
+            **{"drawn": {}, "holds": False, "verdicts": None},
             "quick": quick,
             "size": None if size is None else list(size),
             "provenance": provenance.provenance(),

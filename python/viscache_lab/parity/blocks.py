@@ -99,15 +99,10 @@ def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike) -> Comparison:
     return Comparison(
         share=float(inside.mean()),
         z=np.where(finite, z, np.inf),
-        worst_z=_largest(wrong if wrong.size else z),
+        worst_z=float(max(wrong if wrong.size else z.ravel(), key=abs, default=0.0)),
         energy_ours=float(whole_a.mean()) if finite.all() else float("nan"),
         energy_theirs=float(whole_b.mean()),
         energy_sigma=float(np.sqrt(whole_a.var(ddof=1) / len(a) + whole_b.var(ddof=1) / len(b))),
         power=float(np.median(lit)) if lit.size else float("inf"),
         power_weak=float(np.quantile(lit, 0.9)) if lit.size else float("inf"),
     )
-
-
-def _largest(z: Array) -> float:
-    flat = z.ravel()
-    return float(flat[np.argmax(np.abs(flat))]) if flat.size else 0.0

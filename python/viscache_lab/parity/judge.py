@@ -111,7 +111,13 @@ def _clear(compared: Comparison, effort: Effort) -> bool:
 
 def _verdict(compared: Comparison, warnings: list[str], mitsubas: list[str]) -> tuple[Verdict, str]:
     if not compared.informative and (compared.agrees or mitsubas):
-        return "not comparable", _nothing_to_compare(compared, mitsubas)
+        if np.isfinite(compared.power):
+            return (
+                "not comparable",
+                f"the noise hides differences of less than {compared.power:.0%}",
+            )
+        black = "both pictures are" if compared.energy_ours == 0 else "Mitsuba's picture is"
+        return "not comparable", f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
     if warnings:
         return "warned", warnings[0]
     if compared.agrees:
@@ -121,13 +127,6 @@ def _verdict(compared: Comparison, warnings: list[str], mitsubas: list[str]) -> 
     if compared.share < 1 and not compared.energies_agree:
         return "differs", f"energy {compared.energy_difference:+.1%}"
     return "differs", f"{1 - compared.share:.0%} of the blocks"
-
-
-def _nothing_to_compare(compared: Comparison, mitsubas: list[str]) -> str:
-    if np.isfinite(compared.power):
-        return f"the noise hides differences of less than {compared.power:.0%}"
-    black = "both pictures are" if compared.energy_ours == 0 else "Mitsuba's picture is"
-    return f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
 
 
 class _Side:
