@@ -10,13 +10,12 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
 import viscache as vc
-from viscache.base.provenance import embree_version, isa
+from viscache.base.provenance import cpu_model, embree_version, isa
 from viscache.scenes import build
 
 Key = TypeVar("Key")
@@ -188,7 +187,7 @@ def build_scene(spec: str) -> vc.Scene:
 def machine() -> dict[str, Any]:
     """The class of the machine that ran the bench, without names."""
     return {
-        "processor": _processor(),
+        "processor": cpu_model(),
         "architecture": platform.machine(),
         "cores": len(os.sched_getaffinity(0)),
         "isa": isa()[0],
@@ -197,13 +196,3 @@ def machine() -> dict[str, Any]:
         "system": platform.system(),
         "load": round(os.getloadavg()[0], 2),
     }
-
-
-def _processor() -> str:
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return platform.processor() or "unknown"

@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from viscache.base.files import finite
+
 #: Of a row that judges a claim.
 KEPT = ("what", "measured", "said", "rule", "because")
 FILE = Path(__file__).with_name("full_run.json")
@@ -98,16 +100,7 @@ def _ends(interval: tuple[float | None, float | None]) -> tuple[float, float]:
 
 def written(runs: Mapping[str, FullRun]) -> str:
     """The text of the file."""
-
-    def closed(value: Any) -> Any:
-        """Without infinities, which JSON does not know."""
-        if isinstance(value, dict):
-            return {key: closed(one) for key, one in value.items()}
-        if isinstance(value, (list, tuple)):
-            return [closed(one) for one in value]
-        return None if isinstance(value, float) and math.isinf(value) else value
-
-    return json.dumps(closed({name: asdict(run) for name, run in runs.items()}), indent=1) + "\n"
+    return json.dumps(finite({name: asdict(run) for name, run in runs.items()}), indent=1) + "\n"
 
 
 def read(text: str) -> dict[str, FullRun]:
