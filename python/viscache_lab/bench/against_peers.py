@@ -169,7 +169,8 @@ def compare_pictures(trial: Trial, peers: Peers, case: PictureCase, repeats: int
             trial.skip(f"{case.name} vs {name}", str(error))
             del able[name]
             continue
-        unlike = _difference(reference, peer.result()["image"])
+        both = (block_means(a[..., None], BLOCK) for a in (reference, peer.result()["image"]))
+        unlike = float(np.mean(np.abs(np.subtract(*both))) / reference.mean())
         trial.check(f"{case.name}: converged frame unlike {name}'s", unlike, AGREEMENT)
         if not unlike <= AGREEMENT:
             del able[name]
@@ -253,9 +254,3 @@ def _grey(image: Array) -> Array:
 def _squared_error(reference: Array, image: Array) -> float:
     """Mean squared difference, of the squared mean of the reference."""
     return float(np.mean((image - reference) ** 2) / reference.mean() ** 2)
-
-
-def _difference(reference: Array, image: Array) -> float:
-    """Mean absolute difference of the means of blocks, of the mean of the reference."""
-    ours, theirs = (block_means(a[..., None], BLOCK) for a in (reference, image))
-    return float(np.mean(np.abs(theirs - ours)) / reference.mean())

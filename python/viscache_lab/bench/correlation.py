@@ -181,18 +181,9 @@ def _figures(trial: Trial, rates: dict[str, list[float]]) -> None:
 
 
 def _statistics(points: Points, tiles: npt.NDArray[np.int64] | None, skip_dead: bool) -> PairTable:
-    return pair_statistics(
-        points.bits,
-        MAP_SIZE**2,
-        points.positions,
-        points.normals,
-        points.group,
-        D_EDGES,
-        THETA_EDGES_DEG,
-        tiles=tiles,
-        threads=1,
-        skip_dead=skip_dead,
-    )
+    rows = (points.bits, MAP_SIZE**2, points.positions, points.normals, points.group)
+    edges = (D_EDGES, THETA_EDGES_DEG)
+    return pair_statistics(*rows, *edges, tiles=tiles, threads=1, skip_dead=skip_dead)
 
 
 def _some_tiles(points: Points, n_pairs: int) -> npt.NDArray[np.int64]:

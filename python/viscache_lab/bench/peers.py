@@ -130,13 +130,10 @@ class Peer:
         self._path = Path(self._folder.name)
         meshes = [m for m in scene.meshes() if m["in_world"]]
         starts = np.cumsum([0] + [len(m["vertices"]) for m in meshes])
-        np.savez(
-            self._path / "scene.npz",
-            vertices=np.concatenate([m["vertices"] for m in meshes]),
-            triangles=np.concatenate(
-                [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
-            ).astype(np.uint32),
-        )
+        parts = [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
+        vertices = np.concatenate([m["vertices"] for m in meshes])
+        triangles = np.concatenate(parts).astype(np.uint32)
+        np.savez(self._path / "scene.npz", vertices=vertices, triangles=triangles)
         lab, pipe = str(Path(__file__).parents[1]), subprocess.PIPE
         words = [python or sys.executable, "-c", _START, lab, PEERS[name][1], self._path, name]
         self._process = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)

@@ -153,8 +153,6 @@ def threads(trial: Trial, case: Case, scene: vc.Scene) -> None:
             clock="wall",
             cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
         )
-    trial.check(
-        f"{case.name}: numbers of threads whose answers differ from those of one",
-        sum(found.tobytes() != answers[1].tobytes() for found in answers.values()),
-        0,
-    )
+    differ = sum(found.tobytes() != answers[1].tobytes() for found in answers.values())
+    what = f"{case.name}: numbers of threads whose answers differ from those of one"
+    trial.check(what, differ, 0)

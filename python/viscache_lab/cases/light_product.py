@@ -33,12 +33,7 @@ class Hits:
 
 
 def blocked_share(
-    scene: Scene,
-    *,
-    camera: str | int | Camera | None = None,
-    size: tuple[int, int] = (64, 48),
-    samples: int = 256,
-    seed: int = 0,
+    scene: Scene, *, size: tuple[int, int], samples: int, camera: Camera | None = None
 ) -> Array:
     """Fraction of light-product samples that are occluded, per pixel: (H, W) in [0, 1].
 
@@ -49,7 +44,7 @@ def blocked_share(
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)
     hits = first_hits(scene, find_camera(scene, camera), size)
-    rng = np.random.Generator(np.random.PCG64(seed))
+    rng = np.random.Generator(np.random.PCG64(0))
     share = np.full(size[0] * size[1], np.nan)
     for pixel in np.flatnonzero(hits.materials >= 0):
         product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE

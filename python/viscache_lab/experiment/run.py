@@ -76,10 +76,9 @@ def reproduce(
     The directory, made if missing, gets the pictures, `NAME.md` with the table, and `NAME.json`.
     ValueError: the name is unknown, or the figure's pictures have no other size.
     """
-    if size is not None and not FIGURES.find(name).sized:
+    if not FIGURES.find(name).sized and size is not None:
         sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
         raise ValueError(f"size must be left out for {name}; it is for {sized}")
-    FIGURES.find(name)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     trial = Trial(folder=folder, quick=quick, progress=progress, size=size)

@@ -36,8 +36,7 @@ def _counted(answers: Iterable[bool | None], words: tuple[str, str, str]) -> dic
 def claim_of(result: Result) -> str:
     """The verdict on the claim of a figure's result."""
     both = verdicts(result["rows"], quick=result["quick"], figure=result["figure"])
-    verdict: str = both["claim"]["verdict"]
-    return verdict
+    return str(both["claim"]["verdict"])
 
 
 def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:

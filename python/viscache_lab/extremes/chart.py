@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import takewhile
 from typing import Any
 
 from viscache_lab.extremes import scenes
@@ -90,13 +91,6 @@ def holding(rows: Iterable[Row], axis: str, method: str) -> tuple[float, float]:
                   if r["axis"] == axis and r["method"] == method)  # fmt: skip
     fine = {x: error <= own + GROWTH for x, error, own in mine}
     start = 1.0 if axis == "scale" else min(fine)
-    low = high = start
-    for x in sorted((x for x in fine if x <= start), reverse=True):
-        if not fine[x]:
-            break
-        low = x
-    for x in sorted(x for x in fine if x >= start):
-        if not fine[x]:
-            break
-        high = x
+    below, above = [x for x in reversed(fine) if x <= start], [x for x in fine if x >= start]
+    low, high = ([start, *takewhile(fine.__getitem__, xs)][-1] for xs in (below, above))
     return low, high

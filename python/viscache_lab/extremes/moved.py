@@ -33,8 +33,7 @@ def description_of(
         return np.asarray(scale * (np.asarray(p, float) @ turn.T) + np.asarray(shift, float))
 
     def place(p: npt.ArrayLike) -> list[float]:
-        moved_to: list[float] = point(p).tolist()
-        return moved_to
+        return [float(x) for x in point(p)]
 
     old, new = made.description(), vc.SceneDescription(origin)
     for material in old.materials:

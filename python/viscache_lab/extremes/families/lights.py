@@ -154,26 +154,19 @@ def _spheres() -> float:
     return bad_pixels(picture(scene, integrator=vc.Direct(n_area=4), size=FEW_PIXELS))
 
 
+OF_SKY = vc.Direct(n_area=0, n_environment=16, n_brdf=0)
+PRODUCTS = vc.Direct(environment="product", n_environment=16)
 #: Every way of estimating the light of a sky.
 ESTIMATORS: dict[str, dict[str, Any]] = {
-    "samples of the sky": {"integrator": vc.Direct(n_area=0, n_environment=16, n_brdf=0)},
+    "samples of the sky": {"integrator": OF_SKY},
     "both techniques": {"integrator": vc.Direct(n_area=0, n_environment=8, n_brdf=8)},
-    "products": {"integrator": vc.Direct(environment="product", n_environment=16)},
+    "products": {"integrator": PRODUCTS},
     "shared directions": {"integrator": vc.Direct(environment="shared", n_environment=64)},
     "virtual lights": {"integrator": vc.Whitted(n_vpls=16, n_environment=16, n_brdf=0)},
     "bidirectional paths": {"integrator": vc.Bdpt(max_depth=2), "spp": 16},
-    "quantized cache": {
-        "integrator": vc.Direct(n_area=0, n_environment=16, n_brdf=0),
-        "visibility": vc.Aqvc(c_e=6, exact_groups=()),
-    },
-    "NEE++": {
-        "integrator": vc.Direct(n_area=0, n_environment=16, n_brdf=0),
-        "visibility": vc.NeePlusPlus(n_voxels=4, learn_pixels=64),
-    },
-    "visibility maps": {
-        "integrator": vc.Direct(environment="product", n_environment=16),
-        "visibility": vc.VisMaps(n_startup=30),
-    },
+    "quantized cache": {"integrator": OF_SKY, "visibility": vc.Aqvc(c_e=6, exact_groups=())},
+    "NEE++": {"integrator": OF_SKY, "visibility": vc.NeePlusPlus(n_voxels=4, learn_pixels=64)},
+    "visibility maps": {"integrator": PRODUCTS, "visibility": vc.VisMaps(n_startup=30)},
 }
 LINEAR = "light is linear, samples are the same: sums round by 1e-7; measured 1.6e-7, times 12"
 #: Pixels along an edge of the sun that is compared with the integral: a sky of few pixels changes
