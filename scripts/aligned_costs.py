@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Prices of the engines for aligned rays: scripts/aligned_costs.py [-o FILE] [--again FILE]
-Measures both engines in the scenes of `viscache_lab.cases.engine_choice`, fits the prices of
+Measures both engines in the scenes of scripts/engine_choice.py, fits the prices of
 vlf/engine_choice.cpp to one half of the scenes and tests the choice on the other half."""
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from engine_choice import DISTANCES, FITTED, HELD_OUT, eye_points, rays_of
 from scipy.optimize import nnls
 
 from viscache import _core
 from viscache.scene import Scene
-from viscache_lab.cases.engine_choice import DISTANCES, FITTED, HELD_OUT, eye_points, rays_of
 from viscache_lab.experiment.amounts import Sample, interleave, timed
 from viscache_lab.experiment.trial import opened
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Limits of shafts against packets: scripts/shaft_limits.py [-o FILE] [--again FILE]
-Measures both engines in the scenes of `viscache_lab.cases.engine_choice`, and replays the choice of
+Measures both engines in the scenes of scripts/engine_choice.py, and replays the choice of
 shafts/shaft_choice.h for several limits, on the scenes that chose them and on the others."""
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from engine_choice import FITTED, HELD_OUT
+
 import viscache as vc
 from viscache.frame import Frame
 from viscache.shot.render import render_part
-from viscache_lab.cases.engine_choice import FITTED, HELD_OUT
 from viscache_lab.experiment.amounts import Sample, interleave
 from viscache_lab.experiment.trial import opened
 

@@ -106,4 +106,4 @@ def test_the_picture_is_not_black():
 
 def test_scenes_lit_otherwise_are_refused():
     with pytest.raises(ValueError, match="lit by its environment alone, got"):
-        blocked_share(scenes.cornell_box())
+        blocked_share(scenes.cornell_box(), size=(6, 4), samples=1)

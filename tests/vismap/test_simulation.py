@@ -12,12 +12,13 @@ from viscache.metrics.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache_lab.bench.vismap_variance import CASES, add_figures, all_ways, check_means
 from viscache_lab.cases.light_product import LUMINANCE
-from viscache_lab.cases.simulated_pixels import Pixels, pooled_alphas
 from viscache_lab.cases.simulation import (
     PILOT_SEED,
     PixelEstimates,
+    Pixels,
     Way,
     one_shot_passes,
+    pooled_alphas,
     simulate,
 )
 from viscache_lab.experiment import Trial
@@ -129,7 +130,8 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count():
         point.simulate(pixel.visible, sizes=[10, 0])
 
 
-def test_the_papers_first_pass_has_alpha_one():
+def test_the_papers_first_pass_has_alpha_one() -> None:
+    assert list(map(one_shot_passes, (10, 30, 100))) == [[10], [10, 20], [10, 20, 40, 30]]
     paper = Way(alpha="previous_pass", one_shot=True)
     found = simulate(
         window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3, replicates=4

@@ -131,28 +131,24 @@ def compare_rays(
         label = f"{title}, {which}, {job.replace('_', ' ')}"
         trial.check(f"{label}: none hit", float(not hit.any()), 0)
         for name, peer in able.items():
-            differs = float(np.mean(_unlike(truth, peer.result(), name)))
+            theirs = peer.result()
+            if job == "any_hit":
+                unlike = truth != blocked(theirs["occluded"], name)
+            else:  # distances may differ by rounding
+                unlike = ~np.isclose(truth, theirs["t"], rtol=1e-3, atol=1e-4)
+            differs = float(np.mean(unlike))
             trial.check(f"{label}: share unlike {name}", differs, EDGE_TOLERANCE)
             if differs <= EDGE_TOLERANCE:
                 about = {"version": _version(peer), "work": len(r)}
                 trial.ratio(f"{label} vs {name}", samples["ours"], samples[name], **about)
 
 
-def _unlike(ours: Array, theirs: Mapping[str, Array], name: str) -> Array:
-    """Which rays are answered otherwise; distances may differ by rounding."""
-    if "t" not in theirs:
-        return np.asarray(ours != blocked(theirs["occluded"], name))
-    return np.asarray(~np.isclose(ours, theirs["t"], rtol=1e-3, atol=1e-4))
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Made(Sample):
     """A frame of one turn: its durations and its error."""
 
-    error: float
-    """Squared, of the squared mean of the reference; of a biased way, rel_l1."""
-    build_s: float = 0.0
-    """CPU seconds of what is built once, however many samples follow."""
+    error: float  # squared, of the squared mean of the reference; of a biased way, rel_l1
+    build_s: float = 0.0  # CPU seconds of what is built once, however many samples follow
 
 
 def compare_pictures(trial: Trial, peers: Peers, case: PictureCase, repeats: int) -> None:
@@ -173,7 +169,8 @@ def compare_pictures(trial: Trial, peers: Peers, case: PictureCase, repeats: int
             trial.skip(f"{case.name} vs {name}", str(error))
             del able[name]
             continue
-        unlike = _difference(reference, peer.result()["image"])
+        both = (block_means(a[..., None], BLOCK) for a in (reference, peer.result()["image"]))
+        unlike = float(np.mean(np.abs(np.subtract(*both))) / reference.mean())
         trial.check(f"{case.name}: converged frame unlike {name}'s", unlike, AGREEMENT)
         if not unlike <= AGREEMENT:
             del able[name]
@@ -228,9 +225,7 @@ def _equal_error(ours: Sequence[Made], theirs: Sequence[Made]) -> dict[str, Any]
     whole = [w + t.build_s / o.cpu_s for w, (o, t) in zip(without, pairs, strict=True)]
     mean, low, high = log_interval(whole)
     made = {
-        "equal_error": mean,
-        "equal_error_low": low,
-        "equal_error_high": high,
+        **{"equal_error": mean, "equal_error_low": low, "equal_error_high": high},
         "relative_rmse": float(np.sqrt(np.mean([o.error for o in ours]))),
         "baseline_relative_rmse": float(np.sqrt(np.mean([t.error for t in theirs]))),
     }
@@ -259,9 +254,3 @@ def _grey(image: Array) -> Array:
 def _squared_error(reference: Array, image: Array) -> float:
     """Mean squared difference, of the squared mean of the reference."""
     return float(np.mean((image - reference) ** 2) / reference.mean() ** 2)
-
-
-def _difference(reference: Array, image: Array) -> float:
-    """Mean absolute difference of the means of blocks, of the mean of the reference."""
-    ours, theirs = (block_means(a[..., None], BLOCK) for a in (reference, image))
-    return float(np.mean(np.abs(theirs - ours)) / reference.mean())

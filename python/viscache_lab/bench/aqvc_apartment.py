@@ -74,10 +74,8 @@ def measure(trial: Trial, scene: vc.Scene, sky: Sky) -> None:
     for key in runs:
         if key == "exact":
             continue
-        errors = {
-            group: _rel_l1(frames[key], frames["exact"], group)
-            for group in ("point", "vpl", "environment")
-        }
+        groups = ("point", "vpl", "environment")
+        errors = {group: _rel_l1(frames[key], frames["exact"], group) for group in groups}
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
         goal = GOAL if key == "rows" and sky == "mis" and not trial.quick else None
         row = trial.ratio(

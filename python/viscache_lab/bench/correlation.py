@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -63,24 +63,9 @@ class Points:
     normals: npt.NDArray[np.float32]
     group: npt.NDArray[np.int32]
 
-    @property
-    def n_directions(self) -> int:
-        """T."""
-        return MAP_SIZE**2
-
-
-class Run(NamedTuple):
-    """A timed function and its number of pairs."""
-
-    pairs: int
-    function: Callable[[], Any]
-
 
 def make_points(n: int, groups: int, seed: int = 0) -> Points:
-    """n points of a 10 x 10 ground. Each sees the half space above it, except two spheres.
-
-    `groups`, the number of blocks of the ground, is a square.
-    """
+    """n points of a 10 x 10 ground of `groups` (a square) blocks. Each sees all but two spheres."""
     random = np.random.default_rng(seed)
     directions = DirectionSet(map_size=MAP_SIZE).directions
     positions = (random.random((n, 3)) * (10, 10, 0)).astype(np.float32)
@@ -138,7 +123,8 @@ def correlation(trial: Trial) -> None:
 def _measure(trial: Trial, near: Points, far: Points) -> None:
     quick = trial.quick
     isa = provenance.isa()[0]
-    runs: dict[str, Run] = {}
+    # Number of pairs, and what is timed
+    runs: dict[str, tuple[int, Callable[[], Any]]] = {}
     for label, points in (("in cache", near), ("out of cache", far)):
         # A call includes packing the panels; with this many rows that costs little
         some = points.bits[: 512 if quick else 16_384 if label == "in cache" else 2048]
@@ -146,20 +132,17 @@ def _measure(trial: Trial, near: Points, far: Points) -> None:
         for skip in (False, True):
             words = "live words" if skip else "all words"
             kernel = partial(kernels.total_intersections, some, points.bits, 1, isa, skip)
-            runs[f"kernel {label} {words}"] = Run(len(some) * len(points.bits), kernel)
+            runs[f"kernel {label} {words}"] = len(some) * len(points.bits), kernel
             bins = partial(_statistics, points, tiles, skip)
             pairs = int(tile_list(points.group)["pairs"][tiles].sum())
-            runs[f"bins {label} {words}"] = Run(pairs, bins)
+            runs[f"bins {label} {words}"] = pairs, bins
     rows = 512 if quick else 4096
-    runs["numpy"] = Run(rows**2, partial(_numpy_product, rows))
+    runs["numpy"] = rows**2, partial(_numpy_product, rows)
     if isa == "avx512":
         bound = partial(kernels.and_popcount_add, BOUND_STEPS)
-        runs["bound"] = Run(BOUND_STEPS * 512 // MAP_SIZE**2, bound)
-    functions = {name: run.function for name, run in runs.items()}
-    samples = turns(functions, trial.repeats(5, 2)).samples
-    rates = {
-        name: [runs[name].pairs / s.cpu_s / 1e6 for s in taken] for name, taken in samples.items()
-    }
+        runs["bound"] = BOUND_STEPS * 512 // MAP_SIZE**2, bound
+    samples, _ = turns({name: run for name, (_, run) in runs.items()}, trial.repeats(5, 2))
+    rates = {name: [runs[name][0] / s.cpu_s / 1e6 for s in samples[name]] for name in runs}
     _figures(trial, rates)
 
 
@@ -198,18 +181,9 @@ def _figures(trial: Trial, rates: dict[str, list[float]]) -> None:
 
 
 def _statistics(points: Points, tiles: npt.NDArray[np.int64] | None, skip_dead: bool) -> PairTable:
-    return pair_statistics(
-        points.bits,
-        points.n_directions,
-        points.positions,
-        points.normals,
-        points.group,
-        D_EDGES,
-        THETA_EDGES_DEG,
-        tiles=tiles,
-        threads=1,
-        skip_dead=skip_dead,
-    )
+    rows = (points.bits, MAP_SIZE**2, points.positions, points.normals, points.group)
+    edges = (D_EDGES, THETA_EDGES_DEG)
+    return pair_statistics(*rows, *edges, tiles=tiles, threads=1, skip_dead=skip_dead)
 
 
 def _some_tiles(points: Points, n_pairs: int) -> npt.NDArray[np.int64]:
@@ -238,7 +212,7 @@ def _check_answers(trial: Trial, points: Points) -> None:
     seen = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little").astype(np.float64)
     found = intersections(bits, bits)
     trial.check("n11 unlike numpy's", float(abs(found - seen @ seen.T).max()), 0)
-    rho = phi(bits, bits, points.n_directions)
+    rho = phi(bits, bits, MAP_SIZE**2)
     expected = np.asarray(np.corrcoef(seen))
     trial.check("rho unlike numpy's", float(np.nanmax(abs(rho - expected))), 1e-6)
     total = kernels.total_intersections(points.bits, bits)

@@ -64,24 +64,19 @@ def error_over_time(
 ) -> None:
     """Gains of ways over the first, which take turns seed by seed.
 
-    Parameters
-    ----------
-    ways : dict of callable
-        Image and CPU seconds of a seed.
-    converged : callable
-        The same of the frames whose mean is the converged picture.
-    seeds, references : int
-        How many of both.
-    goals : mapping
-        Least gain by way.
-    biased : sequence of str
-        Ways whose energy is not that of the first.
+    A way gives the image and CPU seconds of a seed; so does `converged`, whose mean is the
+    converged picture. `goals` are least gains. `biased` ways have another energy than the first.
     """
     first = range(FIRST_REFERENCE, FIRST_REFERENCE + references)
     errors = Errors(np.stack([converged(seed)[0] for seed in first]))
     for render in ways.values():
         render(0)
-    images, seconds = seed_by_seed(ways, seeds)
+    taken: dict[str, list[tuple[Array, float]]] = {way: [] for way in ways}
+    for seed in range(seeds):
+        for way in ways if seed % 2 else reversed(ways):
+            taken[way].append(ways[way](seed))
+    images = {way: np.stack([image for image, _ in made]) for way, made in taken.items()}
+    seconds = {way: [spent for _, spent in made] for way, made in taken.items()}
     found = {way: errors.of(stack) for way, stack in images.items()}
     base, *others = ways
     for way in others:
@@ -90,20 +85,6 @@ def error_over_time(
         if way not in biased:
             z = energy_z(images[way] - images[base])
             trial.check(f"{name}: {way}, |z| of the energy", abs(z), MOST_Z)
-
-
-def seed_by_seed(
-    ways: dict[str, Callable[[int], tuple[Array, float]]], seeds: int
-) -> tuple[dict[str, Array], dict[str, list[float]]]:
-    """Images and CPU seconds of ways that take turns; each gives both for a seed."""
-    images: dict[str, list[Array]] = {way: [] for way in ways}
-    seconds: dict[str, list[float]] = {way: [] for way in ways}
-    for seed in range(seeds):
-        for way in ways if seed % 2 else reversed(ways):
-            image, spent = ways[way](seed)
-            images[way].append(image)
-            seconds[way].append(spent)
-    return {way: np.stack(stack) for way, stack in images.items()}, seconds
 
 
 def gain(
@@ -130,8 +111,8 @@ def gain_figure(
     found: Mapping[str, tuple[Array, Array]],
     seconds: Mapping[str, list[float]],
     way: str,
-    base: str = "exact",
-    goal: float | None = None,
+    base: str,
+    goal: float | None,
 ) -> dict[str, Any]:
     """The gain of a way over the base by both errors, with errors and seconds of the two."""
     ratio, low, high = gain(found, seconds, way, 0, base)
@@ -207,23 +188,7 @@ def persistent_z(found: Array, light: float) -> tuple[float, float]:
 
 
 def log_interval(ratios: Sequence[float]) -> tuple[float, float, float]:
-    """Geometric mean of independent ratios and its 95 % interval.
-
-    Parameters
-    ----------
-    ratios : sequence of float > 0
-        One per turn, at least two.
-
-    Returns
-    -------
-    tuple of float
-        The mean, and the ends of Student's interval of the logarithm's mean.
-
-    Raises
-    ------
-    ValueError
-        There are fewer than two ratios, or one is not above 0.
-    """
+    """Geometric mean of independent ratios, and Student's 95 % interval of its logarithm."""
     if len(ratios) < 2 or not all(r > 0 and math.isfinite(r) for r in ratios):
         raise ValueError(f"ratios must be two or more finite numbers > 0, got {list(ratios)}")
     logs = [math.log(r) for r in ratios]

@@ -22,6 +22,7 @@ from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, interleave
 from viscache_lab.parity import renderers
 from viscache_lab.parity.shared import shared_scenes
+from viscache_lab.parity.zoo.case import property_tags, shape
 
 #: Ours takes at most this many times Mitsuba's seconds and bytes.
 LIMIT = 1.2
@@ -121,21 +122,15 @@ def _files(folder: Path, quick: bool, trial: Trial) -> Iterator[tuple[str, Path]
     for suffix in ("ply", "obj"):
         mesh = folder / f"hills.{suffix}"
         _write_hills(mesh, side)
-        yield f"generated {suffix}", _around(mesh, folder)
-    for scene in shared_scenes(folder / "shared", quick=quick):
-        if scene.path is None:
-            trial.skip(scene.name, scene.reason)
+        scene = folder / f"hills-{suffix}.xml"
+        inside = shape(suffix, "", property_tags({"filename": str(mesh)}))
+        scene.write_text(f'<scene version="3.0.0">{inside}</scene>', encoding="utf-8")
+        yield f"generated {suffix}", scene
+    for shared in shared_scenes(folder / "shared", quick=quick):
+        if shared.path is None:
+            trial.skip(shared.name, shared.reason)
         else:
-            yield scene.name, scene.path
-
-
-def _around(mesh: Path, folder: Path) -> Path:
-    """A scene of one mesh."""
-    target = folder / f"{mesh.stem}-{mesh.suffix[1:]}.xml"
-    inside = f'<string name="filename" value="{mesh}"/>'
-    text = f'<shape type="{mesh.suffix[1:]}">{inside}</shape>'
-    target.write_text(f'<scene version="3.0.0">{text}</scene>', encoding="utf-8")
-    return target
+            yield shared.name, shared.path
 
 
 def _write_hills(path: Path, side: int) -> None:

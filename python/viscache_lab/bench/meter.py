@@ -1,9 +1,7 @@
 """`viscache bench meter`: how often the intervals of audits hold the error, and what audits cost.
 
-Coverage of whole pixels: the exact and the cached frame and that without shadows are rendered once.
-Then 500 seeds draw pixels by the code that frames use, and estimate from them. Coverage of queries:
-frames of 200 seeds, each audited by a share of the queries and by all. Cost: CPU seconds of the
-audit over those of its frame.
+Coverage of whole pixels: frames are rendered once, then 500 seeds draw pixels by the code of frames
+and estimate from them. Of queries: frames of 200 seeds, audited by a share of them and by all.
 """
 
 from __future__ import annotations
@@ -30,7 +28,7 @@ MOST_COST = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A picture. A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it."""
+    """A picture."""
 
     name: str
     scene: str

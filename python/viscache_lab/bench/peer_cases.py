@@ -31,15 +31,8 @@ DEALT_DIRECTIONS, SETS = 512, 16
 class Way:
     """Another way of ours to make the same picture; it takes turns with the others.
 
-    Parameters
-    ----------
-    label : str
-        As in figures.
-    render : callable
-        As in `PictureCase`.
-    biased : bool
-        Its error is told beside our exact frame of the same seed. Otherwise its figure is the time
-        to equal error.
+    If biased, its error is told beside our exact frame of the same seed. Otherwise its figure is
+    the time to equal error.
     """
 
     label: str
@@ -49,40 +42,18 @@ class Way:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PictureCase:
-    """One square picture, at equal samples on both sides.
-
-    Parameters
-    ----------
-    name : str
-        As in figures.
-    scene : Scene
-        Grey surfaces, without vertex normals.
-    render : callable
-        Our exact frame of a number of samples per pixel and a seed.
-    job : dict
-        The peers' job and its fields, without `spp` and `seed`.
-    arrays : dict of ndarray
-        Given to the peers before the job.
-    spp, reference_spp : int >= 1
-        Samples per pixel that are compared, and those of our converged frame.
-    peer_reference_spp : int >= 1, optional
-        Those of the peers' converged frames; as many as of ours by default.
-    ways : tuple of Way
-        Caches and shared directions that take turns as well.
-    without : dict of str to str
-        Peers that are left out, and why.
-    """
+    """One square picture of grey surfaces, at equal samples on both sides."""
 
     name: str
     scene: vc.Scene
-    render: Callable[[int, int], vc.Frame]
-    job: dict[str, Any]
-    arrays: dict[str, Array]
+    render: Callable[[int, int], vc.Frame]  # of a number of samples per pixel and a seed
+    job: dict[str, Any]  # the peers', without `spp` and `seed`
+    arrays: dict[str, Array]  # given to the peers before the job
     spp: int
     reference_spp: int
-    peer_reference_spp: int | None = None
+    peer_reference_spp: int | None = None  # as many as of ours by default
     ways: tuple[Way, ...] = ()
-    without: Mapping[str, str] = field(default_factory=dict)
+    without: Mapping[str, str] = field(default_factory=dict)  # peers left out, and why
 
 
 def picture_cases(quick: bool = False) -> list[PictureCase]:

@@ -30,14 +30,8 @@ def main() -> None:
 class LuxCorePicture(Pictures):
     """The scene of a folder, turned to LuxCore's z up.
 
-    Parameters
-    ----------
-    lux : module
-        pyluxcore.
-    folder : Path
-    cached : bool
-        Skies have a cache of what is visible of them, and lights are drawn from caches of their
-        contributions. Their build is part of each frame's time.
+    If cached, skies have a cache of what is visible of them, and lights are drawn from caches of
+    their contributions. Their build is part of each frame's time.
     """
 
     def __init__(self, lux: Any, folder: Path, *, cached: bool) -> None:

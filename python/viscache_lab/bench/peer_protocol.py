@@ -18,10 +18,8 @@ Job: TypeAlias = Callable[[Fields, Fields], dict[str, Any]]
 
 
 def serve(about: Fields, jobs: Mapping[str, Job]) -> None:
-    """Answer jobs until standard input ends. Only the job itself is timed.
-
-    A job's numbers are in its report. Its own `wall_s` and `cpu_s` take the place of what it took
-    in all.
+    """Answer jobs until standard input ends; numbers are reported. Only the job itself is timed,
+    and its own `wall_s` and `cpu_s` take the place of what it took in all.
     """
     folder = Path(sys.argv[1])
     given: dict[str, Any] = {}
@@ -58,13 +56,7 @@ def quiet(*outputs: int) -> None:
 
 
 class Pictures:
-    """Frames of the triangles of a folder; other arrays give another scene.
-
-    Parameters
-    ----------
-    folder : Path
-        Has `scene.npz`, with y up.
-    """
+    """Frames of the triangles of a folder's `scene.npz`; other arrays give another scene."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -34,29 +34,15 @@ def default_folder() -> Path:
 
 
 def interpreter(name: str, folder: Path) -> Path | None:
-    """The interpreter that has a module of `PACKAGES`; None if there is none.
-
-    That of its environment in `folder`, or the one that runs now.
-    """
-    own = _python(folder / name)
+    """The interpreter that has a module of `PACKAGES`: that of its environment, or this one."""
+    own = folder / name / "bin/python"
     if own.exists():
         return own
     return Path(sys.executable) if importlib.util.find_spec(name) is not None else None
 
 
 def make_environments(folder: Path) -> dict[str, str]:
-    """Make an environment for each peer, or bring it up to date.
-
-    Parameters
-    ----------
-    folder : Path
-        Each environment is a folder in it. pip's own settings say where packages come from.
-
-    Returns
-    -------
-    dict of str
-        For each name: "" if it was made, else the last line that venv or pip said.
-    """
+    """Make or update each peer's environment in a folder: by name "", or what pip said last."""
     folder.mkdir(parents=True, exist_ok=True)
     return {name: _make(folder / name, needs) for name, needs in PACKAGES.items()}
 
@@ -64,7 +50,7 @@ def make_environments(folder: Path) -> dict[str, str]:
 def _make(place: Path, needs: tuple[str, ...]) -> str:
     steps = (
         [sys.executable, "-m", "venv", str(place)],
-        [str(_python(place)), "-m", "pip", "install", "--quiet", "--upgrade", *needs],
+        [str(place / "bin/python"), "-m", "pip", "install", "--quiet", "--upgrade", *needs],
     )
     for step in steps:
         try:
@@ -75,10 +61,6 @@ def _make(place: Path, needs: tuple[str, ...]) -> str:
             said = (done.stderr or done.stdout).strip().splitlines()
             return said[-1] if said else f"{step[2]} ended with status {done.returncode}"
     return ""
-
-
-def _python(place: Path) -> Path:
-    return place / "bin" / "python"
 
 
 #: Name of a peer: (the package it needs, the module that runs it).
@@ -136,24 +118,10 @@ def blocked(found: npt.NDArray[Any], name: str) -> npt.NDArray[np.bool_]:
 
 
 class Peer:
-    """One peer with its scene built; `run(job)` runs one job and returns its duration.
+    """One of `PEERS` with the triangles of a scene; `run(job)` runs one job and gives its duration.
 
-    Each job is one line of JSON on standard input; each report is one line of JSON.
-
-    Parameters
-    ----------
-    name : str
-        One of `PEERS`.
-    scene : Scene
-        Its triangles are handed over; see `missing`.
-    python : Path, optional
-        The interpreter that has the peer's package; this package need not be there. The one that
-        runs now by default.
-
-    Raises
-    ------
-    PeerError
-        The peer did not start, ended, or reported an error. Its scene may be built already.
+    `python` is the interpreter that has the peer's package; this package need not be there. Jobs
+    and reports are lines of JSON. PeerError: it did not start, ended, or reported an error.
     """
 
     def __init__(self, name: str, scene: vc.Scene, python: Path | None = None) -> None:
@@ -162,13 +130,10 @@ class Peer:
         self._path = Path(self._folder.name)
         meshes = [m for m in scene.meshes() if m["in_world"]]
         starts = np.cumsum([0] + [len(m["vertices"]) for m in meshes])
-        np.savez(
-            self._path / "scene.npz",
-            vertices=np.concatenate([m["vertices"] for m in meshes]),
-            triangles=np.concatenate(
-                [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
-            ).astype(np.uint32),
-        )
+        parts = [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
+        vertices = np.concatenate([m["vertices"] for m in meshes])
+        triangles = np.concatenate(parts).astype(np.uint32)
+        np.savez(self._path / "scene.npz", vertices=vertices, triangles=triangles)
         lab, pipe = str(Path(__file__).parents[1]), subprocess.PIPE
         words = [python or sys.executable, "-c", _START, lab, PEERS[name][1], self._path, name]
         self._process = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)

@@ -43,8 +43,7 @@ class Case:
     n_vpls: int = 1024
     passes: int = 16
     reference: int = 16
-    many: int = 64
-    """Passes of a smaller picture that tell a bias."""
+    many: int = 64  # passes of a smaller picture that tell a bias
     many_size: tuple[int, int] = (48, 48)
 
 

@@ -1,9 +1,7 @@
 """`viscache bench picks` and `skies`: error over time of frames of many seeds.
 
-All frames have lights and eye samples of their own, and the converged picture is the mean of frames
-of other seeds, whose noise is taken out of the errors. Ways without bias: the error of the mean of
-k frames is the k-th part, and gains hold for any number of passes. For the cache they hold for one
-frame alone.
+All frames have lights and eye samples of their own. Without bias, the error of the mean of k frames
+is the k-th part, and gains hold for any number of passes; for the cache, for one frame alone.
 """
 
 from __future__ import annotations
@@ -28,8 +26,7 @@ class Picks:
 
     name: str
     scene: str
-    goals: Mapping[int, float]
-    """Least gain by number of picks."""
+    goals: Mapping[int, float]  # least gain by number of picks
     integrator: vc.Direct | vc.Whitted
     picks: tuple[int, ...] = (8, 16, 64)
     size: tuple[int, int] = (192, 120)

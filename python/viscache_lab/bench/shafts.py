@@ -21,10 +21,7 @@ MOST_CHANGED = 1e-4
 
 @dataclass(frozen=True)
 class Case:
-    """Every `parts`-th tile of a frame with virtual point lights.
-
-    A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it.
-    """
+    """Every `parts`-th tile of a frame with virtual point lights."""
 
     name: str
     scene: str

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import statistics
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -26,11 +27,8 @@ PACKETS: Visibility = vc.Exact(engine="packets")
 FIELD = vc.Vlf(n_directions=129, n_tiles=64)
 
 
-class Work(Protocol):
-    """What a case times, e.g. a frame."""
-
-    def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
-        """The answers, whose bytes must not depend on `threads`."""
+#: What a case times, e.g. a frame; the bytes of its answers must not depend on threads.
+Work: TypeAlias = Callable[[vc.Scene, int], npt.NDArray[Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +45,9 @@ class Picture:
         return shot.render(visibility=self.visibility).image
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Passes:
+def passes(scene: vc.Scene, threads: int, size: tuple[int, int] = (512, 512)) -> npt.NDArray[Any]:
     """Two corrected passes of one sample."""
-
-    size: tuple[int, int] = (512, 512)
-
-    def __call__(self, scene: vc.Scene, threads: int) -> npt.NDArray[Any]:
-        picture = vc.Progressive(scene, vc.Whitted(n_vpls=256), size=self.size, threads=threads)
-        return picture.passes(2).image
+    return vc.Progressive(scene, LIGHTS, size=size, threads=threads).passes(2).image
 
 
 @cache
@@ -104,7 +96,7 @@ CASES = (
         "quantized cache, 256x256, 16 samples",
         Picture(visibility=vc.Aqvc(c_e=24), size=(256, 256), spp=16),
     ),
-    Case("2 corrected passes, 512x512", Passes()),
+    Case("2 corrected passes, 512x512", passes),
     Case("ambient occlusion, 16 rays of each pixel's own", Picture(AMBIENT)),
     Case("ambient occlusion, 513 shared directions", Picture(SHARED), SPHERES),
     Case("sky, 4 + 4 own samples", Picture(OWN, spp=4), "stairs"),
@@ -129,7 +121,7 @@ CASES = (
 SMALL_ROOM, SMALL = "room?triangles=3000", Picture(vc.Whitted(n_vpls=16), AQVC, (80, 50))
 QUICK = (
     Case("quantized cache, 80x50", SMALL, SMALL_ROOM),
-    Case("2 corrected passes, 80x50", Passes(size=(80, 50)), SMALL_ROOM),
+    Case("2 corrected passes, 80x50", partial(passes, size=(80, 50)), SMALL_ROOM),
 )
 
 
@@ -161,8 +153,6 @@ def threads(trial: Trial, case: Case, scene: vc.Scene) -> None:
             clock="wall",
             cpu_time_over_one=statistics.median(b.cpu_s / a.cpu_s for a, b in pairs),
         )
-    trial.check(
-        f"{case.name}: numbers of threads whose answers differ from those of one",
-        sum(found.tobytes() != answers[1].tobytes() for found in answers.values()),
-        0,
-    )
+    differ = sum(found.tobytes() != answers[1].tobytes() for found in answers.values())
+    what = f"{case.name}: numbers of threads whose answers differ from those of one"
+    trial.check(what, differ, 0)

@@ -1,12 +1,8 @@
 """`viscache bench vismap-variance`: variance with visibility maps against product sampling.
 
-Random pixels of a picture are estimated many times in a model whose lights are the environment's
-texels, so that the true value is a sum (`viscache_lab.cases.simulation`). Both sides take the same
-number of samples from the same kind of points. In the *steady state*, α comes from earlier passes.
-In *one shot*, there are no earlier passes: the samples are taken in passes of 10, 20, 40, ….
-
-Then rendered pictures in equal time: CPU seconds of all threads, new records for every picture, so
-these must be large enough to share records.
+Random pixels are estimated many times as in `viscache_lab.cases.simulation`, on both sides with as
+many samples from the same kind of points. In the *steady state*, α comes from earlier passes. Then
+rendered pictures in equal time: CPU seconds of all threads, new records for every picture.
 """
 
 from __future__ import annotations
@@ -17,10 +13,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 import viscache as vc
-from viscache.metrics.variance import VarianceRatio, variance_ratio
+from viscache.metrics.variance import variance_ratio
 from viscache_lab.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache_lab.cases.simulation import PixelEstimates, Way, simulate
 from viscache_lab.experiment import BENCHES, Trial
@@ -158,11 +153,9 @@ class Case:
     name: str
     scene: str
     quick_scene: str
-    goals: Mapping[tuple[str, str, int], float]
-    """By way, points and samples."""
+    goals: Mapping[tuple[str, str, int], float]  # by way, points and samples
     camera: int = 0
-    m: int = 5
-    """A map has 2^m × 2^m cells."""
+    m: int = 5  # a map has 2^m × 2^m cells
 
 
 STEADY_WAY, PAPER = "control variate, alpha of earlier passes", "control variate, alpha 1"
@@ -234,7 +227,10 @@ def add_figures(
     """A figure of every way, point set and number of samples."""
     for (name, points), (baseline, way) in _pairs().items():
         for n in samples:
-            left = _left(found.estimates[way, n], found.estimates[baseline, n])
+            # Replicates (K, P) as renders of one row
+            left = variance_ratio(
+                *(list(found.estimates[w, n][:, None, :, None]) for w in (way, baseline))
+            )
             limit = case.goals.get((name, points, n))
             trial.figure(
                 f"{case.name}, {name}, {points}, {n} samples vs product sampling",
@@ -247,13 +243,6 @@ def add_figures(
                 trimmed=left.trimmed,
                 worse_share=left.worse_share,
             )
-
-
-def _left(ours: npt.NDArray[np.float64], baseline: npt.NDArray[np.float64]) -> VarianceRatio:
-    """Replicates (K, P) as renders of one row."""
-    return variance_ratio(
-        [row[None, :, None] for row in ours], [row[None, :, None] for row in baseline]
-    )
 
 
 def check_means(trial: Trial, name: str, found: PixelEstimates) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -21,9 +22,7 @@ from viscache_lab.experiment.amounts import Sample, fastest, frame_clock, turns
 #: Axis by axis with packets of neighbouring points, or point by point with packets of axes.
 PLANS = [
     {"by_axis": by_axis, "width": width, "coherent": coherent}
-    for by_axis in (True, False)
-    for width in (8, 16)
-    for coherent in (False, True)
+    for by_axis, width, coherent in product((True, False), (8, 16), (False, True))
 ]
 #: Rays that pass an edge within rounding may be answered differently.
 DIFFERING = 1e-5
@@ -34,11 +33,7 @@ ENGINES: tuple[Literal["auto", "embree"], ...] = ("auto", "embree")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """Rays along shared directions in one scene; one per direction and point with a hit.
-
-    Of a square image from its camera ("AO"), of side² points on its surfaces as the correlation
-    statistics have them ("rows", 9216 directions), or a whole frame ("frame").
-    """
+    """Rays along shared directions: of a square image ("AO"), its frame, or of points ("rows")."""
 
     title: str
     scene: str

@@ -71,10 +71,7 @@ class Cells:
 
 
 def ways(case: Case, edge: float = 1.0) -> tuple[Any, dict[str, dict[str, Any]]]:
-    """The integrator of the references, and the ways; the first is the baseline.
-
-    `edge` is that of the cells of the oracle in Python.
-    """
+    """The integrator of the references, and the ways, the baseline first; edge of `Cells`."""
     exact = {"visibility": vc.Exact()}
     voxels = {
         "nee++, roulette": {"visibility": vc.NeePlusPlus(), "use": "replace"},
@@ -132,17 +129,11 @@ def which_cache(trial: Trial, case: Case, scene: vc.Scene) -> None:
 
 def gain_figure(trial: Trial, what: str, ds: Any, name: str) -> None:
     """Squared error · CPU seconds of exact passes over that of a way, with its interval."""
-    exact, ours = (
-        {
-            k: float(v)
-            for k, v in ds.drop_dims("row").isel({"pass": -1}).sel(setting=n).data_vars.items()
-        }
-        for n in ("exact", name)
-    )
+    last = ds.drop_dims("row").isel({"pass": -1})
+    exact, ours = ({k: float(v) for k, v in last.sel(setting=n).items()} for n in ("exact", name))
     ratio = gain(ds, name)
-    spread = math.exp(
-        math.hypot(*((e["nmse_high"] - e["nmse"]) / e["nmse"] for e in (exact, ours)))
-    )
+    widths = [(e["nmse_high"] - e["nmse"]) / e["nmse"] for e in (exact, ours)]
+    spread = math.exp(math.hypot(*widths))
     trial.figure(
         what,
         ours["nmse"],

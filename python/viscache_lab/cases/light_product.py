@@ -25,39 +25,26 @@ CONSTANT_EDGE = 128  # texels along the edge of a constant environment; maps hav
 class Hits:
     """First hits of N rays from a camera."""
 
-    positions: Array
-    """(N, 3)"""
-    normals: Array
-    """(N, 3), geometric normals facing the camera."""
-    towards: Array
-    """(N, 3) unit vectors to the camera."""
-    starts: Array
-    """(N, 3) origins of shadow rays, offset from the surface."""
-    materials: npt.NDArray[np.int64]
-    """(N,) index of the material; -1: no surface."""
+    positions: Array  # (N, 3)
+    normals: Array  # (N, 3), geometric normals facing the camera
+    towards: Array  # (N, 3) unit vectors to the camera
+    starts: Array  # (N, 3) origins of shadow rays, offset from the surface
+    materials: npt.NDArray[np.int64]  # (N,) index of the material; -1: no surface
 
 
 def blocked_share(
-    scene: Scene,
-    *,
-    camera: str | int | Camera | None = None,
-    size: tuple[int, int] = (64, 48),
-    samples: int = 256,
-    seed: int = 0,
+    scene: Scene, *, size: tuple[int, int], samples: int, camera: Camera | None = None
 ) -> Array:
     """Fraction of light-product samples that are occluded, per pixel: (H, W) in [0, 1].
 
     Directions are sampled with a density ∝ luminance(L)·B over the texels of the environment, with
-    B = BRDF·cos at their centres. This is the importance sampling on which the visibility-map paper
-    is based. NaN if a pixel sees no surface, or a surface without possible light.
-
-    The scene is lit by its environment alone, of flat-shaded meshes without instances, diffuse and
-    glossy without textures; the camera is a pinhole, with one ray through the centre of each pixel.
+    B = BRDF·cos at their centres, as in the visibility-map paper. NaN without surface or light. The
+    scene has flat meshes without instances or textures; one ray through the centre of each pixel.
     """
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)
     hits = first_hits(scene, find_camera(scene, camera), size)
-    rng = np.random.Generator(np.random.PCG64(seed))
+    rng = np.random.Generator(np.random.PCG64(0))
     share = np.full(size[0] * size[1], np.nan)
     for pixel in np.flatnonzero(hits.materials >= 0):
         product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE

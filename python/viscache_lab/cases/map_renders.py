@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,34 +34,21 @@ class Picture:
 
     def product(self, samples: int, seed: int = 0) -> vc.Frame:
         """A frame with product sampling only."""
-        return self._frame(samples, seed, None)
+        return self.maps(samples, None, seed)
 
-    def maps(self, samples: int, visibility: vc.VisMaps, seed: int = 0) -> vc.Frame:
+    def maps(self, samples: int, visibility: vc.VisMaps | None, seed: int = 0) -> vc.Frame:
         """A frame with maps."""
-        return self._frame(samples, seed, visibility)
+        light = vc.Direct(environment="product", n_environment=samples, centred=True)
+        return self._frame(light, seed, visibility=visibility)
 
     def dealt(self, directions: int, sets: int, seed: int = 0) -> vc.Frame:
         """A frame with directions that all eye points share, one eye point for each set."""
-        return vc.render(
-            self.scene,
-            vc.Direct(
-                environment="shared", n_environment=directions, interleave=sets, centred=True
-            ),
-            camera=self.camera,
-            size=self.size,
-            spp=sets,
-            seed=seed,
-        )
+        light = vc.Direct(environment="shared", n_environment=directions, centred=True)
+        return self._frame(replace(light, interleave=sets), seed, spp=sets)
 
-    def _frame(self, samples: int, seed: int, visibility: vc.VisMaps | None) -> vc.Frame:
-        return vc.render(
-            self.scene,
-            vc.Direct(environment="product", n_environment=samples, centred=True),
-            visibility=visibility,
-            camera=self.camera,
-            size=self.size,
-            seed=seed,
-        )
+    def _frame(self, light: vc.Direct, seed: int, **more: Any) -> vc.Frame:
+        where: dict[str, Any] = {"camera": self.camera, "size": self.size, "seed": seed}
+        return vc.render(self.scene, light, **where, **more)
 
 
 def paper_maps(cache: vc.VisibilityMapCache | None) -> vc.VisMaps:

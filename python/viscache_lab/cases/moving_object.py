@@ -36,8 +36,6 @@ def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
 def with_object(
     scene: vc.Scene, vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int64]
 ) -> vc.Scene:
-    """One mesh of the scene's triangles and the object's."""
-    parts = [(m["vertices"], m["triangles"]) for m in scene.meshes()] + [(vertices, triangles)]
-    first = np.cumsum([0] + [len(v) for v, _ in parts[:-1]])
-    faces = [np.asarray(t, np.int64) + f for (_, t), f in zip(parts, first, strict=True)]
-    return vc.Scene.from_arrays(np.concatenate([v for v, _ in parts]), np.concatenate(faces))
+    """The scene's triangles and the object's."""
+    parts = [(m["vertices"], m["triangles"]) for m in scene.meshes()]
+    return vc.Scene.from_arrays([*parts, (vertices, triangles)])

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -53,31 +53,16 @@ def interleave(
     return samples
 
 
-class Turns(NamedTuple):
-    """Durations and last answers of runs that took turns."""
-
-    samples: dict[Any, list[Sample]]
-    answers: dict[Any, Any]
-
-
 def turns(
     runs: Mapping[Any, Callable[[], Any]],
     repeats: int,
     *,
     warm_up: bool = True,
     clock: Callable[[Any], Sample] | None = None,
-) -> Turns:
-    """Time runs that take turns, and keep their answers.
+) -> tuple[dict[Any, list[Sample]], dict[Any, Any]]:
+    """Time runs that take turns, and keep their answers; one that gives a `Sample` is timed by it.
 
-    Parameters
-    ----------
-    runs : mapping
-        One that gives a `Sample` is timed by it.
-    repeats : int
-    warm_up : bool
-        Whether each runs once before.
-    clock : callable, optional
-        The duration of an answer, e.g. `frame_clock`; that of the call by default.
+    `clock` is the duration of an answer, e.g. `frame_clock`; that of the call by default.
     """
     answers: dict[Any, Any] = {}
 
@@ -88,7 +73,7 @@ def turns(
         answers[name] = answer
         return time if clock is None else clock(answer)
 
-    return Turns(interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers)
+    return interleave({n: partial(run, n) for n in runs}, repeats, warm_up=warm_up), answers
 
 
 def frame_clock(frame: vc.Frame) -> Sample:
@@ -109,7 +94,7 @@ def unbuilt_clock(frame: vc.Frame) -> Sample:
 
 def fastest(runs: Mapping[Key, Callable[[], Any]]) -> Key:
     """Which run takes the least CPU time, of two turns."""
-    samples = turns(runs, 2, warm_up=False).samples
+    samples, _ = turns(runs, 2, warm_up=False)
     return min(runs, key=lambda name: min(s.cpu_s for s in samples[name]))
 
 
@@ -172,15 +157,13 @@ def ratio_figure(
     """
     other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
 
-    def of(samples: Sequence[Sample], which: Clock) -> list[float]:
-        return [getattr(s, which) for s in samples]
-
     def ratios(which: Clock) -> list[float]:
-        return [b / a for a, b in zip(of(ours, which), of(theirs, which), strict=True)]
+        pairs = zip(ours, theirs, strict=True)
+        return [getattr(b, which) / getattr(a, which) for a, b in pairs]
 
     def value(samples: Sequence[Sample]) -> float:
-        seconds = statistics.median(of(samples, clock))
-        return seconds if work is None else work / seconds / 1e6
+        seconds = statistics.median(getattr(s, clock) for s in samples)
+        return float(seconds if work is None else work / seconds / 1e6)
 
     more[f"ratio_{other.removesuffix('_s')}"] = statistics.median(ratios(other))
     return figure(

@@ -18,8 +18,7 @@ class Case:
     name: str
     measure: Callable[[], float]
     limit: Limit = 0
-    why: str
-    """Where the limit comes from: a derivation, or a measured value and the margin."""
+    why: str  # where the limit comes from: a derivation, or a measured value and the margin
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -27,15 +26,13 @@ class Check:
     """The result of a case."""
 
     name: str
-    value: float | None
-    """None where nothing was measured: `error` says why, and the check fails."""
+    value: float | None  # none where nothing was measured: `error` says why, and the check fails
     limit: Limit
     why: str = ""
     error: str = ""
     family: str = ""
     isa: str = ""
-    cpu_s: float = 0.0
-    """CPU seconds of its process."""
+    cpu_s: float = 0.0  # CPU seconds of its process
 
     @property
     def holds(self) -> bool:

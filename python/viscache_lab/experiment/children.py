@@ -54,25 +54,11 @@ def run(
     limit_s: float | None = None,
     told: Told | None = None,
 ) -> list[Check]:
-    """The checks of families, all by default.
+    """The checks of families, all by default; ValueError gives the nearest to an unknown name.
 
-    Parameters
-    ----------
-    names : iterable of str, optional
-        Names of `FAMILIES`.
-    full : bool
-        More and longer cases, and every family again for the lower instruction sets.
-    workers : int, optional
-        Number of processes; one per core by default. Frames are rendered on one thread each.
-    limit_s : float, optional
-        Seconds that a case may take; 120, or 900 in full.
-    told : callable, optional
-        Gets each check as soon as it is there.
-
-    Raises
-    ------
-    ValueError
-        An unknown name; the message gives the nearest known one.
+    `full` has more and longer cases, and every family again for the lower instruction sets. There
+    is one process per core by default, whose frames have one thread each. A case may take `limit_s`
+    (120 s, or 900 s in full). `told` gets each check as soon as it is there.
     """
     FAMILIES.load()
     chosen = list(FAMILIES if names is None else names)

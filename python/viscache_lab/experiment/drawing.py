@@ -35,22 +35,10 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Panel:
-    """Axes of a picture: an image, or series.
+    """Axes of a picture: a linear image (H, W, C), or series.
 
-    Parameters
-    ----------
-    title : str
-    image : (H, W, C) array, optional
-        Linear; `exposure` is that of `draw_image`.
-    series : sequence of Series
-    x, y : str
-        Labels.
-    logarithmic : str
-        Letters of the axes that are.
-    legend : bool
-        Whether the names of the series are shown.
-    more : callable, optional
-        Draws onto the axes what a panel has beside these.
+    `logarithmic` has the letters of such axes, `legend` shows the names of the series, and `more`
+    draws onto the axes what a panel has beside these.
     """
 
     title: str = ""
@@ -117,19 +105,16 @@ def draw(panels: Panels, inches: tuple[float, float]) -> Any:
 
 def described(figure: Any) -> list[dict[str, Any]]:
     """What the axes of a picture show: title, labels, names of series, and number of images."""
-    shown = []
-    for axes in figure.axes:
-        named = axes.get_legend_handles_labels()[1]
-        shown.append(
-            {
-                "title": axes.get_title(),
-                "x": axes.get_xlabel(),
-                "y": axes.get_ylabel(),
-                "series": list(named),
-                "images": len(axes.images),
-            }
-        )
-    return shown
+    return [
+        {
+            "title": axes.get_title(),
+            "x": axes.get_xlabel(),
+            "y": axes.get_ylabel(),
+            "series": list(axes.get_legend_handles_labels()[1]),
+            "images": len(axes.images),
+        }
+        for axes in figure.axes
+    ]
 
 
 def project(camera: vc.Camera, size: tuple[int, int], points: Floats) -> Floats:

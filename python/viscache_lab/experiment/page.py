@@ -73,9 +73,8 @@ def _head(summary: Mapping[str, Any]) -> str:
     words += [f"{errors} figures ended with an error"] if errors else []
     words.append(f"{summary['seconds'] / 60:.1f} minutes")
     kinds = {"quick" if result["quick"] else "full" for result in results}
-    return (
-        f"<p id='head'>{_text('; '.join(words))} ({_text(' and '.join(sorted(kinds)))} sizes).</p>"
-    )
+    sizes = " and ".join(sorted(kinds))
+    return f"<p id='head'>{_text('; '.join(words))} ({_text(sizes)} sizes).</p>"
 
 
 def _failing(rows: list[dict[str, Any]]) -> str:
@@ -143,11 +142,7 @@ def _heading(first: str = "") -> str:
 
 
 def _cells(row: Mapping[str, Any]) -> str:
-    band = (
-        ""
-        if row["band"] is None
-        else " … ".join(_number(end, i) for i, end in enumerate(row["band"]))
-    )
+    band = " … ".join(_number(end, i) for i, end in enumerate(row["band"] or ()))
     numbers = (_number(row["printed"]), _number(row["measured"]), _number(row["ratio"]), band)
     holds = {None: "<td></td>", True: "<td class='yes'>yes</td>", False: "<td class='no'>no</td>"}
     return (
@@ -187,9 +182,7 @@ def _link(name: str) -> str:
 
 def _picture(file: str) -> str:
     path = Path(file)
-    if not path.is_file():
-        return ""
-    return _encoded(file, path.stat().st_mtime_ns)
+    return _encoded(file, path.stat().st_mtime_ns) if path.is_file() else ""
 
 
 @lru_cache(maxsize=512)

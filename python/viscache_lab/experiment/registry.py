@@ -24,17 +24,13 @@ class Experiment:
     description: str
     function: Callable[..., Any]
     """Takes a `Trial`; that of a family takes `full` and gives its cases."""
-    sized: bool = False
-    """Whether its pictures can have another size."""
-    every_isa: bool = True
-    """Of a family: whether `--full` repeats it for every instruction set."""
-    most_bytes: int | None = None
-    """Of a family: address space of its process."""
+    sized: bool = False  # whether its pictures can have another size
+    every_isa: bool = True  # of a family: whether `--full` repeats it for every instruction set
+    most_bytes: int | None = None  # of a family: address space of its process
     cases: Sequence[Any] = ()
     """If there are any, the function takes a `Trial`, a case and its scene; see `Trial.scenes`."""
     quick_cases: Sequence[Any] = ()
-    note: str = ""
-    """How to read its numbers."""
+    note: str = ""  # how to read its numbers
 
     def fill(self, trial: Any) -> None:
         """Run it, case by case where it has cases."""
@@ -47,18 +43,10 @@ class Experiment:
 
 
 class Registry(dict[str, Experiment]):
-    """Name to experiment. The modules of `package` declare them by `@REGISTRY.add`.
+    """Name to experiment. The modules of `package`, but those named `peer_…`, declare them.
 
-    Parameters
-    ----------
-    kind : str
-        What messages call one of them.
-    package : str
-        All its modules but those named `peer_…` are imported by `load`.
-    papers : tuple of str
-        The first words of all names, in their order; names without such words are in theirs.
-    gone : mapping
-        Names that were known once, to what takes their place.
+    `kind` is what messages call one of them. `papers` are the first words of all names, in their
+    order. `gone` are names that were known once, to what takes their place.
     """
 
     def __init__(
@@ -86,13 +74,7 @@ class Registry(dict[str, Experiment]):
         return declare
 
     def find(self, name: str) -> Experiment:
-        """The experiment of a name.
-
-        Raises
-        ------
-        ValueError
-            The name is unknown; the message gives the nearest known one, or what takes its place.
-        """
+        """The experiment of a name; ValueError gives the nearest known one, or what replaces it."""
         if name in self.gone:
             raise ValueError(f"the {self.kind} {name!r} is gone: use {self.gone[name]}")
         if name not in self:

@@ -19,8 +19,7 @@ class Band:
 
     low: float
     high: float
-    source: str
-    """The paper's sentence, or the expectation, behind the band."""
+    source: str  # the paper's sentence, or the expectation, behind the band
     _: KW_ONLY
     claimed: Claim | None = None
     """Where the paper's claim is found; None if the source quotes no paper."""
@@ -60,11 +59,9 @@ class Row:
     """One row of a figure's table."""
 
     what: str
-    measured: float | None
-    """None if it could not be measured; then the band does not hold."""
+    measured: float | None  # none if it could not be measured; then the band does not hold
     _: KW_ONLY
-    printed: float | str | None = None
-    """The paper's value; None without one."""
+    printed: float | str | None = None  # the paper's value; None without one
     band: Band | None = None
     note: str = ""
 

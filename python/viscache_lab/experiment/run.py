@@ -32,29 +32,9 @@ def code_hash() -> str:
 
 
 def run_bench(name: str, quick: bool = False, *, progress: bool = False, **options: Any) -> Result:
-    """Run one bench: the object that `viscache bench NAME --json` prints.
+    """Run one of `BENCHES`: the object that `viscache bench NAME --json` prints.
 
-    Parameters
-    ----------
-    name : str
-        One of `BENCHES`.
-    quick : bool
-        Small sizes, few repeats.
-    progress : bool
-        Show progress bars.
-    **options
-        Those of this bench alone.
-
-    Returns
-    -------
-    dict
-        bench, machine, date, figures, answers_checked, answers (each check with value and limit),
-        answers_hold, skipped, notes, quick.
-
-    Raises
-    ------
-    ValueError
-        The name is unknown; the message gives the nearest known one.
+    `options` are those of this bench alone. ValueError names the nearest bench to an unknown one.
     """
     trial = Trial(quick=quick, progress=progress, options=options)
     about = _perform(BENCHES, name, trial)
@@ -91,38 +71,14 @@ def reproduce(
     progress: bool = False,
     size: tuple[int, int] | None = None,
 ) -> Result:
-    """Reproduce one figure or table of the papers.
+    """Reproduce one of `FIGURES`: what `viscache reproduce NAME --json` prints.
 
-    Parameters
-    ----------
-    name : str
-        One of `FIGURES`.
-    directory : path
-        Created if missing. Receives the pictures, `NAME.md` with the table, and `NAME.json`.
-    quick : bool
-        Small sizes: seconds instead of minutes.
-    progress : bool
-        Show a progress bar.
-    size : (width, height), optional
-        Size of the rendered pictures in pixels, for the figures that allow it.
-
-    Returns
-    -------
-    dict
-        What `viscache reproduce NAME --json` prints: figure, rows (what, printed, measured, ratio,
-        band, holds, claim, rule, because, said, found, note), files; beside them holds, verdicts
-        (claim and expectation, each with verdict, yes, all), drawn (what the axes of each picture
-        show), skipped, notes, quick, machine, provenance.
-
-    Raises
-    ------
-    ValueError
-        The name is unknown; the message gives the nearest known one. Or a size has no effect.
+    The directory, made if missing, gets the pictures, `NAME.md` with the table, and `NAME.json`.
+    ValueError: the name is unknown, or the figure's pictures have no other size.
     """
-    if size is not None and not FIGURES.find(name).sized:
+    if not FIGURES.find(name).sized and size is not None:
         sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
         raise ValueError(f"size must be left out for {name}; it is for {sized}")
-    FIGURES.find(name)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     trial = Trial(folder=folder, quick=quick, progress=progress, size=size)
@@ -170,35 +126,12 @@ def reproduce_all(
     older: bool = False,
     on_result: Callable[[Result, bool], None] | None = None,
 ) -> Result:
-    """Reproduce all figures and tables.
+    """Reproduce all figures and tables; gives the object of `summary.json`.
 
-    Results already in the directory are reused if code, `quick` and size are the same, so an
-    interrupted run resumes with the next figure. A figure that raises is recorded with its error
-    and does not hold. `index.html` and `summary.json` are rewritten after each figure.
-
-    Parameters
-    ----------
-    directory : path
-        Created if missing.
-    quick : bool
-        Small sizes: each figure takes seconds instead of minutes.
-    size : (width, height), optional
-        Size of pictures, for the figures that allow it.
-    progress : bool
-        Show progress bars.
-    older : bool
-        Also take results of other versions of the code.
-    on_result : callable, optional
-        Called with each result and whether it was reused.
-
-    Returns
-    -------
-    dict
-        figures (list of results; verdicts are None for one that raised), page, holds, bands (how
-        many there are, hold and do not), failing (the rows that do not hold and the figures that
-        raised), claims (in how many figures they are found, not_found, not_stated and, where runs
-        are quick, not_judged),
-        claims_not_found (the rows outside the paper's claim), seconds.
+    Results already in the directory are reused if code (unless `older`), `quick` and size are the
+    same, so an interrupted run resumes with the next figure. A figure that raises is recorded with
+    its error and does not hold. `index.html` and `summary.json` are rewritten after each figure;
+    `on_result` gets each result and whether it was reused.
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)

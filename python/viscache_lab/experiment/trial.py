@@ -6,54 +6,26 @@ import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import viscache as vc
 from viscache.scenes.sources import is_builtin, made_by_others
 from viscache.sweeps.exact_frames import ExactFrames
 from viscache_lab.experiment import amounts, drawing
 from viscache_lab.experiment.amounts import Sample
-from viscache_lab.experiment.rows import Band, Row
-
-
-class InScene(Protocol):
-    """A case of an experiment: a scene is a spec, or a folder of $VISCACHE_SCENES and a file."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def scene(self) -> str: ...
-
-
-C = TypeVar("C", bound=InScene | str)
+from viscache_lab.experiment.rows import Row
 
 
 @dataclass(kw_only=True, slots=True)
 class Trial:
-    """One run of an experiment, which its function fills.
-
-    Parameters
-    ----------
-    folder : path
-        Of pictures and tables.
-    quick : bool
-        Small sizes.
-    progress : bool
-        Show progress bars.
-    size : (width, height), optional
-        Of the pictures, where the experiment is sized.
-    options : mapping
-        Of this experiment alone.
-    """
+    """One run of an experiment, which its function fills; `options` are its own alone."""
 
     folder: Path = Path()
     quick: bool = False
     progress: bool = False
     size: tuple[int, int] | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
-    rows: list[Row] = field(default_factory=list)
-    """Measured values beside the papers' and bands."""
+    rows: list[Row] = field(default_factory=list)  # measured values beside the papers' and bands
     figures: list[dict[str, Any]] = field(default_factory=list)
     """Amounts, and ratios to a baseline of the same run."""
     answers: list[dict[str, Any]] = field(default_factory=list)
@@ -72,17 +44,9 @@ class Trial:
         """Converged pictures, which the figures of a folder share; do not use them for timings."""
         return ExactFrames(self.folder / "references")
 
-    def row(
-        self,
-        what: str,
-        measured: float | None,
-        *,
-        printed: float | str | None = None,
-        band: Band | None = None,
-        note: str = "",
-    ) -> None:
+    def row(self, what: str, measured: float | None, **more: Any) -> None:
         """Record a measured value; see `Row`."""
-        self.rows.append(Row(what, measured, printed=printed, band=band, note=note))
+        self.rows.append(Row(what, measured, **more))
 
     def figure(self, name: str, value: float, unit: str, **more: Any) -> None:
         """Record an amount; see `amounts.figure`."""
@@ -120,8 +84,11 @@ class Trial:
         self.skipped += other.skipped
         self.notes += other.notes
 
-    def scenes(self, cases: Iterable[C]) -> Iterator[tuple[C, vc.Scene]]:
-        """Each case, or spec, with its scene; those without their file are skipped."""
+    def scenes(self, cases: Iterable[Any]) -> Iterator[tuple[Any, vc.Scene]]:
+        """Each case (`name` and `scene`), or spec, with its scene; without its file it is skipped.
+
+        A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it.
+        """
         kept: tuple[str, vc.Scene | None] = "", None
         for case in cases:
             name, spec = (case, case) if isinstance(case, str) else (case.name, case.scene)

@@ -15,24 +15,10 @@ EXPECTATION = ("no band", "holds", "does not hold")
 
 
 def verdicts(rows: Sequence[Result], *, quick: bool, figure: str) -> dict[str, Any]:
-    """The verdicts on a figure.
+    """Claim and expectation of a figure, by the rows of `Row.as_dict`: verdict, yes and all.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of the figure as `Row.as_dict` gives them.
-    quick : bool
-        Whether the run was quick.
-    figure : str
-        Name of the figure.
-
-    Returns
-    -------
-    dict
-        claim and expectation: each a dict of verdict, yes and all. `verdict` of the claim is
-        "found" if it is in every row that can judge it, or "not found". Without such rows it is
-        "not stated", or "not judged" if the run is quick and full runs judge one. Of the
-        expectation it is "holds", "does not hold", or "no band". `yes` and `all` count rows.
+    Without a row that can judge it, a claim is "not stated", or "not judged" if the run is quick
+    and full runs judge one.
     """
     words = QUICK_CLAIM if quick and figure in CLAIMING else CLAIM
     return {
@@ -50,8 +36,7 @@ def _counted(answers: Iterable[bool | None], words: tuple[str, str, str]) -> dic
 def claim_of(result: Result) -> str:
     """The verdict on the claim of a figure's result."""
     both = verdicts(result["rows"], quick=result["quick"], figure=result["figure"])
-    verdict: str = both["claim"]["verdict"]
-    return verdict
+    return str(both["claim"]["verdict"])
 
 
 def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:
@@ -59,10 +44,7 @@ def sentence(rows: Sequence[Result], *, quick: bool, figure: str) -> str:
     found = verdicts(rows, quick=quick, figure=figure)
     words = [
         f"{name}: {part['verdict']}" + (f" ({part['yes']} of {part['all']})" if part["all"] else "")
-        for name, part in (
-            ("The paper's claim", found["claim"]),
-            ("Our expectation", found["expectation"]),
-        )
+        for name, part in zip(("The paper's claim", "Our expectation"), found.values(), strict=True)
     ]
     return ". ".join(words) + (", at quick sizes." if quick else ".")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import takewhile
 from typing import Any
 
 from viscache_lab.extremes import scenes
@@ -34,19 +35,12 @@ Row = dict[str, Any]
 
 
 def measure(quick: bool = False, told: Callable[[int, int], None] | None = None) -> list[Row]:
-    """One row per method and value: axis, method, x, error, own.
+    """One row per method and value: axis, method, x, error, own. `told` gets (done, total).
 
     `error` is rel_l1 against exact visibility with the same samples in the scene as it is; `own`
     the same where nothing is moved. Noisy methods have virtual lights here, whose paths rounding
     changes. They are compared with exact visibility of the moved scene, and the error of exact
     visibility there is added.
-
-    Parameters
-    ----------
-    quick : bool
-        Fewer values.
-    told : callable, optional
-        Gets (done, total).
     """
     jobs = list(_jobs(quick))
     rows: list[Row] = []
@@ -54,7 +48,11 @@ def measure(quick: bool = False, told: Callable[[int, int], None] | None = None)
         rows.append({"axis": axis, "method": name, "x": x, "error": error()})
         if told is not None:
             told(done + 1, len(jobs))
-    _add_exact(rows)
+    # The error of exact visibility is added to those of noisy methods; there is none along C_E
+    exact = {(r["axis"], r["x"]): r["error"] for r in rows if r["method"] == "exact by Embree"}
+    for row in rows:
+        if row["method"] in METHODS and METHODS[row["method"]].noisy:
+            row["error"] += exact.get((row["axis"], row["x"]), 0.0)
     unmoved = {"scale": 1.0, "offset": 0.0}
     own = {
         (r["axis"], r["method"]): r["error"] for r in rows if r["x"] == unmoved.get(r["axis"], 1.0)
@@ -62,14 +60,6 @@ def measure(quick: bool = False, told: Callable[[int, int], None] | None = None)
     for row in rows:
         row["own"] = own.get((row["axis"], row["method"]))
     return [row for row in rows if row["x"] > 0]
-
-
-def _add_exact(rows: list[Row]) -> None:
-    """Add the error of exact visibility to those of noisy methods."""
-    exact = {(r["axis"], r["x"]): r["error"] for r in rows if r["method"] == "exact by Embree"}
-    for row in rows:
-        if row["method"] in METHODS and METHODS[row["method"]].noisy:
-            row["error"] += exact.get((row["axis"], row["x"]), 0.0)  # none along C_E
 
 
 def _jobs(quick: bool) -> Iterator[tuple[str, str, float, Callable[[], float]]]:
@@ -101,13 +91,6 @@ def holding(rows: Iterable[Row], axis: str, method: str) -> tuple[float, float]:
                   if r["axis"] == axis and r["method"] == method)  # fmt: skip
     fine = {x: error <= own + GROWTH for x, error, own in mine}
     start = 1.0 if axis == "scale" else min(fine)
-    low = high = start
-    for x in sorted((x for x in fine if x <= start), reverse=True):
-        if not fine[x]:
-            break
-        low = x
-    for x in sorted(x for x in fine if x >= start):
-        if not fine[x]:
-            break
-        high = x
+    below, above = [x for x in reversed(fine) if x <= start], [x for x in fine if x >= start]
+    low, high = ([start, *takewhile(fine.__getitem__, xs)][-1] for xs in (below, above))
     return low, high

@@ -13,13 +13,7 @@ Difference = tuple[str, str, Any, Any]
 
 
 def differences(a: dict[str, Any], b: dict[str, Any]) -> list[Difference]:
-    """Checks that one report alone has, that hold in one alone, or whose values are far apart.
-
-    Parameters
-    ----------
-    a, b : dict
-        Reports as `viscache doctor --json` prints them.
-    """
+    """Checks that one report alone has, that hold in one alone, or whose values are far apart."""
     first, second = ({check["name"]: check for check in r["checks"]} for r in (a, b))
     found: list[Difference] = []
     for name in [*first, *(n for n in second if n not in first)]:

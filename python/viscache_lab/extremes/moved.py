@@ -21,21 +21,10 @@ def description_of(
     noise: float = 0.0,
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> vc.SceneDescription:
-    """A scene rotated, then scaled, then moved. Point lights have `scale²` times their intensity.
+    """A scene shaken by `noise`, rotated, scaled, then moved; `origin` is the new scene's.
 
-    Materials without textures, meshes in world space, point and directional lights, and cameras.
-
-    Parameters
-    ----------
-    made : Scene
-    scale : float > 0
-    rotation : (3, 3) float, optional
-    shift : (3,) float
-        Scene units.
-    noise : float >= 0
-        Shakes the vertices: scene units before `scale`, uniform, fixed seed.
-    origin : (3,) float
-        Of the new scene.
+    It has materials without textures, meshes in world space, point and directional lights, cameras.
+    Point lights have `scale²` times their intensity. Noise is uniform, from a fixed seed.
     """
     turn: Array = np.eye(3) if rotation is None else np.asarray(rotation, float)
     rng = np.random.default_rng(5)
@@ -44,8 +33,7 @@ def description_of(
         return np.asarray(scale * (np.asarray(p, float) @ turn.T) + np.asarray(shift, float))
 
     def place(p: npt.ArrayLike) -> list[float]:
-        moved_to: list[float] = point(p).tolist()
-        return moved_to
+        return [float(x) for x in point(p)]
 
     old, new = made.description(), vc.SceneDescription(origin)
     for material in old.materials:

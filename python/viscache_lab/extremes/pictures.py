@@ -29,14 +29,10 @@ PRODUCT = vc.Direct(n_area=4, n_environment=4, environment="product")
 class Method:
     """What answers "does x see y?" in a frame, and how."""
 
-    settings: dict[str, Any] = field(default_factory=dict)
-    """Arguments of `vc.render`."""
-    exact: bool = False
-    """Whether it answers as rays do."""
-    noisy: bool = False
-    """Whether another unit of length draws other random numbers or other cells."""
-    maps: bool = False
-    """Whether it serves the environment alone."""
+    settings: dict[str, Any] = field(default_factory=dict)  # arguments of `vc.render`
+    exact: bool = False  # whether it answers as rays do
+    noisy: bool = False  # whether another unit of length draws other random numbers or other cells
+    maps: bool = False  # whether it serves the environment alone
 
     @property
     def integrator(self) -> Any:
@@ -54,16 +50,13 @@ def _aqvc(**settings: Any) -> dict[str, Any]:
     return {"visibility": vc.Aqvc(**{"c_e": C_E, "exact_groups": (), **settings})}
 
 
-def _nee() -> vc.NeePlusPlus:
-    return vc.NeePlusPlus(n_voxels=8, learn_pixels=512)
-
-
 def _methods() -> dict[str, Method]:
+    nee = vc.NeePlusPlus(n_voxels=8, learn_pixels=512)
     pairs = vc.PaperForm(form="pairs", storage="exact")
     table = vc.PaperForm(form="pairs", storage="table")
     free = vc.PaperForm(scale_free=True)
     field_ = vc.Vlf(n_directions=33, n_tiles=32)
-    maps = vc.VisMaps(n_startup=100)
+    maps = {"visibility": vc.VisMaps(n_startup=100), "env": scenes.sky()}
     return {
         "exact by Embree": Method(exact=True),
         "exact by BSP": Method(settings={"rays": vc.Bsp()}, exact=True),
@@ -79,19 +72,10 @@ def _methods() -> dict[str, Method]:
         "quantized cache, scale-free": Method(settings=_aqvc(paper=free), noisy=True),
         "quantized cache, corrected": Method(settings={**_aqvc(), "use": "correct"}, noisy=True),
         "shadow maps": Method(settings={"visibility": vc.ShadowMap(resolution=128)}),
-        "NEE++": Method(settings={"visibility": _nee()}, noisy=True),
-        "NEE++, corrected": Method(settings={"visibility": _nee(), "use": "correct"}, noisy=True),
-        "visibility maps": Method(
-            settings={
-                "visibility": vc.VisMaps(n_startup=100),
-                "use": "replace",
-                "env": scenes.sky(),
-            },
-            maps=True,
-        ),
-        "visibility maps, corrected": Method(
-            settings={"visibility": maps, "env": scenes.sky()}, maps=True
-        ),
+        "NEE++": Method(settings={"visibility": nee}, noisy=True),
+        "NEE++, corrected": Method(settings={"visibility": nee, "use": "correct"}, noisy=True),
+        "visibility maps": Method(settings={**maps, "use": "replace"}, maps=True),
+        "visibility maps, corrected": Method(settings=maps, maps=True),
     }
 
 

@@ -46,8 +46,7 @@ def floor(width: float = 4.0, height: float = 0.0) -> Arrays:
 
 def table() -> Arrays:
     """A square above the floor."""
-    corners = [[-0.5, 0.6, 0.5], [0.5, 0.6, 0.5], [0.5, 0.6, -0.5], [-0.5, 0.6, -0.5]]
-    return np.array(corners), _QUAD
+    return floor(0.5, 0.6)
 
 
 def described(

@@ -70,10 +70,10 @@ def in_turns(
     runs: Mapping[str, Callable[[], Any]], repeats: int = 3, answers: dict[str, Any] | None = None
 ) -> dict[str, float]:
     """The smallest CPU seconds of each; they take turns, so a busy machine slows all of them."""
-    taken = turns(runs, repeats, warm_up=False)
+    samples, given = turns(runs, repeats, warm_up=False)
     if answers is not None:
-        answers |= taken.answers
-    return {name: min(s.cpu_s for s in some) for name, some in taken.samples.items()}
+        answers |= given
+    return {name: min(s.cpu_s for s in some) for name, some in samples.items()}
 
 
 def tracers(scene: vc.Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> dict[str, Tuned]:

@@ -39,20 +39,14 @@ def block_means(picture: npt.NDArray[Any], edge: int) -> Array:
 class Comparison:
     """The outcome of `compare`."""
 
-    share: float
-    """Share of the blocks within 3 σ + 1 %."""
-    z: Array
-    """Signed difference of each block (rows, columns, channels) in standard deviations."""
-    worst_z: float
-    """The z of largest size among the blocks that do not agree, else among all."""
+    share: float  # share of the blocks within 3 σ + 1 %
+    z: Array  # signed difference of each block (rows, columns, channels) in standard deviations
+    worst_z: float  # the z of largest size among the blocks that do not agree, else among all
     energy_ours: float
     energy_theirs: float
-    energy_sigma: float
-    """Standard deviation of the difference of both."""
-    power: float
-    """Relative difference of a block that is found at 95 %: its median over lit blocks."""
-    power_weak: float
-    """The same, at the 90th percentile of lit blocks."""
+    energy_sigma: float  # standard deviation of the difference of both
+    power: float  # relative difference of a block that is found at 95 %: its median over lit blocks
+    power_weak: float  # the same, at the 90th percentile of lit blocks
 
     @property
     def energy_difference(self) -> float:
@@ -79,12 +73,9 @@ class Comparison:
 
 
 def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike) -> Comparison:
-    """Compare block means of independent pictures.
+    """Compare block means (n >= 2, rows, columns, channels) of independent pictures.
 
-    Parameters
-    ----------
-    ours, theirs : (n, rows, columns, channels)
-        Block means, n >= 2; n may differ. Non-finite blocks do not agree.
+    n may differ. Non-finite blocks do not agree.
     """
     a, b = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
     if a.shape[1:] != b.shape[1:] or a.ndim != 4 or min(len(a), len(b)) < 2:
@@ -108,15 +99,10 @@ def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike) -> Comparison:
     return Comparison(
         share=float(inside.mean()),
         z=np.where(finite, z, np.inf),
-        worst_z=_largest(wrong if wrong.size else z),
+        worst_z=float(max(wrong if wrong.size else z.ravel(), key=abs, default=0.0)),
         energy_ours=float(whole_a.mean()) if finite.all() else float("nan"),
         energy_theirs=float(whole_b.mean()),
         energy_sigma=float(np.sqrt(whole_a.var(ddof=1) / len(a) + whole_b.var(ddof=1) / len(b))),
         power=float(np.median(lit)) if lit.size else float("inf"),
         power_weak=float(np.quantile(lit, 0.9)) if lit.size else float("inf"),
     )
-
-
-def _largest(z: Array) -> float:
-    flat = z.ravel()
-    return float(flat[np.argmax(np.abs(flat))]) if flat.size else 0.0

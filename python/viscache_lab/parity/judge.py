@@ -25,16 +25,8 @@ SMALL_PX = 128
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Effort:
-    """How many samples a file gets.
-
-    Parameters
-    ----------
-    spp : int
-        Samples per pixel of each picture.
-    first, most : int
-        Pictures of each renderer: to begin with, and at most. They double in between.
-    power : float
-        An agreement is clear if such a relative difference of a block would have been found.
+    """Samples per pixel of each picture; pictures of each renderer to begin with, doubled up to the
+    most; and the relative difference of a block that must be found before an agreement is clear.
     """
 
     spp: int = 16
@@ -53,14 +45,11 @@ class Judged:
 
     name: str
     verdict: Verdict
-    warnings: list[str]
-    """Of our loader; for a file that is not loaded, the error."""
-    mitsuba: list[str]
-    """Mitsuba's warnings or its error."""
+    warnings: list[str]  # of our loader; for a file that is not loaded, the error
+    mitsuba: list[str]  # Mitsuba's warnings or its error
     why: str = ""
     compared: Comparison | None = None
-    ours: FloatImage | None = None
-    """Mean picture."""
+    ours: FloatImage | None = None  # mean picture
     theirs: FloatImage | None = None
     pictures: int = 0
 
@@ -79,20 +68,7 @@ class Judged:
 def judge(
     mi: Any, name: str, path: Path, *, effort: Effort = FULL, threads: int | None = None
 ) -> Judged:
-    """Load and render a file with both renderers, and compare.
-
-    Parameters
-    ----------
-    mi : module
-        Of `renderers.mitsuba`.
-    name : str
-        The scene's name in the result.
-    path : path
-        A Mitsuba 3 XML file.
-    effort : Effort
-    threads : int, optional
-        Of our frames.
-    """
+    """Load and render a Mitsuba 3 file with both renderers, and compare; threads are of ours."""
     mine, other = load_viscache(path, threads), load_mitsuba(mi, path)
     judged = partial(Judged, name=name, warnings=mine.warnings, mitsuba=other.warnings)
     if mine.render is None:
@@ -135,7 +111,13 @@ def _clear(compared: Comparison, effort: Effort) -> bool:
 
 def _verdict(compared: Comparison, warnings: list[str], mitsubas: list[str]) -> tuple[Verdict, str]:
     if not compared.informative and (compared.agrees or mitsubas):
-        return "not comparable", _nothing_to_compare(compared, mitsubas)
+        if np.isfinite(compared.power):
+            return (
+                "not comparable",
+                f"the noise hides differences of less than {compared.power:.0%}",
+            )
+        black = "both pictures are" if compared.energy_ours == 0 else "Mitsuba's picture is"
+        return "not comparable", f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
     if warnings:
         return "warned", warnings[0]
     if compared.agrees:
@@ -145,13 +127,6 @@ def _verdict(compared: Comparison, warnings: list[str], mitsubas: list[str]) -> 
     if compared.share < 1 and not compared.energies_agree:
         return "differs", f"energy {compared.energy_difference:+.1%}"
     return "differs", f"{1 - compared.share:.0%} of the blocks"
-
-
-def _nothing_to_compare(compared: Comparison, mitsubas: list[str]) -> str:
-    if np.isfinite(compared.power):
-        return f"the noise hides differences of less than {compared.power:.0%}"
-    black = "both pictures are" if compared.energy_ours == 0 else "Mitsuba's picture is"
-    return f"{black} black" + (f": {mitsubas[0]}" if mitsubas else "")
 
 
 class _Side:

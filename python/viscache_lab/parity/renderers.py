@@ -24,14 +24,8 @@ SAMPLES = vc.Direct(n_area=2, n_environment=2, n_brdf=2)
 
 @dataclass(kw_only=True, slots=True)
 class Loaded:
-    """A file in one of the renderers.
-
-    Parameters
-    ----------
-    render : callable or None
-        Picture (H, W, 3) of a number of samples per pixel and a seed. None: the file was refused.
-    warnings : list of str
-        What the loader said, or why it refused the file.
+    """A file in one of the renderers: the picture of a number of samples and a seed, or None if it
+    was refused; and what the loader said.
     """
 
     render: Callable[[int, int], FloatImage] | None = None

@@ -28,8 +28,6 @@ CHOSEN = (
     "NEE++",
     "visibility maps",
 )
-
-
 NO_AREA = "no ray hits what has no area"
 COPIES = "equal triangles have equal hits"
 BEHIND = "a ray may start behind the copy, and is dark then"

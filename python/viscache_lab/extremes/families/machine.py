@@ -74,10 +74,10 @@ TIMEOUT_S = 100.0
 
 @FAMILIES.add("isa", "portable code, AVX2 and AVX-512", every_isa=False)
 def isa(full: bool) -> Iterator[Case]:
-    here, _ = provenance.isa()
+    here, best = provenance.isa()
     yield Case(
         name="the kernels run another variant than the best one, or than the one asked for",
-        measure=_another_variant,
+        measure=lambda: float(here != (os.environ.get("VISCACHE_ISA") or best)),
         why="the program chooses at its start",
     )
     for other in instruction_sets():
@@ -88,11 +88,6 @@ def isa(full: bool) -> Iterator[Case]:
                     measure=partial(_differs, other, name),
                     why="floating-point contraction is off, and kernels add in the same order",
                 )
-
-
-def _another_variant() -> float:
-    here, best = provenance.isa()
-    return float(here != (os.environ.get("VISCACHE_ISA") or best))
 
 
 def _differs(other: str, name: str) -> float:
@@ -161,8 +156,8 @@ WHY = "the core sets the mode that it computes in, and restores the caller's"
 
 @FAMILIES.add("float_modes", "denormals and rounding modes set by the caller")
 def float_modes(full: bool) -> Iterator[Case]:
-    if not can_set_mode():
-        return
+    if (platform.machine(), platform.libc_ver()[0]) != ("x86_64", "glibc"):
+        return  # the control word is set as glibc does there
     for mode, bits in MODES.items():
         yield Case(
             name=f"{mode}: modes that could not be set",
@@ -183,11 +178,6 @@ def float_modes(full: bool) -> Iterator[Case]:
         yield Case(
             name=f"{mode}: answers of rays that differ", measure=partial(_rays, bits), why=WHY
         )
-
-
-def can_set_mode() -> bool:
-    """Whether this is glibc on x86-64, whose control word is set below."""
-    return platform.machine() == "x86_64" and platform.libc_ver()[0] == "glibc"
 
 
 @contextmanager

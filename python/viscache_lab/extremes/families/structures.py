@@ -169,7 +169,7 @@ def map_sizes(full: bool) -> Iterator[Case]:
             name=f"M = {m}: light above what the open sky brings",
             measure=partial(sky_excess, maps),
             limit=1e-3,
-            why="a blend of maps is a share of the sky; its integral over an open sky errs by 5e-4",
+            why=SKY,
         )
         yield Case(
             name=f"M = {m}, saved and loaded: pixels that differ",

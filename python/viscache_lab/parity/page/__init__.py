@@ -41,16 +41,9 @@ _HEADS = ("scene", "verdict", "blocks within", "worst z", "energy", "finds", "pi
 
 
 def write_page(target: Path, results: Sequence[Judged], about: Mapping[str, str]) -> None:
-    """Write the page.
-
-    Parameters
-    ----------
-    target : path
-    results : sequence of Judged
-    about : mapping
-        Rows of the page's head.
-    """
-    ordered = sorted(results, key=lambda r: (VERDICTS.index(r.verdict), -_size(r), r.name))
+    """Write the page; `about` has the rows of its head."""
+    sizes = {r.name: abs(r.compared.worst_z) if r.compared else 0.0 for r in results}
+    ordered = sorted(results, key=lambda r: (VERDICTS.index(r.verdict), -sizes[r.name], r.name))
     pictures = json.dumps({"pictures": {r.name: _pictures(r) for r in ordered}})
     parts = [
         "<p>Direct light of viscache and of Mitsuba 3 on the same files"
@@ -65,10 +58,9 @@ def write_page(target: Path, results: Sequence[Judged], about: Mapping[str, str]
         *map(_row, ordered),
         f"</table></div>{_READ}",
     ]
-    style = _file("viscache.report", "page/style.css") + _file(
-        "viscache_lab.parity", "page/parity.css"
-    )
-    script = _file("viscache_lab.parity", "page/parity.js")
+    lab = "viscache_lab.parity"
+    style = _file("viscache.report", "page/style.css") + _file(lab, "page/parity.css")
+    script = _file(lab, "page/parity.js")
     title = "Does my scene come out right?"
     write_whole(target, document(title, parts, style=style, script=script, data=pictures))
 
@@ -127,10 +119,6 @@ def _numbers(result: Judged) -> list[str]:
 
 def _class(verdict: str) -> str:
     return verdict.replace(" ", "-")
-
-
-def _size(result: Judged) -> float:
-    return 0.0 if result.compared is None else abs(result.compared.worst_z)
 
 
 def _pictures(result: Judged) -> list[str]:

@@ -57,18 +57,9 @@ DAYLIGHT = LAMP + SKY
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """A scene of one feature.
+    """A scene of one feature, its body. The name, `group/what-it-has`, is also that of its file.
 
-    Parameters
-    ----------
-    name : str
-        `group/what-it-has`; also the name of its file.
-    body : str
-        The feature.
-    camera, stage, lights : str
-        The rest of the scene; empty where the feature takes its place.
-    quick : bool
-        Whether the quick suite renders it.
+    Camera, stage and lights are empty where the feature takes their place.
     """
 
     name: str

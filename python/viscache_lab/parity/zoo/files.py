@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[Any]
+#: Positions, normals, texture coordinates and faces.
+Mesh = tuple[Array, Array | None, Array, Array]
 
 WEDGE = "wedge"
 #: Round, without symmetry. Its vertex normals lean little from its faces.
@@ -32,14 +34,19 @@ _UVS = np.array([[0.1, 0.0], [0.9, 0.2], [0.6, 1.0], [0.2, 0.8], [0.7, 0.5]])
 
 def write_files(folder: Path) -> None:
     """Write all files into a folder."""
-    flat, smooth = _flat(), _smooth()
-    meshes = {WEDGE: flat, f"{WEDGE}-smooth": smooth, f"{WEDGE}-creased": _creased()}
-    meshes[PEBBLE] = _pebble()
+    # Some normals of the smooth wedge lean from their faces by more than 90 degrees
+    smooth = _CORNERS, _mean_normals(_CORNERS, _FACES), _UVS, _FACES
+    meshes: dict[str, Mesh] = {
+        WEDGE: (_CORNERS, None, _UVS, _FACES),
+        f"{WEDGE}-smooth": smooth,
+        f"{WEDGE}-creased": _creased(),
+        PEBBLE: _pebble(),
+    }
     for name, mesh in meshes.items():
         (folder / f"{name}.obj").write_text(_obj(*mesh), encoding="ascii")
         (folder / f"{name}.ply").write_text(_ply(*mesh), encoding="ascii")
         (folder / f"{name}.serialized").write_bytes(_serialized(*mesh))
-    bare = (flat[0], None, None, flat[3])
+    bare = (_CORNERS, None, None, _FACES)
     (folder / f"{BARE}.obj").write_text(_obj(*bare), encoding="ascii")
     (folder / f"{BARE}.ply").write_text(_ply(*bare), encoding="ascii")
     _write_pictures(folder)
@@ -59,16 +66,7 @@ def sky_picture() -> Array:
     return sky
 
 
-def _flat() -> tuple[Array, Array | None, Array, Array]:
-    return _CORNERS, None, _UVS, _FACES
-
-
-def _smooth() -> tuple[Array, Array | None, Array, Array]:
-    """Some vertex normals lean from their faces by more than 90 degrees."""
-    return _CORNERS, _mean_normals(_CORNERS, _FACES), _UVS, _FACES
-
-
-def _pebble() -> tuple[Array, Array | None, Array, Array]:
+def _pebble() -> Mesh:
     """Rings between two poles, with dents."""
     rings, around = 11, 24
     theta, phi = np.mgrid[1 : rings + 1, 0:around]
@@ -95,7 +93,7 @@ def _mean_normals(positions: Array, faces: Array) -> Array:
     return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
 
-def _creased() -> tuple[Array, Array | None, Array, Array]:
+def _creased() -> Mesh:
     """Each face has corners and a normal of its own."""
     corners, faces = _CORNERS[_FACES], np.arange(3 * len(_FACES)).reshape(-1, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -131,9 +129,8 @@ def _ply(positions: Array, normals: Array | None, uvs: Array | None, faces: Arra
 
 def _serialized(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> bytes:
     """Version 4 of Mitsuba's format: one mesh, then the table of offsets."""
-    flags = (
-        0x1000 | 0x0002 | (0x0001 if normals is not None else 0)
-    )  # single precision, uvs, normals
+    # Single precision, uvs, normals
+    flags = 0x1000 | 0x0002 | (0x0001 if normals is not None else 0)
     body = struct.pack("<I", flags) + b"wedge\0" + struct.pack("<QQ", len(positions), len(faces))
     for values in (positions, normals, uvs):
         body += b"" if values is None else values.astype("<f4").tobytes()
