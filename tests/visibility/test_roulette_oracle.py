@@ -5,17 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from reference.built import built
 from render.mitsuba_scene import Model, quad
 from render.test_determinism import INTEGRATORS, ROOM
-from render.ztest import ZTest, compare
-from viscache import _core
-from viscache.settings.integrators import eye_settings
-from viscache.shot.shot import frame_settings
 
 SIZE = (64, 48)
 #: Coarse, so that voxels see each other in part, and quick to learn.
@@ -26,42 +21,6 @@ SKY = vc.Direct(environment="shared", n_environment=32, n_area=2)
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
     return ROOM.to_viscache()
-
-
-def stack(scene: vc.Scene, integrator: Any, visibility: Any, seeds: range) -> npt.NDArray[Any]:
-    given: dict[str, Any] = {"size": SIZE, "visibility": visibility}
-    return np.stack([vc.render(scene, integrator, seed=s, **given).image for s in seeds])
-
-
-def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
-    """Against the exact frames of the same seeds, by 8 × 8 blocks: they differ by roulette alone.
-
-    A pixel's answers are too rare to be normal.
-    """
-    blocks = [
-        np.asarray(i, np.float64).reshape(len(i), -1, 8, i.shape[2] // 8, 8, 3).mean(axis=(2, 4))
-        for i in (frames, exact)
-    ]
-    mean = blocks[1].mean(axis=0)
-    return compare(blocks[0] - blocks[1] + mean, np.repeat(mean[None], 4, axis=0), edge=2)
-
-
-@pytest.mark.stat
-@pytest.mark.parametrize("way", ["roulette", "means"])
-def test_slits_of_light_in_voxels_of_shadow_keep_their_light(way: str) -> None:
-    """They are traced one time in ten, or one in five."""
-    scene, seeds = vc.scenes.stairs(12), range(96 if way == "roulette" else 64)
-    exact = stack(scene, vc.Direct(), vc.Exact(), seeds)
-    if way == "roulette":
-        ours = stack(scene, vc.Direct(), COARSE, seeds)
-    else:
-        ours = corrected(scene, vc.Direct(), seeds, share=0.2)
-        spoilt = corrected(scene, vc.Direct(), seeds, share=0.2, weighted=False)
-        assert paired(spoilt, exact).p < 1e-9
-    assert (ours - exact).std() > 0.05 * exact.mean()
-    result = paired(ours, exact)
-    assert result.same, str(result)
-    assert not paired(0.98 * ours, exact).same
 
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
@@ -118,29 +77,6 @@ LIGHTS = vc.Whitted(n_vpls=64)
 @pytest.fixture(scope="module")
 def scene() -> vc.Scene:
     return built("room?triangles=3000")
-
-
-def corrected(
-    scene: vc.Scene, integrator: Any, seeds: range, *, weighted: bool = True, **options: Any
-) -> npt.NDArray[Any]:
-    """Frames whose corrections have the weight 1/q, or, as a negative control, 1."""
-    caster, images = scene.caster(), []
-    for seed in seeds:
-        source = _core.RouletteSource.correct(
-            scene._core,
-            caster,
-            COARSE.core(),
-            certain=COARSE.certain,
-            seed=seed,
-            lasting_seed=seed,
-            weighted=weighted,
-            **options,
-        )
-        frame = frame_settings(SIZE, 1, seed, 2)
-        settings, camera = eye_settings(integrator), scene.cameras[0]
-        got = _core.render_frame(scene._core, caster, camera, settings, frame, source)
-        images.append(got["layers"]["color"])
-    return np.stack(images)
 
 
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
