@@ -75,16 +75,6 @@ def test_a_width_embree_lacks_is_refused(scene):
         scene.caster().bare_occluded(rays.origins, rays.directions, 1.0, 3)
 
 
-def test_rays_that_cannot_be_traced_are_named_from_every_thread():
-    scene = amounts.build_scene("cube_on_plane")
-    origins = np.zeros((40_000, 3), np.float32)
-    origins[33_333, 1] = np.nan
-    with pytest.raises(ValueError, match=r"origins must be finite .* row 33333"):
-        scene.occluded(origins, np.ones((40_000, 3)), threads=2)
-    with pytest.raises(ValueError, match=r"directions must be finite .* row 2 "):
-        scene.occluded(np.zeros((3, 3)), [[1, 0, 0], [0, 1, 0], [0, 0, 1e30]])
-
-
 @pytest.mark.parametrize(
     "integrator",
     [vc.Whitted(n_vpls=80), vc.AmbientOcclusion(n_samples=9), vc.AmbientOcclusion(n_samples=80)],
