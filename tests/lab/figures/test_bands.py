@@ -11,6 +11,7 @@ from lab.figures.every_band import all_bands
 from viscache_lab.figures import (
     aqvc_bands,
     aqvc_printed,
+    trade_bands,
     vismap_bands,
     vismap_printed,
     vlf_bands,
@@ -25,6 +26,7 @@ SOURCES = ("Eq. ", "Fig. ", "Sec. ", "Tab. ", "expected: ")
     [
         (aqvc_bands, {"SAMPLES_PER_CELL", "REFINEMENT_GAIN[paper]", "H8_FLICKER"}),
         (vlf_bands, {"OCCLUSION_SPEEDUP", "CHORD_TILES[513]", "UPDATE_PAYS"}),
+        (trade_bands, {"GAIN[room]", "NEVER_WORSE", "UNBIASED"}),
         (vismap_bands, {"GARAGE_GUIDED[10]", "GARAGE_GUIDED[30]", "LEAST_WEIGHT"}),
     ],
 )
