@@ -108,23 +108,6 @@ def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
 # Errors and energy
 
 
-def rises(table):
-    """Does the mean error rise from row to row, by more than its noise?"""
-    return all(z_of_mean(steps) > 3 for steps in np.diff(table, axis=0))
-
-
-@pytest.mark.stat
-@pytest.mark.parametrize("form", ["waves", "pairs"])
-def test_the_error_rises_with_c_e(form):
-    """Without refinement, mean of eight grids."""
-    options = {"form": form, "refinement": "off"}
-    table = errors(q.scene("slats"), (0.5, 1, 2, 4, 8), 8, **options)
-    assert rises(table) and table[-1].mean() > 10 * table[0].mean()
-    # A C_E that never reaches the cells is noticed
-    fixed = errors(q.scene("slats"), (0.5, 1, 2), 8, c_e_groups={"point": 4}, **options)
-    assert not rises(fixed)
-
-
 #: Grids, size and C_E for which the mean energy has a standard error of half a percent at most.
 ENOUGH = {
     "slats": {"grids": 32, "size": LARGE, "c_e": 8},

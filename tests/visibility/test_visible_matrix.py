@@ -99,11 +99,6 @@ def test_queries_broadcast_as_numpy_does():
             r"x and y must have shapes that broadcast, got \(4, 3\) and \(5, 3\)",
         ),
         (
-            lambda: SCENE.visible(np.zeros((4, 2)), np.zeros(3)),
-            r"x must have shape \(\.\.\., 3\), got \(4, 2\)",
-        ),
-        (lambda: SCENE.visible(0.0, np.zeros(3)), r"x must have shape \(\.\.\., 3\), got \(\)"),
-        (
             lambda: SCENE.occluded(np.zeros((2, 3)), np.zeros((2, 1, 3)), np.zeros(3)),
             r"origins and directions and t_max must have shapes that broadcast, got \(2, 3\) and "
             r"\(2, 1, 3\) and \(3,\)",

@@ -73,38 +73,6 @@ def test_a_width_embree_lacks_is_refused(scene):
         scene.caster().bare_occluded(rays.origins, rays.directions, 1.0, 3)
 
 
-def test_rays_that_cannot_be_traced_are_named_from_every_thread():
-    scene = amounts.build_scene("cube_on_plane")
-    origins = np.zeros((40_000, 3), np.float32)
-    origins[33_333, 1] = np.nan
-    with pytest.raises(ValueError, match=r"origins must be finite .* row 33333"):
-        scene.occluded(origins, np.ones((40_000, 3)), threads=2)
-    with pytest.raises(ValueError, match=r"directions must be finite .* row 2 "):
-        scene.occluded(np.zeros((3, 3)), [[1, 0, 0], [0, 1, 0], [0, 0, 1e30]])
-
-
-@pytest.mark.parametrize(
-    "integrator",
-    [vc.Whitted(n_vpls=80), vc.AmbientOcclusion(n_samples=9), vc.AmbientOcclusion(n_samples=80)],
-    ids=["vpls", "ao 9", "ao 80"],
-)
-def test_every_packet_order_and_flag_gives_the_same_frame(scene, integrator):
-    frames = {
-        (order, coherent, threads): vc.render(
-            scene,
-            integrator,
-            visibility=vc.Exact(order=order, coherent=coherent, engine="packets"),
-            size=(45, 33),
-            threads=threads,
-        )
-        for order in ("by_light", "by_pixel")
-        for coherent in (None, True, False)
-        for threads in (1, 2)
-    }
-    assert len({f.sha256 for f in frames.values()}) == 1
-    assert len({json.dumps(f.counters, sort_keys=True) for f in frames.values()}) == 1
-
-
 def test_ray_sets_are_the_same_each_time_and_point_away_from_their_surface(scene):
     for name in ray_sets.SETS:
         a = ray_sets.make_ray_set(scene, name, 500)

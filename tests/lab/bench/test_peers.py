@@ -141,22 +141,10 @@ def halved(frame):
     return frame
 
 
-def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case):
-    class Ending(Fake):
-        def run(self, job):
-            raise peers.PeerError("the other program ended with status -6")
-
-    trial = Trial()
-    two = {"ending": Ending(case), "fake": Fake(case)}
-    against_peers.compare_pictures(trial, two, case, 4)
-    assert [f["name"] for f in trial.figures] == [f"{case.name} vs fake"]
-    why = "the other program ended with status -6"
-    assert trial.skipped == [{"what": f"{case.name} vs ending", "reason": why}]
-
-
-def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(case, monkeypatch):
-    class EndsLater(Fake):
-        left = 3
+@pytest.mark.parametrize("jobs", [0, 3], ids=["at once", "between turns"])
+def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case, jobs, monkeypatch):
+    class Ends(Fake):
+        left = jobs
 
         def run(self, job):
             self.left -= 1
@@ -166,7 +154,7 @@ def test_a_peer_that_ends_between_turns_is_left_out_and_the_others_are_compared(
 
     monkeypatch.setattr(against_peers, "PEERS", {"mitsuba": ("a", ""), "cycles": ("b", "")})
     monkeypatch.setattr(against_peers, "interpreter", lambda package, folder: sys.executable)
-    made = {"mitsuba": EndsLater, "cycles": Fake}
+    made = {"mitsuba": Ends, "cycles": Fake}
     monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
     trial = Trial()
     against_peers._with_peers(
@@ -268,6 +256,7 @@ def test_a_peer_that_ends_is_an_error_with_its_status(monkeypatch):
         ["rays", "--environments", "x"],
         ["rays", "--make-environments"],
         ["rays", "-o", "x"],
+        ["rays", "--only", "x"],
     ],
 )
 def test_options_of_other_benches_are_refused(arguments, capsys):
