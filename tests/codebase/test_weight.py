@@ -4,10 +4,10 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 79_100,
-    "python, lines": 32_600,
-    "lab, lines": 20_250,
-    "tests, lines": 59_550,
+    "library, lines": 77_650,
+    "python, lines": 31_000,
+    "lab, lines": 16_900,
+    "tests, lines": 53_000,
     "rooms": 19,
     "imports between rooms": 90,
     "imports that run back up": 5,
@@ -20,10 +20,10 @@ LIMITS = {
     "long functions": 0,
     "README, words": 920,
     "performance, words": 38_100,
-    "reference, words": 19_100,
+    "reference, words": 19_250,
     "user pages, words": 31_500,
 }
-LEAST = {"C++ comments, lines per 1000": 107}
+LEAST = {"C++ comments, lines per 1000": 122}
 
 
 def test_nothing_grows_and_limits_are_near_what_is_there():
