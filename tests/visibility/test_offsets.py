@@ -39,15 +39,8 @@ def card(far: float) -> tuple[Array, Array]:
     return corners, np.array([[0, 1, 2]], np.uint32)
 
 
-def lit(
-    parts: Parts,
-    light: str = "directional",
-    rays: Any = None,
-    visibility: Any = None,
-    frame: Array | None = None,
-    size: tuple[int, int] = (96, 96),
-) -> Array:
-    """Where the light arrives, (96, 96) bool."""
+def around_the_ball(parts: Parts, light: str, frame: Array | None) -> vc.Scene:
+    """A ball, what is around it, a light and a camera; all turned by a rotation."""
     q = np.eye(3) if frame is None else frame
     d = vc.SceneDescription()
     white = d.add_material(base_color=(0.6, 0.6, 0.6))
@@ -57,11 +50,20 @@ def lit(
         d.add_directional_light(tuple(q @ [1, 1, 0.6]), (3, 3, 3))
     else:
         d.add_point_light(tuple(q @ [3, 5, 2]), (90, 90, 90))
-    camera = vc.look_at(tuple(q @ [0, 4, 9]), tuple(q @ [0, 0.3, 0]), up=tuple(q[:, 1]), fov_deg=30)
-    scene = vc.Scene.from_description(d)
-    found = vc.render(
-        scene, vc.Direct(), visibility=visibility, rays=rays, camera=camera, size=size
-    )
+    d.add_camera(tuple(q @ [0, 4, 9]), tuple(q @ [0, 0.3, 0]), up=tuple(q[:, 1]), fov_deg=30)
+    return vc.Scene.from_description(d)
+
+
+def lit(
+    parts: Parts,
+    light: str = "directional",
+    rays: Any = None,
+    visibility: Any = None,
+    frame: Array | None = None,
+) -> Array:
+    """Where the light arrives, (96, 96) bool."""
+    scene = around_the_ball(parts, light, frame)
+    found = vc.render(scene, vc.Direct(), visibility=visibility, rays=rays, size=(96, 96))
     return np.asarray(found.image)[..., 0] > 0.02
 
 
@@ -109,3 +111,17 @@ def test_a_large_tilted_floor_shades_itself_nowhere(rays):
     for half in (1e3, 1e4):
         near, found = lit([floor(1e3)], frame=q), lit([floor(half)], rays=RAYS[rays], frame=q)
         assert not (near & ~found).sum() > 0.002 * near.size
+
+
+def test_shared_directions_leave_the_batch_where_its_offsets_are_too_coarse():
+    def ambient(parts: Parts, engine: Any) -> Array:
+        light = vc.AmbientOcclusion(
+            n_samples=129, directions="shared", max_distance=4, engine=engine
+        )
+        scene = around_the_ball(parts, "point", None)
+        return np.asarray(vc.render(scene, light, size=(48, 48)).image)[..., 0]
+
+    near = ambient([floor(20)], "embree")
+    far = [floor(20), card(1e6)]
+    assert np.abs(ambient(far, "auto") - near).max() < 1e-6
+    assert np.abs(ambient(far, "batch") - near).max() > 0.05
