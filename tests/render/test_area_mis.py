@@ -39,11 +39,7 @@ LAMPS = (
 GLOBES = (((-0.7, 2.2, -2.0), 0.05, (300, 300, 300)), ((0.25, 2.25, -2.0), 0.3, (9, 7, 6)))
 BACK = quad((-4, 0, -2.6), (8, 0, 0), (0, 1.6, 0), look=Look(base_color=(0.4, 0.4, 0.4)))
 VEACH = Model(
-    (*PLATES, *LAMPS, BACK),
-    spheres=GLOBES,
-    origin=(0, 1.6, 4.2),
-    target=(0, 0.25, 0),
-    fov_deg=32,
+    (*PLATES, *LAMPS, BACK), spheres=GLOBES, origin=(0, 1.6, 4.2), target=(0, 0.25, 0), fov_deg=32
 )
 BOTH = vc.Direct(n_area=16, n_brdf=16, centred=True)
 LIGHT = replace(BOTH, n_brdf=0)

@@ -95,10 +95,7 @@ def test_a_scene_built_again_gives_the_same_bytes(room):
     ("integrator", "groups"),
     [
         (INTEGRATORS[1], {"point", "directional", "area", "environment", "vpl"}),
-        (
-            INTEGRATORS[3],
-            {"point", "directional", "area", "environment", "connection", "camera"},
-        ),
+        (INTEGRATORS[3], {"point", "directional", "area", "environment", "connection", "camera"}),
     ],
     ids=["whitted", "bdpt"],
 )

@@ -64,8 +64,7 @@ def mitsubas(mi: Any, lit: Model, folder: Path, depth: int, seeds: int) -> Image
 @pytest.mark.stat
 @pytest.mark.mitsuba
 @pytest.mark.parametrize(
-    "light",
-    [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS],
+    "light", [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS]
 )
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light, mi, tmp_path):
     """3 bounces of a light path, one to the eye: edges 3 to 5."""

@@ -47,11 +47,7 @@ def compare(
     assert a.ndim == b.ndim == 4 and a.shape[1:] == b.shape[1:] and min(len(a), len(b)) >= 4
     assert np.isfinite(a).all() and np.isfinite(b).all()
     whole = (a.mean(axis=(1, 2), keepdims=True), b.mean(axis=(1, 2), keepdims=True))
-    scales = {
-        "pixel": (a, b),
-        "block": (blocks(a, edge), blocks(b, edge)),
-        "image": whole,
-    }
+    scales = {"pixel": (a, b), "block": (blocks(a, edge), blocks(b, edge)), "image": whole}
     best = (np.inf, "", 0.0)
     cells = 0
     for name, (x, y) in scales.items():

@@ -11,12 +11,7 @@ import pytest
 import viscache as vc
 from viscache import cli
 from viscache_lab import bench
-from viscache_lab.bench import (
-    against_peers,
-    peer_cases,
-    peer_page,
-    peers,
-)
+from viscache_lab.bench import against_peers, peer_cases, peer_page, peers
 from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.text import text as table
 from viscache_lab.experiment import Trial, amounts

@@ -8,11 +8,7 @@ import pytest
 import xarray
 
 from viscache_lab.bench import errors as errors_of_frames
-from viscache_lab.bench import (
-    meter,
-    vismap_variance,
-    which_cache,
-)
+from viscache_lab.bench import meter, vismap_variance, which_cache
 from viscache_lab.bench.text import text
 from viscache_lab.experiment import Trial, amounts
 

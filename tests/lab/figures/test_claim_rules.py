@@ -104,8 +104,7 @@ IDENTITIES = {
 
 
 @pytest.mark.parametrize(
-    "name",
-    [n for n, band in EVERY.items() if band.claimed and band.claimed.rule in OF_A_NUMBER],
+    "name", [n for n, band in EVERY.items() if band.claimed and band.claimed.rule in OF_A_NUMBER]
 )
 def test_the_number_of_an_interval_is_in_the_quotation(name):
     assert of_the_quotation(EVERY[name]) or name in IDENTITIES
