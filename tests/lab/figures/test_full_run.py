@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from codebase.repository import text
-from lab.figures.every_band import EVERY
+from lab.figures.test_bands import EVERY
 from viscache_lab.experiment import Band, Row, claims_pages
 from viscache_lab.experiment.claim_rules import Claim, interval
 from viscache_lab.experiment.claims_pages import PAGES, filled
