@@ -87,14 +87,8 @@ def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces():
 
 @pytest.mark.usefixtures("without_netcdf")
 def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path):
-    table = vc.sweep(
-        lit(),
-        vc.Direct(n_area=4),
-        visibility=vc.Aqvc(exact_groups=()),
-        over={"c_e": [4, 16]},
-        size=SIZE,
-        directory=tmp_path / "s",
-    )
+    given: dict[str, Any] = {"visibility": vc.Aqvc(exact_groups=()), "over": {"c_e": [4, 16]}}
+    table = vc.sweep(lit(), vc.Direct(n_area=4), size=SIZE, directory=tmp_path / "s", **given)
     ratio = (table.rel_l1_reflected / table.rel_l1).values.ravel()
     assert ratio == pytest.approx(np.full(2, ratio[0]), rel=1e-3) and ratio[0] > 1.1
     page = report.write(tmp_path / "s", error="rel_l1_reflected").read_text("utf-8")

@@ -219,9 +219,6 @@ def test_at_normal_incidence_glass_reflects_the_fresnel_share():
     np.testing.assert_allclose(image, 0.04, rtol=1e-3)
 
 
-# Any size, any place
-
-
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("away", [0.0, 3.0, 1e3, 1e5])

@@ -75,8 +75,6 @@ def test_sums_that_are_not_finite_pick_nothing():
     assert (weights([3e38] * 8, 2).sum(axis=1) == 8).all()  # the sum is above the range of float
 
 
-# Frames
-
 GREY = Look(base_color=(0.6, 0.5, 0.4))
 SHINY = Look(kind="glossy", base_color=(0.2, 0.3, 0.2), specular=(0.4, 0.4, 0.4), roughness=0.3)
 MIRROR = Look(kind="mirror", specular=(0.9, 0.9, 0.9))

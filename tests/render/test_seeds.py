@@ -11,25 +11,17 @@ from viscache.shot.render import seed_of
 
 SEEDS, PASSES = 20, 4
 SIZE = (24, 16)
-LIGHTS = vc.Whitted(n_vpls=64)
-
-
+ROOM, LIGHTS = "room?triangles=3000", vc.Whitted(n_vpls=64)
+HALF = {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1}
+VOXELS = {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1}
 CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
-    "direct": ("room?triangles=3000", vc.Direct(n_area=1), {}),
-    "whitted": ("room?triangles=3000", LIGHTS, {}),
-    "renewed lights": ("room?triangles=3000", LIGHTS, {"renew": 1}),
-    "ambient occlusion": ("room?triangles=3000", vc.AmbientOcclusion(n_samples=1), {}),
+    "direct": (ROOM, vc.Direct(n_area=1), {}),
+    "whitted": (ROOM, LIGHTS, {}),
+    "renewed lights": (ROOM, LIGHTS, {"renew": 1}),
+    "ambient occlusion": (ROOM, vc.AmbientOcclusion(n_samples=1), {}),
     "bdpt": ("cornell_box", vc.Bdpt(max_depth=3), {}),
-    "corrections": (
-        "room?triangles=3000",
-        LIGHTS,
-        {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1},
-    ),
-    "roulette": (
-        "room?triangles=3000",
-        LIGHTS,
-        {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1},
-    ),
+    "corrections": (ROOM, LIGHTS, HALF),
+    "roulette": (ROOM, LIGHTS, VOXELS),
 }
 
 

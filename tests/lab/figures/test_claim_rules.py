@@ -47,13 +47,10 @@ def test_an_interval_is_the_one_of_its_rule(name):
 def follows(claim: Claim) -> bool:
     """Whether the rule gives this interval."""
     numbers = {
-        "at_least": (claim.low,),
+        **dict.fromkeys(("at_least", "exact", "more"), (claim.low,)),
+        **dict.fromkeys(("computed", "words"), (claim.low, claim.high)),
         "at_most": (claim.high,),
-        "exact": (claim.low,),
-        "more": (claim.low,),
         "about": (claim.low / 0.9, claim.high / 1.1),
-        "computed": (claim.low, claim.high),
-        "words": (claim.low, claim.high),
     }.get(claim.rule, ())
     made = Claim.by(claim.rule, *numbers, because=claim.because)
     return made.rule == claim.rule and (made.low, made.high) == pytest.approx(
@@ -80,12 +77,8 @@ def of_the_quotation(band: Band) -> bool:
     """Whether the interval's number is one of the quotation, as it is or as percent."""
     claim, numbers = band.claimed, printed_numbers(band.source)
     assert claim is not None
-    wanted = {
-        "at_least": [claim.low],
-        "exact": [claim.low],
-        "at_most": [claim.high],
-        "about": [claim.low / 0.9, claim.high / 1.1],
-    }[claim.rule]
+    about = [claim.low / 0.9, claim.high / 1.1]
+    wanted = {"at_most": [claim.high], "about": about}.get(claim.rule, [claim.low])
     known = numbers + [number / 100 for number in numbers] + [1 + n / 100 for n in numbers]
     return all(any(value == pytest.approx(n, rel=1e-3) for n in known) for value in wanted)
 
