@@ -64,13 +64,11 @@ def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found():
     frame = vc.render(scene, vc.Bdpt(max_depth=4), size=SIZE, spp=8)
     direct = vc.render(scene, vc.Direct(), size=SIZE, spp=8)
     seen = seen_emitters(frame)
-    assert seen is not None
     np.testing.assert_allclose(seen, direct.layers["emitted"], rtol=1e-5, atol=1e-6)
     # Paths that hit the lamp by chance after the floor are light on surfaces
     found = np.asarray(frame.layers["emitted"], float) - seen
     assert found.min() > -1e-4 and found.sum() > 0
     surfaces = light_on_surfaces(frame)
-    assert surfaces is not None
     groups = sum(np.asarray(frame.layers[g], float) for g in frame.counters["groups"])
     np.testing.assert_allclose(surfaces, groups + found, rtol=1e-4, atol=1e-4)
     # A file from before the layer existed does not tell them apart

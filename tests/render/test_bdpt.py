@@ -130,7 +130,9 @@ def test_scenes_at_the_edge_give_finite_frames(name):
 
 
 def test_bad_settings_are_refused_with_what_must_hold():
-    with pytest.raises(ValueError, match=r"max_depth must be in \[1, 64\], got 0"):
-        vc.Bdpt(max_depth=0)
-    with pytest.raises(ValueError, match="camera_connections must be"):
-        vc.Bdpt(camera_connections="on")  # type: ignore[arg-type]
+    for given, says in (
+        ({"max_depth": 0}, r"max_depth must be in \[1, 64\], got 0"),
+        ({"camera_connections": "on"}, "camera_connections must be"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            vc.Bdpt(**given)

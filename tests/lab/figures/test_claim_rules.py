@@ -76,7 +76,6 @@ def printed_numbers(source: str) -> list[float]:
 def of_the_quotation(band: Band) -> bool:
     """Whether the interval's number is one of the quotation, as it is or as percent."""
     claim, numbers = band.claimed, printed_numbers(band.source)
-    assert claim is not None
     about = [claim.low / 0.9, claim.high / 1.1]
     wanted = {"at_most": [claim.high], "about": about}.get(claim.rule, [claim.low])
     known = numbers + [number / 100 for number in numbers] + [1 + n / 100 for n in numbers]
@@ -114,7 +113,6 @@ def test_a_number_that_the_paper_does_not_print_is_noticed():
 def test_printed_numbers_lie_where_their_claims_are_found():
     def found(band: Band, value: float) -> bool:
         claim = band.claim
-        assert claim is not None
         inside = claim[0] <= value <= claim[1] or math.isclose(value, claim[0], rel_tol=1e-6)
         assert inside == (value in band) or band is vismap.AO_RAYS  # ours is above 57.9
         return inside

@@ -22,7 +22,6 @@ FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith(
 
 
 def claim_of(band: Band) -> tuple[str, str, str, float, float]:
-    assert band.claimed is not None
     one = band.claimed
     return band.said, one.rule, one.because, one.low, one.high
 
