@@ -178,9 +178,8 @@ def test_the_error_of_well_spread_samples_is_not_that_of_single_passes():
 
     def made(first: int) -> vc.Progressive:
         light = vc.AmbientOcclusion(n_samples=4, max_distance=None)
-        return vc.Progressive(
-            "cube_on_plane", light, visibility="exact", size=SIZE, first_pass=first
-        )
+        given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "first_pass": first}
+        return vc.Progressive("cube_on_plane", light, **given)
 
     truth = np.mean([made(1024 + 512 * k).passes(64).image for k in range(4)], axis=0)
     picture = made(0)

@@ -56,9 +56,8 @@ def test_pictures_of_neighbouring_seeds_are_uncorrelated(name):
 def test_the_first_pass_is_a_frame_of_the_seed(name):
     spec, integrator, more = CASES[name]
     options = {n: v for n, v in more.items() if n != "renew"}
-    first = vc.Progressive(
-        spec, integrator, size=SIZE, seed=5, **({"visibility": "exact"} | more)
-    ).passes(1)
+    given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "seed": 5} | more
+    first = vc.Progressive(spec, integrator, **given).passes(1)
     assert first.sha256 == vc.render(spec, integrator, size=SIZE, seed=5, **options).sha256
     assert first.parameters["seed"] == 5
 
@@ -67,7 +66,6 @@ def test_seeds_of_later_passes_are_seeds():
     made = [seed_of(s, p, n) for s in range(64) for p in ("pass", "lights") for n in range(1, 64)]
     assert len(set(made)) == len(made) and all(0 <= seed < 1 << 64 for seed in made)
     assert {seed_of(7, purpose, 0) for purpose in ("pass", "lights")} == {7}
-    last = vc.Progressive(
-        "cornell_box", vc.Bdpt(max_depth=2), visibility="exact", size=(8, 8), seed=(1 << 64) - 1
-    )
+    given: dict[str, Any] = {"visibility": "exact", "size": (8, 8), "seed": (1 << 64) - 1}
+    last = vc.Progressive("cornell_box", vc.Bdpt(max_depth=2), **given)
     assert last.passes(2).parameters["seed"] == (1 << 64) - 1

@@ -55,9 +55,8 @@ def compare(
         p, t = found.p, found.t
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)
-        best = min(
-            best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst]))
-        )
+        where = f"{name} {tuple(int(i) for i in worst)}"
+        best = min(best, (float(p[worst]), where, float(t[worst])))
     corrected = float(-np.expm1(cells * np.log1p(-min(best[0], 1 - 1e-16))))
     energy = float(whole[0].mean() / whole[1].mean() - 1) if whole[1].mean() else 0.0
     return ZTest(corrected, cells, best[1], best[2], energy)
