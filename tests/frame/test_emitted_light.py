@@ -64,13 +64,11 @@ def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found():
     frame = vc.render(scene, vc.Bdpt(max_depth=4), size=SIZE, spp=8)
     direct = vc.render(scene, vc.Direct(), size=SIZE, spp=8)
     seen = seen_emitters(frame)
-    assert seen is not None
     np.testing.assert_allclose(seen, direct.layers["emitted"], rtol=1e-5, atol=1e-6)
     # Paths that hit the lamp by chance after the floor are light on surfaces
     found = np.asarray(frame.layers["emitted"], float) - seen
     assert found.min() > -1e-4 and found.sum() > 0
     surfaces = light_on_surfaces(frame)
-    assert surfaces is not None
     groups = sum(np.asarray(frame.layers[g], float) for g in frame.counters["groups"])
     np.testing.assert_allclose(surfaces, groups + found, rtol=1e-4, atol=1e-4)
     # A file from before the layer existed does not tell them apart
@@ -87,14 +85,8 @@ def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces():
 
 @pytest.mark.usefixtures("without_netcdf")
 def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path):
-    table = vc.sweep(
-        lit(),
-        vc.Direct(n_area=4),
-        visibility=vc.Aqvc(exact_groups=()),
-        over={"c_e": [4, 16]},
-        size=SIZE,
-        directory=tmp_path / "s",
-    )
+    given: dict[str, Any] = {"visibility": vc.Aqvc(exact_groups=()), "over": {"c_e": [4, 16]}}
+    table = vc.sweep(lit(), vc.Direct(n_area=4), size=SIZE, directory=tmp_path / "s", **given)
     ratio = (table.rel_l1_reflected / table.rel_l1).values.ravel()
     assert ratio == pytest.approx(np.full(2, ratio[0]), rel=1e-3) and ratio[0] > 1.1
     page = report.write(tmp_path / "s", error="rel_l1_reflected").read_text("utf-8")

@@ -46,9 +46,8 @@ def test_ssim_is_scikit_images_on_what_a_viewer_sees():
         x = np.minimum(grey / white, 1)
         return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
-    expected = structural_similarity(
-        seen(grey_a), seen(grey_b), data_range=1, gaussian_weights=True
-    )
+    pair = (seen(grey_a), seen(grey_b))
+    expected = structural_similarity(*pair, data_range=1, gaussian_weights=True)
     assert compare(A, B, metrics=["ssim"]).ssim == pytest.approx(expected, abs=1e-12)
     assert 0.3 < expected < 0.9999
 

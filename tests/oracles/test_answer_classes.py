@@ -97,13 +97,8 @@ def test_counters_by_class_add_up(hall):
 
 
 def test_answers_that_the_cache_doubts_are_wrong_more_often():
-    frame = vc.render(
-        "room?triangles=3000",
-        vc.Whitted(n_vpls=256),
-        size=(64, 64),
-        visibility=vc.Aqvc(c_e=10),
-        use=vc.Correct(certain=1 / 64),
-    )
+    given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=10), "use": vc.Correct(certain=1 / 64)}
+    frame = vc.render("room?triangles=3000", vc.Whitted(n_vpls=256), size=(64, 64), **given)
     classes = frame.counters["share_by_class"]["vpl"].items()
     sums = {
         (word, count): sum(c[count] for n, c in classes if n.startswith(word))
@@ -154,17 +149,11 @@ def test_later_passes_use_what_the_first_ones_found():
     """Same bytes for any threads; with "same", passes differ from the third on."""
     options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
     scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=128)
-    one = vc.Progressive(scene, light, threads=1, **options)
-    two = vc.Progressive(scene, light, threads=3, **options)
+    one, two = (vc.Progressive(scene, light, threads=n, **options) for n in (1, 3))
     same = vc.Progressive(scene, light, use=vc.Correct(classes="same"), **options)
     assert one.passes(2).sha256 == two.passes(2).sha256 == same.passes(2).sha256
-    assert one.passes(2).sha256 == two.passes(2).sha256
-    assert one.frame.sha256 != same.passes(2).sha256
-    shares = one._sums.shares
-    assert shares is not None
-    assert shares.octaves is not None
-    assert len(set(shares.octaves[LIGHT_GROUPS.index("vpl")])) > 1
-    assert same._sums.shares is not None
+    assert one.passes(2).sha256 == two.passes(2).sha256 != same.passes(2).sha256
+    assert len(set(one._sums.shares.octaves[LIGHT_GROUPS.index("vpl")])) > 1
     assert same._sums.shares.octaves is None
 
 
@@ -203,11 +192,7 @@ def test_the_scale_of_shares_balances_noise_and_rays():
 
 
 @pytest.mark.parametrize(
-    ("height", "learning"),
-    [
-        pytest.param(0.9, 1, id="even light"),
-        pytest.param(0.4, 2, id="light in stripes, like noise"),
-    ],
+    ("height", "learning"), [(0.9, 1), (0.4, 2)], ids=["even light", "in stripes, like noise"]
 )
 def test_passes_that_cannot_win_become_exact_and_say_so(height, learning, tmp_path):
     """Slats finer than cells: a cache is hardly right there."""

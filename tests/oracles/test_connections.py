@@ -89,9 +89,8 @@ def test_plain_arrays_are_answers_too():
     }
     assert conn.frame(bits).sha256 == rendered.sha256
     half = {group: (seen, np.full(seen.shape, 0.5)) for group, seen in bits.items()}
-    np.testing.assert_allclose(
-        conn.frame(half).layers["point"], rendered.layers["point"] / 2, rtol=1e-6
-    )
+    halved = conn.frame(half).layers["point"]
+    np.testing.assert_allclose(halved, rendered.layers["point"] / 2, rtol=1e-6)
     assert not conn.frame({}).layers["point"].any()
 
 
@@ -119,10 +118,7 @@ def test_wrong_answers_are_refused():
 
 def test_own_virtual_lights_and_arrays_of_lamps():
     d = vc.SceneDescription()
-    d.add_mesh(
-        np.array([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], dtype=np.float32),
-        np.array([(0, 2, 1), (0, 3, 2)]),
-    )
+    d.add_mesh([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], [(0, 2, 1), (0, 3, 2)])
     d.add_point_lights([(0, 1, 0), (1, 2, 0)], [(1, 1, 1), (2, 1, 0)])
     scene = vc.Scene.from_description(d)
     assert [light["kind"] for light in scene.lights] == ["point", "point"]
@@ -143,12 +139,13 @@ def test_own_virtual_lights_and_arrays_of_lamps():
     cosines = towards[..., 1] ** 2 / d2
     expected = 0.5 / np.pi * flux * cosines / (d2 + bound2)  # the default material's base colour
     np.testing.assert_allclose(light[..., 0], expected, rtol=1e-5)
-    with pytest.raises(ValueError, match="vpls must be"):
-        vc.Whitted(vpls=[(0, 0, 0)])  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="equal numbers of rows"):
-        d.add_point_lights([(0, 1, 0)], [(1, 1, 1), (2, 1, 0)])
-    with pytest.raises(ValueError, match="flux must be >= 0"):
-        vc.Vpls([(0, 2, 0)], [(0, -1, 0)], [-1.0])
+    for make, match in (
+        (lambda: vc.Whitted(vpls=[(0, 0, 0)]), "vpls must be"),
+        (lambda: d.add_point_lights([(0, 1, 0)], [(1, 1, 1), (2, 1, 0)]), "equal numbers of rows"),
+        (lambda: vc.Vpls([(0, 2, 0)], [(0, -1, 0)], [-1.0]), "flux must be >= 0"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            make()
 
 
 @pytest.mark.parametrize(
@@ -172,9 +169,8 @@ def test_unoccluded_ambient_is_white_and_bidirectional_paths_take_it():
     ambient = vc.AmbientOcclusion(n_samples=4)
     frame = vc.render(scene, ambient, size=SIZE, visibility=vc.Unoccluded())
     assert frame.image.min() == pytest.approx(1, abs=1e-6)
-    paths = vc.Bdpt(max_depth=3)
     bright, exact = (
-        vc.render(scene, paths, size=SIZE, visibility=v).image.mean()
+        vc.render(scene, vc.Bdpt(max_depth=3), size=SIZE, visibility=v).image.mean()
         for v in (vc.Unoccluded(), vc.Exact())
     )
     assert bright > exact

@@ -51,18 +51,8 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator, visibility)
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors():
     scene, light = built(ROOM), vc.Whitted(n_vpls=64)
     cache = vc.Aqvc(c_e=12, exact_groups=("area", "environment"))
-    frames = [
-        vc.render(
-            scene,
-            light,
-            size=SIZE,
-            visibility=cache,
-            threads=n,
-            rays=vc.Bsp(),
-            use=vc.Correct(share=0.2),
-        )
-        for n in (1, 3)
-    ]
+    given: dict[str, Any] = {"visibility": cache, "rays": vc.Bsp(), "use": vc.Correct(share=0.2)}
+    frames = [vc.render(scene, light, size=SIZE, threads=n, **given) for n in (1, 3)]
     assert frames[0].sha256 == frames[1].sha256
     use = {"name": "correct", "share": 0.2, "certain": "auto", "classes": "learned"}
     assert frames[0].parameters["use"] == use

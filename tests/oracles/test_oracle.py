@@ -103,14 +103,7 @@ FULL = {"storage": "exact"}
 
 @pytest.mark.parametrize(
     "paper",
-    [
-        None,
-        FULL,
-        {**FULL, "batch": 1},
-        {**FULL, "queue": 64, "batch": 0},
-        {},
-        {"digest_bits": 4},
-    ],
+    [None, FULL, {**FULL, "batch": 1}, {**FULL, "queue": 64, "batch": 0}, {}, {"digest_bits": 4}],
     ids=["waves", "full keys", "one by one", "queue", "hashed", "collisions"],
 )
 def test_clusters_tell_whose_ray_answered(room, points, paper):

@@ -28,9 +28,8 @@ def test_the_file_holds_every_query_once(conn, tmp_path):
     frame = queries.drop_vars(["x", "y"]).to_dataframe()
     assert len(frame) == count
     assert not frame.duplicated(["eye", "far", "group"]).any()
-    np.testing.assert_array_equal(
-        queries["x"].values, np.asarray(conn.eyes.positions)[queries["eye"].values]
-    )
+    places = np.asarray(conn.eyes.positions)[queries["eye"].values]
+    np.testing.assert_array_equal(queries["x"].values, places)
     for number, group in ((0, "point"), (4, "vpl")):
         of = frame[frame["group"] == number]
         for column, found in (("v", exact), ("answer", answers)):
@@ -48,9 +47,8 @@ def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(tmp_path):
     whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
     # The largest tile has up to 16384 eye points; this is room for few of its lights at a time
     bound = 96 * 4 * max(len(t["positions"]) for t in conn.eyes._tiles or ())
-    assert vc.record_queries(conn, vc.Aqvc(c_e=8), whole) == vc.record_queries(
-        conn, vc.Aqvc(c_e=8), parts, max_bytes=bound
-    )
+    count = vc.record_queries(conn, vc.Aqvc(c_e=8), whole)
+    assert vc.record_queries(conn, vc.Aqvc(c_e=8), parts, max_bytes=bound) == count
     with (
         xarray.open_dataset(whole, engine="h5netcdf") as a,
         xarray.open_dataset(parts, engine="h5netcdf") as b,

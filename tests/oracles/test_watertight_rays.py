@@ -10,6 +10,7 @@ import pytest
 
 import viscache as vc
 from oracles.test_oracle import area_points, lamps
+from oracles.test_written import Rays
 from reference.built import built
 from viscache_lab.extremes import scenes
 from viscache_lab.extremes.families.leaks import SHAPES
@@ -23,13 +24,6 @@ FREE = {
     for name, method in METHODS.items()
     if "rays" not in method.settings and "shafts" not in name
 }
-
-
-class Traced:
-    """An oracle of a user's own that traces everything."""
-
-    def block(self, eyes: vc.EyePoints, lamps: vc.FarEnds, wanted: Any) -> npt.NDArray[np.bool_]:
-        return eyes.trace(lamps, wanted)
 
 
 def test_every_setting_is_among_the_methods():
@@ -49,7 +43,7 @@ def test_frames_are_those_of_the_bsp(name):
     np.testing.assert_allclose(ours.image.mean(), plain.image.mean(), rtol=0.01)
 
 
-@pytest.mark.parametrize("visibility", [Traced(), vc.Unoccluded()], ids=["own", "unoccluded"])
+@pytest.mark.parametrize("visibility", [Rays(), vc.Unoccluded()], ids=["own", "unoccluded"])
 @pytest.mark.parametrize("integrator", [vc.Direct(), vc.Bdpt(), vc.AmbientOcclusion()])
 def test_other_oracles_and_integrators_are_those_of_the_bsp(integrator, visibility):
     given: dict[str, Any] = {"size": (16, 12), "visibility": visibility, "threads": 1}
@@ -67,7 +61,7 @@ SETTINGS: dict[str, Any] = {
     "quantized pairs": vc.Aqvc(c_e=6, exact_groups=(), paper=vc.PaperForm(form="pairs")),
     "shadow maps": vc.ShadowMap(resolution=16),
     "NEE++": vc.NeePlusPlus(n_voxels=8),
-    "own": Traced(),
+    "own": Rays(),
 }
 
 
@@ -115,7 +109,7 @@ def leaks(visibility: Any, rays: Any) -> tuple[int, int]:
 
 @pytest.mark.parametrize(
     "visibility",
-    [vc.Exact(), vc.Aqvc(c_e=1e-3, exact_groups=()), Traced()],
+    [vc.Exact(), vc.Aqvc(c_e=1e-3, exact_groups=()), Rays()],
     ids=["exact", "quantized", "own"],
 )
 def test_no_oracle_lets_light_through_a_vertex(visibility):

@@ -31,9 +31,7 @@ class AsBits:
         return np.packbits(seen, axis=1, bitorder="little").view(np.uint64)
 
     def pairs(self, eyes: Any, index: Any, ends: Any) -> Any:
-        return np.array(
-            [eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)], dtype=bool
-        )
+        return np.array([eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)])
 
 
 @dataclass(frozen=True)

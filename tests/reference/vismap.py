@@ -90,16 +90,8 @@ def all_pairs(
         counts = [x.sum(axis=1) for x in (within, a, b, a & b)]
         rows.append(np.stack([np.full(len(j), i), j, *counts]))
     i, j, of, n1, n2, n11 = np.concatenate(rows, axis=1)
-    return Pairs(
-        i=i,
-        j=j,
-        of=of,
-        n1=n1,
-        n2=n2,
-        n11=n11,
-        d2=_squared(positions[j] - positions[i]),
-        chord2=_squared(normals[j] - normals[i]),
-    )
+    d2, chord2 = (_squared(x[j] - x[i]) for x in (positions, normals))
+    return Pairs(i=i, j=j, of=of, n1=n1, n2=n2, n11=n11, d2=d2, chord2=chord2)
 
 
 def _facing(normals: Floats, directions: Floats) -> Bools:

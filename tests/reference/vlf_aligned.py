@@ -81,13 +81,8 @@ def blocked(x: Array, y: Array, z: Array, up: bool, reach: np.float32) -> bool:
 
 def functions(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     """Edge functions, their sum, and depth times that sum."""
-    edge = np.stack(
-        [
-            x[:, (i + 1) % 3] * y[:, (i + 2) % 3] - y[:, (i + 1) % 3] * x[:, (i + 2) % 3]
-            for i in range(3)
-        ],
-        1,
-    )
+    pairs = ((1, 2), (2, 0), (0, 1))
+    edge = np.stack([x[:, i] * y[:, j] - y[:, i] * x[:, j] for i, j in pairs], 1)
     det = edge[:, 0] + edge[:, 1] + edge[:, 2]
     return edge, det, edge[:, 0] * z[:, 0] + edge[:, 1] * z[:, 1] + edge[:, 2] * z[:, 2]
 

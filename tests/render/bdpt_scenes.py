@@ -37,15 +37,10 @@ OPEN = replace(
     directions=(((0.48, 0.6, 0.64), (0.4, 0.5, 0.3)),),
     env=(0.3, 0.4, 0.5),
 )
-#: Every kind of light.
-LIGHTS = replace(
-    OPEN,
-    parts=(
-        FLOOR,
-        BLOCK,
-        GLOBE,
-        quad((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), emission=(6, 5, 4)),
-        quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
-    ),
-    spheres=(((-1.6, 1.4, 0.8), 0.3, (3, 6, 9)),),
+LAMPS = (
+    quad((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), emission=(6, 5, 4)),
+    quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
 )
+SPHERE = ((-1.6, 1.4, 0.8), 0.3, (3, 6, 9))
+#: Every kind of light.
+LIGHTS = replace(OPEN, parts=(FLOOR, BLOCK, GLOBE, *LAMPS), spheres=(SPHERE,))

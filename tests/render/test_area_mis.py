@@ -23,14 +23,11 @@ def plate(y: float, z: float, tilt_deg: float, roughness: float) -> Part:
 
 
 #: After Veach and Guibas 1995: four plates under lamps of many sizes, of about equal power.
-PLATES = tuple(
-    plate(y, z, tilt, roughness)
-    for y, z, tilt, roughness in (
-        (0.05, 1.2, 3, 0.005),
-        (0.15, 0.55, 8, 0.03),
-        (0.32, -0.05, 13, 0.1),
-        (0.58, -0.6, 18, 0.3),
-    )
+PLATES = (
+    plate(0.05, 1.2, 3, 0.005),
+    plate(0.15, 0.55, 8, 0.03),
+    plate(0.32, -0.05, 13, 0.1),
+    plate(0.58, -0.6, 18, 0.3),
 )
 LAMPS = (
     quad((-1.9, 2.2, -2.2), (0.12, 0, 0), (0, -0.08, 0.1), emission=(180, 160, 120)),
@@ -39,11 +36,7 @@ LAMPS = (
 GLOBES = (((-0.7, 2.2, -2.0), 0.05, (300, 300, 300)), ((0.25, 2.25, -2.0), 0.3, (9, 7, 6)))
 BACK = quad((-4, 0, -2.6), (8, 0, 0), (0, 1.6, 0), look=Look(base_color=(0.4, 0.4, 0.4)))
 VEACH = Model(
-    (*PLATES, *LAMPS, BACK),
-    spheres=GLOBES,
-    origin=(0, 1.6, 4.2),
-    target=(0, 0.25, 0),
-    fov_deg=32,
+    (*PLATES, *LAMPS, BACK), spheres=GLOBES, origin=(0, 1.6, 4.2), target=(0, 0.25, 0), fov_deg=32
 )
 BOTH = vc.Direct(n_area=16, n_brdf=16, centred=True)
 LIGHT = replace(BOTH, n_brdf=0)
@@ -139,9 +132,8 @@ def holed_lamp(alpha: float) -> vc.Scene:
         (quad((-1, 0.3, -0.5), (2, 0, 0), (0, 1, 0), emission=(2, 3, 4)), holes),
         (quad((-1, 0.3, -1.0), (2, 0, 0), (0, 1, 0), emission=(9, 5, 2)), plain),
     ):
-        d.add_mesh(
-            part.vertices, part.triangles, uvs=part.uvs, material=material, emission=part.emission
-        )
+        given = {"uvs": part.uvs, "emission": part.emission}
+        d.add_mesh(part.vertices, part.triangles, material=material, **given)
     d.add_camera((0.3, 1.2, 3.0), (0, 0.2, 0), up=(0, 1, 0), fov_deg=45)
     return vc.Scene.from_description(d)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from oracles.test_written import Half
 from reference.built import built
 from reference.vismap_records import z_order
 from viscache import _core, cli
@@ -330,14 +331,9 @@ def test_bad_settings_are_refused(make, message):
         make()
 
 
-class Weighted:
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
-        return eyes.trace(lamps, wanted), np.full((len(eyes), len(lamps)), 0.5, np.float32)
-
-
 def test_weights_have_no_audit_of_queries(room):
     with pytest.raises(ValueError, match="without weights"):
-        vc.render(room, LIGHTS, size=(8, 8), audit="queries", visibility=Weighted())
+        vc.render(room, LIGHTS, size=(8, 8), audit="queries", visibility=Half())
 
 
 def test_passes_drop_the_audit_of_one_pass(room):

@@ -31,15 +31,8 @@ def cached(
     **aqvc: Any,
 ) -> vc.Frame:
     visibility = replaced(vc.Aqvc(table_bytes=16 * MIB), aqvc, "visibility")
-    return vc.render(
-        scene or room(),
-        integrator,
-        size=SIZE,
-        spp=spp,
-        seed=seed,
-        threads=threads,
-        visibility=visibility,
-    )
+    given: dict[str, Any] = {"size": SIZE, "spp": spp, "seed": seed, "threads": threads}
+    return vc.render(scene or room(), integrator, visibility=visibility, **given)
 
 
 @cache
@@ -52,9 +45,6 @@ def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicte
     assert table.counters["evictions"] < 0.01 * table.counters["table_writes"]
     assert rel_l1(table.image, full.image) < 2e-3
     assert table.counters["rays"] == pytest.approx(full.counters["rays"], rel=0.01)
-
-
-# Racing threads
 
 
 @pytest.mark.stat
@@ -83,9 +73,6 @@ def test_racing_threads_count_what_they_trace():
         assert c["lookups"] == c["queries"] - c["bypassed"]
     assert race.counters["queries"] == table.counters["queries"]
     assert table.counters["duplicates"] > 0
-
-
-# Trade
 
 
 def test_larger_clusters_trace_less_and_err_more():
@@ -118,9 +105,6 @@ def test_mirrors_and_glass_lie_between_clusters():
     frame = cached(integrator, scene, spp=8, c_e=6)
     assert frame.counters["rays"] < 0.7 * frame.counters["queries"]
     assert rel_l1(frame.image, reference.image) < 0.05
-
-
-# Arguments
 
 
 def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer():

@@ -152,13 +152,9 @@ def test_a_sphere_light_shines_like_its_form_factor():
 
 def test_a_sphere_light_reflects_nothing():
     """It has no material: the scene's first is a mirror, and a point light shines at the sphere."""
-    model = Model(
-        (replace(PLANE, look=Look(kind="mirror")),),
-        spheres=(((0, 1, 0), 0.5, (1, 1, 1)),),
-        points=(((0, 3, 3), (100, 100, 100)),),
-        target=(0, 1, 0),
-        fov_deg=1,
-    )
+    view: dict[str, Any] = {"target": (0, 1, 0), "fov_deg": 1}
+    view |= {"points": (((0, 3, 3), (100, 100, 100)),), "spheres": (((0, 1, 0), 0.5, (1, 1, 1)),)}
+    model = Model((replace(PLANE, look=Look(kind="mirror")),), **view)
     np.testing.assert_array_equal(rendered(model, vc.Whitted(n_vpls=16), size=(1, 1)).image, 1)
     assert model.to_viscache().with_environment(0.5).triangles == 2
 
@@ -217,9 +213,6 @@ def test_at_normal_incidence_glass_reflects_the_fresnel_share():
     model = Model((glass, lamp), **ABOVE | {"fov_deg": 1.0})
     image = rendered(model, vc.Whitted(n_vpls=0), size=(3, 3)).image
     np.testing.assert_allclose(image, 0.04, rtol=1e-3)
-
-
-# Any size, any place
 
 
 @pytest.mark.extreme

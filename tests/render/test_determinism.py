@@ -48,6 +48,8 @@ def signature(frame: vc.Frame) -> dict[str, Any]:
 
 
 SKY = vc.Direct(environment="shared", n_environment=128, n_area=0)
+AMBIENT = vc.AmbientOcclusion(n_samples=129, directions="shared", engine="batch", max_distance=0.5)
+EVERY = vc.Aqvc(c_e=16, exact_groups=())
 KEYED = vc.Bdpt(max_depth=4, camera_connections="keyed")
 SHOTS: dict[str, tuple[Any, dict[str, Any]]] = {
     **{type(i).__name__: (i, {}) for i in INTEGRATORS},
@@ -57,15 +59,9 @@ SHOTS: dict[str, tuple[Any, dict[str, Any]]] = {
     "table of paths": (KEYED, {"visibility": vc.Aqvc(table_bytes=16 << 20)}),
     "keys of paths": (KEYED, {"visibility": vc.Aqvc(paper=vc.PaperForm(storage="exact"))}),
     **{f"sky by {e}": (SKY, {"visibility": vc.Exact(sky_engine=e)}) for e in ("batch", "auto")},
-    "shared ambient": (
-        vc.AmbientOcclusion(n_samples=129, directions="shared", engine="batch", max_distance=0.5),
-        {},
-    ),
+    "shared ambient": (AMBIENT, {}),
     "audited pixels": (INTEGRATORS[1], {"visibility": vc.Aqvc(c_e=16), "audit": "pixels"}),
-    "audited queries": (
-        INTEGRATORS[1],
-        {"visibility": vc.Aqvc(c_e=16, exact_groups=()), "audit": vc.AuditQueries(share=0.1)},
-    ),
+    "audited queries": (INTEGRATORS[1], {"visibility": EVERY, "audit": vc.AuditQueries(share=0.1)}),
 }
 
 
@@ -95,10 +91,7 @@ def test_a_scene_built_again_gives_the_same_bytes(room):
     ("integrator", "groups"),
     [
         (INTEGRATORS[1], {"point", "directional", "area", "environment", "vpl"}),
-        (
-            INTEGRATORS[3],
-            {"point", "directional", "area", "environment", "connection", "camera"},
-        ),
+        (INTEGRATORS[3], {"point", "directional", "area", "environment", "connection", "camera"}),
     ],
     ids=["whitted", "bdpt"],
 )
@@ -117,9 +110,8 @@ def test_the_parts_add_up_to_the_image(integrator, groups, room):
 def test_pixels_of_one_seed_share_no_samples():
     """Neighbours under one constant light differ, as do frames of other seeds."""
     plane = quad((-50, 0, -50), (0, 0, 100), (100, 0, 0))
-    scene = Model(
-        (plane,), env=(1, 1, 1), origin=(0, 5, 0), target=(0, 0, 0), up=(0, 0, 1)
-    ).to_viscache()
+    above: dict[str, Any] = {"origin": (0, 5, 0), "target": (0, 0, 0), "up": (0, 0, 1)}
+    scene = Model((plane,), env=(1, 1, 1), **above).to_viscache()
     frames = [
         vc.render(scene, vc.Direct(n_brdf=0), size=(32, 32), seed=s).image[..., 0] for s in (0, 1)
     ]

@@ -99,21 +99,11 @@ def test_whatever_the_maps_hold_the_mean_stays(scene, usual, kind):
 
 
 def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
-    caster = scene.caster()
-    made = _core.render_frame(
-        scene._core,
-        caster,
-        scene.cameras[0],
-        eye_settings(direct(passes=2)),
-        frame_settings(SIZE, 1, seed, 1),
-        _core.ExactSource(scene._core, caster),
-        maps=testing.given_maps(
-            vc.VisMaps(sampling="guided").estimate(),
-            maps,
-            np.full(3, 1 / 3, np.float32),
-            dilations(maps),
-        ),
-    )
+    caster, estimate = scene.caster(), vc.VisMaps(sampling="guided").estimate()
+    given = testing.given_maps(estimate, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
+    settings = eye_settings(direct(passes=2)), frame_settings(SIZE, 1, seed, 1)
+    exact = _core.ExactSource(scene._core, caster)
+    made = _core.render_frame(scene._core, caster, scene.cameras[0], *settings, exact, maps=given)
     return made["layers"]["environment"]
 
 
@@ -294,10 +284,7 @@ def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean(guide
 
 BARE = vc.scenes.cube_on_plane()
 ANOTHER = vc.VisibilityMapCache(BARE, vc.MapSettings(n_startup=10))
-BARE = vc.scenes.cube_on_plane()
-ANOTHER = vc.VisibilityMapCache(BARE, vc.MapSettings(n_startup=10))
 BAD: list[tuple[dict[str, Any], str]] = [
-    ({"maps": vc.Aqvc(), "integrator": vc.Direct(), "use": "repair"}, "use must be"),
     ({"scene": BARE, "integrator": vc.Direct()}, "scene must have an environment light"),
     (
         {"scene": vc.scenes.room(triangles=5000), "env": 1.0, "maps": vc.VisMaps(cache=ANOTHER)},

@@ -83,9 +83,8 @@ def test_grazing_views_clamp_the_cosine():
     found, camera = eye_points(low, vc.Direct(), (30, 20)), low.cameras[0]
     want = density_from(camera, np.array(camera.origin), np.array(camera.forward), found, (30, 20))
     np.testing.assert_allclose(found["density"], want, rtol=1e-3)
-    flat = np.abs(camera.origin[1]) < 0.05 * np.linalg.norm(
-        found["position"] - camera.origin, axis=1
-    )
+    distance = np.linalg.norm(found["position"] - camera.origin, axis=1)
+    flat = np.abs(camera.origin[1]) < 0.05 * distance
     assert 0.1 < flat.mean() < 0.9, "some views are clamped, others not"
 
 
@@ -95,13 +94,9 @@ def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface():
     to_eye = np.array(scene.cameras[0].origin) - found["position"]
     assert (np.einsum("ij,ij->i", to_eye, found["normal"]) > 0).all()
     np.testing.assert_allclose(np.linalg.norm(found["normal"], axis=1), 1, rtol=1e-5)
-    lifted = np.einsum(
-        "ij,ij->i", found["origin"].astype(float) - found["position"], found["normal"]
-    )
+    off = found["origin"].astype(float) - found["position"]
+    lifted = np.einsum("ij,ij->i", off, found["normal"])
     assert (lifted > 0).all() and lifted.max() < 1e-4
-
-
-# Cameras
 
 
 def test_depth_normal_and_albedo_are_those_of_the_first_hit():
@@ -204,9 +199,6 @@ def test_an_up_along_the_view_is_replaced(up):
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-6)
 
 
-# What there is to see
-
-
 @pytest.mark.parametrize(
     "integrator",
     [vc.Direct(), vc.Whitted(n_vpls=16), vc.AmbientOcclusion(n_samples=4)],
@@ -238,10 +230,8 @@ def test_a_scene_without_light_is_black_and_says_so():
 
 
 def test_a_camera_inside_a_body_sees_its_inner_side():
-    inside = Model(
-        (ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), origin=(0, 0, 0.1),
-        target=(0, 0, -1),
-    )  # fmt: skip
+    view: dict[str, Any] = {"origin": (0, 0, 0.1), "target": (0, 0, -1)}
+    inside = Model((ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), **view)
     assert (rendered(inside).image > 0).all()
     part = replace(inside.parts[0], look=Look(two_sided=False))
     assert not rendered(replace(inside, parts=(part,))).image.any()
@@ -260,10 +250,7 @@ def test_direct_shows_light_after_one_bounce_only():
 def lit_by(power: float) -> vc.Frame:
     d = vc.SceneDescription()
     d.add_material()
-    d.add_mesh(
-        np.array([[-4, 0, 4], [4, 0, 4], [4, 0, -4], [-4, 0, -4]], np.float32),
-        np.array([[0, 1, 2], [0, 2, 3]], np.uint32),
-    )
+    d.add_mesh([[-4, 0, 4], [4, 0, 4], [4, 0, -4], [-4, 0, -4]], [[0, 1, 2], [0, 2, 3]])
     d.add_point_light((0, 0.1, 0), (power,) * 3)
     d.add_camera((0, 0.4, 0.4), (0, 0, 0))
     return vc.render(vc.Scene.from_description(d), vc.Direct(), size=(16, 10))

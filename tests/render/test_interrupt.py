@@ -60,13 +60,8 @@ def quickest_stop(call: str, delay: float = 0.6) -> float:
     tests = str(Path(__file__).parents[1])
     program = PROGRAM.format(tests=tests, call=call, delay=delay, limit=LIMIT)
     for _ in range(3):
-        run = subprocess.run(
-            [sys.executable, "-c", program],
-            capture_output=True,
-            text=True,
-            timeout=240,
-            check=False,
-        )
+        command = [sys.executable, "-c", program]
+        run = subprocess.run(command, capture_output=True, text=True, timeout=240)
         assert run.returncode == 0, run.stderr
         best = min(best, float(run.stdout))
         if best < LIMIT:

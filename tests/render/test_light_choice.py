@@ -158,9 +158,6 @@ def test_probabilities_are_those_of_the_numbers(way, seed):
     assert told_apart > 5
 
 
-# Frames
-
-
 def lamps(count: int) -> Model:
     """Small quads of many powers around the bodies, some turned, and a sphere."""
     random = np.random.default_rng(count)

@@ -75,8 +75,6 @@ def test_sums_that_are_not_finite_pick_nothing():
     assert (weights([3e38] * 8, 2).sum(axis=1) == 8).all()  # the sum is above the range of float
 
 
-# Frames
-
 GREY = Look(base_color=(0.6, 0.5, 0.4))
 SHINY = Look(kind="glossy", base_color=(0.2, 0.3, 0.2), specular=(0.4, 0.4, 0.4), roughness=0.3)
 MIRROR = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
@@ -90,9 +88,10 @@ def lamps(count: int) -> Model:
     suns = random.normal((0, 2, 0), 1, (count, 3))
     suns /= np.linalg.norm(suns, axis=1, keepdims=True)
 
-    def row(a: Array) -> Any:
-        return tuple(map(float, a))
+    def rows(*columns: Array) -> Any:
+        return [tuple(tuple(map(float, a)) for a in row) for row in zip(*columns, strict=False)]
 
+    spots = rows(places[count:], 5 * power[count:])
     return Model(
         (
             box((-2.5, 0, -2.5), (2.5, 3, 2.5), look=GREY).reversed(),
@@ -100,12 +99,9 @@ def lamps(count: int) -> Model:
             ball((0.6, 0.5, 0.2), 0.5, look=MIRROR),
             box((0.3, 0, -1.6), (1.4, 1.2, -1.2), look=SHINY),
         ),
-        points=tuple((row(p), row(i)) for p, i in zip(places[:count], power, strict=False)),
-        spots=tuple(
-            (row(p), row(5 * i), (0.1, -1.0, 0.1), (20.0, 60.0))
-            for p, i in zip(places[count:], power[count:], strict=False)
-        ),
-        directions=tuple((row(w), row(0.02 * i)) for w, i in zip(suns, power, strict=False)),
+        points=rows(places[:count], power),
+        spots=tuple((*spot, (0.1, -1.0, 0.1), (20.0, 60.0)) for spot in spots),
+        directions=rows(suns, 0.02 * power),
         env=(0.2, 0.3, 0.4),
         origin=(0, 1.4, 2.2),
     )

@@ -14,6 +14,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from render.bdpt_scenes import LAMPS
 from render.mitsuba_frames import SIZE, assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, ball, box, quad, sensor
 from render.ztest import ROUNDING, compare
@@ -102,10 +103,6 @@ FLIPPED = replace(GLOBE, look=replace(GLOBE.look, two_sided=False)).reversed()
 SKY = Model(BODIES, env=(0.5, 0.8, 1.3))
 #: The camera looks down: the map's texels, which we resample, are seen by their light alone.
 MAP = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
-LAMPS = (
-    quad((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), emission=(6, 5, 4)),
-    quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
-)
 #: Out of sight: seen directly, a tessellated silhouette differs.
 SPHERES = Model(
     BODIES,
@@ -178,48 +175,29 @@ def plates(eta: float = 1.7, thin: bool = True) -> Model:
     return Model((DARK, first, second, box((0.3, 0.05, 0.1), (0.9, 0.7, 0.6), look=look)), **LIT)
 
 
-THROUGH: dict[str, Any] = {
-    "right": (replace(BARE, max_depth=12),),
-    "theirs": {"depth": 14, "spp": 24},
-    "tolerance": 5e-4,
-}
+#: Depth of eye paths, ours and Mitsuba's.
+SHORT: dict[str, Any] = {"right": (replace(BARE, max_depth=4),), "theirs": {"depth": 6, "spp": 24}}
+LONG: dict[str, Any] = {"right": (replace(BARE, max_depth=12),), "theirs": {"depth": 14, "spp": 24}}
+SHORT["tolerance"] = LONG["tolerance"] = 5e-4
+#: The weakest light is dropped, or the sun; a part is black from outside, or absent.
+FEWER = (replace(POINTS, points=POINTS.points[:2]), replace(POINTS, directions=()))
+OTHERS = tuple(replace(POINTS, parts=(FLOOR, BLOCK, *more)) for more in ((FLIPPED,), ()))
+SPLITS = tuple(vc.Direct(n_environment=e, n_brdf=b) for e, b in ((16, 16), (32, 0), (0, 32)))
+TURNED = tuple(Model((*BODIES, *w)) for w in (LAMPS[:1], (LAMPS[0], LAMPS[1].reversed())))
+ONE_SPHERE = replace(SPHERES, spheres=SPHERES.spheres[:1])
 CASES = {
-    "points and a sun": Case(
-        POINTS,
-        wrong=(
-            replace(POINTS, points=POINTS.points[:2]),  # the weakest one dropped
-            replace(POINTS, directions=()),
-            replace(POINTS, parts=(FLOOR, BLOCK, FLIPPED)),
-            replace(POINTS, parts=(FLOOR, BLOCK)),
-        ),
-    ),
+    "points and a sun": Case(POINTS, FEWER + OTHERS),
     "a constant sky by every split of samples": Case(
-        SKY,
-        wrong=(replace(SKY, parts=(FLOOR, GLOBE)),),
-        right=tuple(vc.Direct(n_environment=e, n_brdf=b) for e, b in ((16, 16), (32, 0), (0, 32))),
-        theirs=FEW | {"spp": 24},
-        ours=FEW,
+        SKY, (replace(SKY, parts=(FLOOR, GLOBE)),), SPLITS, theirs=FEW | {"spp": 24}, ours=FEW
     ),
     "a smooth map": Case(MAP, (replace(MAP, env=np.roll(smooth_map(), 128, axis=1)),), slow=True),
-    "area lights of two colours and sizes": Case(
-        Model((*BODIES, *LAMPS)),
-        wrong=tuple(Model((*BODIES, *w)) for w in (LAMPS[:1], (LAMPS[0], LAMPS[1].reversed()))),
-        right=(AREA,),
-        edge=4,
-    ),
-    "sphere lights": Case(
-        SPHERES,
-        wrong=(replace(SPHERES, spheres=SPHERES.spheres[:1]),),
-        right=(AREA,),
-        ours={"spp": 8},
-        edge=4,
-        slow=True,
-    ),
+    "area lights of two colours and sizes": Case(Model((*BODIES, *LAMPS)), TURNED, (AREA,), edge=4),
+    "sphere lights": Case(SPHERES, (ONE_SPHERE,), (AREA,), ours={"spp": 8}, edge=4, slow=True),
     **{
         f"rough conductors, {r}": Case(
             metal(r),
-            wrong=(metal(1.2 * r),),
-            right=(vc.Direct(n_environment=16, n_brdf=16),),
+            (metal(1.2 * r),),
+            SPLITS[:1],
             theirs=FEW,
             ours=FEW | {"spp": 8},
             slow=r == 0.5,
@@ -230,17 +208,10 @@ CASES = {
     "cards of two sides": Case(cards(True), **BOTH),
     "cards of one side": Case(cards(False), **BOTH),
     "interpolated normals": Case(bulb(40, True), (bulb(12, False),), **BOTH),
-    "mirrors in mirrors": Case(
-        MIRRORS,
-        wrong=(replace(BARE, max_depth=1),),
-        right=(replace(BARE, max_depth=4),),
-        theirs={"depth": 6, "spp": 24},
-        tolerance=5e-4,
-        slow=True,
-    ),
-    "glass": Case(glass(1.5), (glass(1.65),), **THROUGH),
-    "thinner glass": Case(glass(1 / 1.3), (glass(1.1 / 1.3),), slow=True, **THROUGH),
-    "thin plates": Case(plates(), (plates(2.0), plates(thin=False)), slow=True, **THROUGH),
+    "mirrors in mirrors": Case(MIRRORS, (replace(BARE, max_depth=1),), slow=True, **SHORT),
+    "glass": Case(glass(1.5), (glass(1.65),), **LONG),
+    "thinner glass": Case(glass(1 / 1.3), (glass(1.1 / 1.3),), slow=True, **LONG),
+    "thin plates": Case(plates(), (plates(2.0), plates(thin=False)), slow=True, **LONG),
 }
 
 
@@ -255,10 +226,8 @@ def test_frames_are_mitsubas_and_wrong_ones_are_told_apart(name, mi, tmp_path):
         made = ours(scene, integrator, **case.ours)
         assert_same(made, reference, case.tolerance, edge=case.edge)
     for wrong in case.wrong:
-        if isinstance(wrong, Model):
-            made = ours(wrong.to_viscache(), case.right[0], seeds=4)
-        else:
-            made = ours(scene, wrong, seeds=4)
+        other = (wrong.to_viscache(), case.right[0]) if isinstance(wrong, Model) else (scene, wrong)
+        made = ours(*other, seeds=4)
         assert not compare(made, reference, tolerance=case.tolerance).same
 
 

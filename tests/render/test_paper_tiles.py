@@ -62,9 +62,5 @@ def test_errors_are_those_of_tables_that_are_cleared():
 
 def test_one_table_of_the_frame_and_parts_of_a_frame_refuse_it():
     with pytest.raises(ValueError, match=r"storage must be table, exact or shared .* paper_tiles"):
-        vc.render(
-            room(),
-            vc.Bdpt(),
-            size=(4, 4),
-            visibility=vc.Aqvc(paper=vc.PaperForm(storage="paper_tiles")),
-        )
+        tiles = vc.Aqvc(paper=vc.PaperForm(storage="paper_tiles"))
+        vc.render(room(), vc.Bdpt(), size=(4, 4), visibility=tiles)

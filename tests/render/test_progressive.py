@@ -40,9 +40,7 @@ def test_a_later_pass_traces_what_is_new(room):
     per_pass = np.diff([0, *rays])
     assert per_pass[0] == alone[0]["rays"]
     assert per_pass[-1] < 0.4 * alone[-1]["rays"]
-    assert kept.rows is not None
-    assert kept.rows.frames == 6
-    assert kept.rows.bytes > 0
+    assert kept.rows.frames == 6 and kept.rows.bytes > 0
 
 
 def test_what_rows_answer_is_the_cache_of_all_passes(room):
@@ -126,16 +124,12 @@ def test_lights_are_renewed(room):
 def test_little_room_is_for_whole_tiles(room):
     """What is saved is the share of the rows that have room."""
     cache = {"visibility": vc.Aqvc(c_e=4, exact_groups=("area",)), "use": "replace"}
-    small, whole = (
-        picture(room, **LITTLE_ROOM, **cache),
-        picture(room, size=LITTLE_ROOM["size"], **cache),
-    )
+    small = picture(room, **LITTLE_ROOM, **cache)
+    whole = picture(room, size=LITTLE_ROOM["size"], **cache)
     saved = []
     for p in (small, whole):
         first = p.passes(1).counters["rays"]
         saved.append(2 * first - p.passes(1).counters["rays"])
-    assert small.rows is not None
-    assert whole.rows is not None
     assert 0 < small.frame.counters["tiles_not_kept"] < 40  # 8 × 5 tiles of 32²
     assert whole.frame.counters["tiles_not_kept"] == 0
     assert 0 < small.rows.bytes <= small.rows.max_bytes < whole.rows.bytes
@@ -158,14 +152,12 @@ def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room):
     exact = alone(picture(room, visibility="exact", **options))
     cache = {"visibility": vc.Aqvc(c_e=24)}
     corrected = picture(room, **cache, **options)
-    assert (
-        vc.testing.assert_unbiased(alone(corrected), exact, energy=0.005, paired=True).blocks == 6
-    )
+    found = vc.testing.assert_unbiased(alone(corrected), exact, energy=0.005, paired=True)
+    assert found.blocks == 6
     assert corrected._sums.shares is not None
+    replaced = alone(picture(room, use="replace", **cache, **options))
     with pytest.raises(AssertionError, match="the frames are biased"):
-        vc.testing.assert_unbiased(
-            alone(picture(room, use="replace", **cache, **options)), exact, paired=True
-        )
+        vc.testing.assert_unbiased(replaced, exact, paired=True)
 
 
 def test_the_error_is_estimated_from_the_passes(room):
@@ -186,9 +178,8 @@ def test_the_error_of_well_spread_samples_is_not_that_of_single_passes():
 
     def made(first: int) -> vc.Progressive:
         light = vc.AmbientOcclusion(n_samples=4, max_distance=None)
-        return vc.Progressive(
-            "cube_on_plane", light, visibility="exact", size=SIZE, first_pass=first
-        )
+        given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "first_pass": first}
+        return vc.Progressive("cube_on_plane", light, **given)
 
     truth = np.mean([made(1024 + 512 * k).passes(64).image for k in range(4)], axis=0)
     picture = made(0)
@@ -242,21 +233,23 @@ def test_notebooks_show_the_picture_while_it_gets_better(room, monkeypatch):
 
 def test_wrong_input_is_refused(room, tmp_path):
     p = picture(room)
-    with pytest.raises(ValueError, match="there must be a pass"):
-        _ = p.frame
-    with pytest.raises(ValueError, match="rel_l1 or seconds must be given"):
-        p.until()
-    with pytest.raises(ValueError, match="rel_l1 must be > 0"):
-        p.until(rel_l1=-1)
-    with pytest.raises(ValueError, match='use must be "correct" for rel_l1'):
-        picture(room, use="replace").until(rel_l1=0.01)
-    with pytest.raises(ValueError, match="n must be a whole number"):
-        p.passes(-1)
-    for option, value in (("renew", 0), ("first_pass", -1), ("max_bytes", 3)):
-        with pytest.raises(ValueError, match=f"{option} must be a whole number"):
-            picture(room, **{option: value})
-    with pytest.raises(ValueError, match="first_sample must be a multiple of spp"):
-        vc.render(room, LIGHTS, size=SIZE, spp=2, first_sample=1)
+    odd: dict[str, Any] = {"size": SIZE, "spp": 2, "first_sample": 1}
+    for call, message in (
+        (lambda: p.frame, "there must be a pass"),
+        (p.until, "rel_l1 or seconds must be given"),
+        (lambda: p.until(rel_l1=-1), "rel_l1 must be > 0"),
+        (
+            lambda: picture(room, use="replace").until(rel_l1=0.01),
+            'use must be "correct" for rel_l1',
+        ),
+        (lambda: p.passes(-1), "n must be a whole number"),
+        (lambda: picture(room, renew=0), "renew must be a whole number"),
+        (lambda: picture(room, first_pass=-1), "first_pass must be a whole number"),
+        (lambda: picture(room, max_bytes=3), "max_bytes must be a whole number"),
+        (lambda: vc.render(room, LIGHTS, **odd), "first_sample must be a multiple of spp"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            call()
 
 
 def test_states_of_something_else_are_refused(room, tmp_path):

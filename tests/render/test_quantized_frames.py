@@ -43,33 +43,20 @@ def z_of_mean(values):
     return float(np.mean(values) / max(error, 1e-12))
 
 
-# The exact limit, and costs of a query
-
-
 SHARED_GROUPS = ("point", "directional", "vpl")
+PATH_GROUPS = ("point", "area", "environment", "connection", "camera")
+TILES, SMALL = {"form": "pairs", "storage": "paper_tiles"}, {"table_bytes": 16 << 20}
 PATHS = {c: vc.Bdpt(max_depth=4, camera_connections=c) for c in ("bypass", "keyed")}
 #: Integrator, the groups that it must light, C_E, and settings of the cache.
 LIMIT: dict[str, tuple[Any, tuple[str, ...], float, dict[str, Any]]] = {
-    **{form: (q.SHARED, SHARED_GROUPS, 1e-3, given) for form, given in q.FORMS.items()},
-    **{
-        f"tables of {n} threads": (
-            q.SHARED,
-            SHARED_GROUPS,
-            1e-3,
-            {"form": "pairs", "storage": "paper_tiles", "threads": n},
-        )
-        for n in (1, 3)
-    },
-    **{
-        f"{camera} paths, {storage}": (
-            paths,
-            ("point", "area", "environment", "connection", "camera"),
-            1e-4,
-            {"storage": storage, "table_bytes": 16 << 20},
-        )
-        for camera, paths in PATHS.items()
-        for storage in ("table", "exact", "shared")
-    },
+    name: (q.SHARED, SHARED_GROUPS, 1e-3, given)
+    for name, given in (
+        q.FORMS | {f"tables of {n} threads": TILES | {"threads": n} for n in (1, 3)}
+    ).items()
+} | {
+    f"{camera} paths, {storage}": (paths, PATH_GROUPS, 1e-4, SMALL | {"storage": storage})
+    for camera, paths in PATHS.items()
+    for storage in ("table", "exact", "shared")
 }
 
 
@@ -103,9 +90,6 @@ def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
     assert refined["rays_per_level"][0] == pytest.approx(plain["rays_per_level"][0], rel=slack)
     for group in refined["groups"].values():
         assert group["rays"] <= group["queries"]
-
-
-# Errors and energy
 
 
 #: Grids, size and C_E for which the mean energy has a standard error of half a percent at most.

@@ -1,10 +1,11 @@
-"""Settings of the quantized cache in whole frames, and samples of each eye point's own."""
+"""Settings of the quantized cache and extreme inputs in whole frames; samples of eye points."""
 
 import numpy as np
 import pytest
 
 import viscache as vc
 from render import quantized as q
+from viscache_lab.extremes.scenes import floor, table, with_parts
 
 
 @pytest.mark.parametrize("preset", ["default", "paper", "as_printed"])
@@ -92,7 +93,7 @@ def test_c_e_of_a_light_group_changes_that_group_alone(group):
         assert finer < q.rel_l1(whole.layers[name], exact[name])
 
 
-AMBIENT = vc.AmbientOcclusion(n_samples=16, max_distance=None)
+DIRECT, AMBIENT = vc.Direct(), vc.AmbientOcclusion(n_samples=16, max_distance=None)
 
 
 def made(group):
@@ -142,3 +143,55 @@ def test_finer_light_cells_lower_an_error_that_no_c_e_lowers(group):
     table, asked = error(c_e=0.05, c_l=0.3, form="pairs", storage="exact")
     assert table == pytest.approx(errors[1], rel=0.25)
     assert asked == pytest.approx(rays[1], rel=0.05)
+
+
+def extreme(scene, **options):
+    """A frame that is finite and counts every query, and the exact one."""
+    exact, frame = q.exact(scene, DIRECT), q.render(scene, DIRECT, **options)
+    assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
+    counts = frame.counters
+    assert counts["queries"] == exact.counters["queries"] >= counts["rays"]
+    assert counts["non_finite"] == exact.counters["non_finite"]
+    return frame, exact
+
+
+@pytest.mark.extreme
+def test_a_huge_ground_plane_does_not_coarsen_the_cells():
+    """B_R grows 10⁴-fold; R and the coordinates grow with it, the cells stay."""
+    reduction = []
+    for width in (1e2, 1e4, 1e6):
+        description = q.description_of(q.scene("cube_on_plane"))
+        description.add_mesh(*floor(width, -0.001), material=0)
+        scene = vc.Scene.from_description(description)
+        assert extreme(scene, c_e=1e-3)[0].sha256 == q.exact(scene, DIRECT).sha256
+        frames = [extreme(scene, c_e=8, grid_seed=s)[0] for s in range(4)]
+        reduction.append(np.mean([frame.counters["ray_reduction"] for frame in frames]))
+    # One rung of the ladder changes a cell's area by C_R² = 1.44
+    assert max(reduction) < 1.44 * min(reduction)
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("mode", ["round", "floor"])
+def test_odd_c_n_works_but_costs_rays_on_axis_aligned_walls(mode):
+    """One bin edge lies on the axes: oblique grids cut the walls; the frame warns."""
+    reduction, warned = {}, {}
+    for c_n in (1, 2, 3, 8, 64):
+        frame, exact = extreme(q.lit_box(), c_e=6, c_n=c_n, normal_mode=mode, refinement="off")
+        assert q.rel_l1(frame.image, exact.image) < 0.1
+        reduction[c_n] = frame.counters["ray_reduction"]
+        warned[c_n] = any("odd c_n" in text for text in frame.warnings)
+    assert reduction[1] < 0.5 * reduction[2] and reduction[3] < 0.5 * reduction[8]
+    assert reduction[2] == pytest.approx(reduction[8], rel=0.3)
+    assert warned == {1: True, 2: False, 3: True, 8: False, 64: False}
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("form", q.FORMS)
+def test_grazing_views_keep_finite_cells(form):
+    """The eye 1 mm above the floor, looking along it: cosθ is clamped in the density."""
+    view = ((0, 1e-3, 4.0), (0, 1e-3, 0), 30)
+    scene = with_parts(floor(100.0), table(), camera=view)
+    frame, exact = extreme(scene, c_e=8, **q.FORMS[form])
+    assert extreme(scene, c_e=1e-3, **q.FORMS[form])[0].sha256 == exact.sha256
+    assert frame.counters["queries"] > 1000 and frame.counters["ray_reduction"] > 2
+    assert frame.counters["clamped_nan"] == frame.counters["bypassed"] == 0

@@ -11,25 +11,17 @@ from viscache.shot.render import seed_of
 
 SEEDS, PASSES = 20, 4
 SIZE = (24, 16)
-LIGHTS = vc.Whitted(n_vpls=64)
-
-
+ROOM, LIGHTS = "room?triangles=3000", vc.Whitted(n_vpls=64)
+HALF = {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1}
+VOXELS = {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1}
 CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
-    "direct": ("room?triangles=3000", vc.Direct(n_area=1), {}),
-    "whitted": ("room?triangles=3000", LIGHTS, {}),
-    "renewed lights": ("room?triangles=3000", LIGHTS, {"renew": 1}),
-    "ambient occlusion": ("room?triangles=3000", vc.AmbientOcclusion(n_samples=1), {}),
+    "direct": (ROOM, vc.Direct(n_area=1), {}),
+    "whitted": (ROOM, LIGHTS, {}),
+    "renewed lights": (ROOM, LIGHTS, {"renew": 1}),
+    "ambient occlusion": (ROOM, vc.AmbientOcclusion(n_samples=1), {}),
     "bdpt": ("cornell_box", vc.Bdpt(max_depth=3), {}),
-    "corrections": (
-        "room?triangles=3000",
-        LIGHTS,
-        {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1},
-    ),
-    "roulette": (
-        "room?triangles=3000",
-        LIGHTS,
-        {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1},
-    ),
+    "corrections": (ROOM, LIGHTS, HALF),
+    "roulette": (ROOM, LIGHTS, VOXELS),
 }
 
 
@@ -64,9 +56,8 @@ def test_pictures_of_neighbouring_seeds_are_uncorrelated(name):
 def test_the_first_pass_is_a_frame_of_the_seed(name):
     spec, integrator, more = CASES[name]
     options = {n: v for n, v in more.items() if n != "renew"}
-    first = vc.Progressive(
-        spec, integrator, size=SIZE, seed=5, **({"visibility": "exact"} | more)
-    ).passes(1)
+    given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "seed": 5} | more
+    first = vc.Progressive(spec, integrator, **given).passes(1)
     assert first.sha256 == vc.render(spec, integrator, size=SIZE, seed=5, **options).sha256
     assert first.parameters["seed"] == 5
 
@@ -75,7 +66,6 @@ def test_seeds_of_later_passes_are_seeds():
     made = [seed_of(s, p, n) for s in range(64) for p in ("pass", "lights") for n in range(1, 64)]
     assert len(set(made)) == len(made) and all(0 <= seed < 1 << 64 for seed in made)
     assert {seed_of(7, purpose, 0) for purpose in ("pass", "lights")} == {7}
-    last = vc.Progressive(
-        "cornell_box", vc.Bdpt(max_depth=2), visibility="exact", size=(8, 8), seed=(1 << 64) - 1
-    )
+    given: dict[str, Any] = {"visibility": "exact", "size": (8, 8), "seed": (1 << 64) - 1}
+    last = vc.Progressive("cornell_box", vc.Bdpt(max_depth=2), **given)
     assert last.passes(2).parameters["seed"] == (1 << 64) - 1

@@ -64,8 +64,7 @@ def mitsubas(mi: Any, lit: Model, folder: Path, depth: int, seeds: int) -> Image
 @pytest.mark.stat
 @pytest.mark.mitsuba
 @pytest.mark.parametrize(
-    "light",
-    [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS],
+    "light", [pytest.param(n, marks=() if n in EACH_TIME else pytest.mark.release) for n in LIGHTS]
 )
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light, mi, tmp_path):
     """3 bounces of a light path, one to the eye: edges 3 to 5."""
@@ -232,16 +231,10 @@ def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(cosine, 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize("coat", list(CoatKind)[1:])
 def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(cosine, coat):
-    look = Look(kind="glossy", base_color=(0.8, 0.8, 0.8), coat=coat, nonlinear=True)
-    direction = from_the_side(cosine)
-    lit = ShadingPoint(
-        MaterialKind.GLOSSY,
-        (direction[0], 0, cosine),
-        base=look.base_color,
-        roughness=look.roughness,
-        coat=coat,
-        nonlinear=True,
-    )
+    coated: dict[str, Any] = {"coat": coat, "nonlinear": True}
+    look, direction = Look(kind="glossy", base_color=(0.8,) * 3, **coated), from_the_side(cosine)
+    coated |= {"base": look.base_color, "roughness": look.roughness}
+    lit = ShadingPoint(MaterialKind.GLOSSY, (direction[0], 0, cosine), **coated)
     white, found = (on_the_wall(replace(SHEET, look=k), direction=direction) for k in (WHITE, look))
     assert found == pytest.approx(testing.diffuse_albedo(lit)[0] / 0.8 * white, rel=1e-4)
 

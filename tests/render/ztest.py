@@ -47,11 +47,7 @@ def compare(
     assert a.ndim == b.ndim == 4 and a.shape[1:] == b.shape[1:] and min(len(a), len(b)) >= 4
     assert np.isfinite(a).all() and np.isfinite(b).all()
     whole = (a.mean(axis=(1, 2), keepdims=True), b.mean(axis=(1, 2), keepdims=True))
-    scales = {
-        "pixel": (a, b),
-        "block": (blocks(a, edge), blocks(b, edge)),
-        "image": whole,
-    }
+    scales = {"pixel": (a, b), "block": (blocks(a, edge), blocks(b, edge)), "image": whole}
     best = (np.inf, "", 0.0)
     cells = 0
     for name, (x, y) in scales.items():
@@ -59,9 +55,8 @@ def compare(
         p, t = found.p, found.t
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)
-        best = min(
-            best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst]))
-        )
+        where = f"{name} {tuple(int(i) for i in worst)}"
+        best = min(best, (float(p[worst]), where, float(t[worst])))
     corrected = float(-np.expm1(cells * np.log1p(-min(best[0], 1 - 1e-16))))
     energy = float(whole[0].mean() / whole[1].mean() - 1) if whole[1].mean() else 0.0
     return ZTest(corrected, cells, best[1], best[2], energy)

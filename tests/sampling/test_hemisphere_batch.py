@@ -7,10 +7,7 @@ from scipy import stats
 from core import testing
 from reference.isas import AVAILABLE
 
-WARPS = {
-    True: testing.square_to_cosine_hemisphere,
-    False: testing.square_to_uniform_hemisphere,
-}
+WARPS = {True: testing.square_to_cosine_hemisphere, False: testing.square_to_uniform_hemisphere}
 NORMALS = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0.3, -0.5, 0.8), (-0.7, 0.1, -1e-4)]
 
 

@@ -15,17 +15,13 @@ def constant(value: float, z_min: float = -1.0):  # type: ignore[no-untyped-def]
     return lambda w: np.where(w[:, 2] >= z_min, value, 0.0)
 
 
+CONE = constant(testing.pdf_uniform_cone(0.5), 0.5)
+HEMISPHERE = constant(testing.pdf_uniform_hemisphere(), 0)
 SPHERICAL = {
     "cosine hemisphere": (testing.square_to_cosine_hemisphere, testing.pdf_cosine_hemisphere),
-    "uniform hemisphere": (
-        testing.square_to_uniform_hemisphere,
-        constant(testing.pdf_uniform_hemisphere(), 0),
-    ),
+    "uniform hemisphere": (testing.square_to_uniform_hemisphere, HEMISPHERE),
     "uniform sphere": (testing.square_to_uniform_sphere, constant(testing.pdf_uniform_sphere())),
-    "cone of 60 degrees": (
-        lambda u: testing.square_to_uniform_cone(u, 0.5),
-        constant(testing.pdf_uniform_cone(0.5), 0.5),
-    ),
+    "cone of 60 degrees": (lambda u: testing.square_to_uniform_cone(u, 0.5), CONE),
 }
 
 
@@ -85,9 +81,6 @@ def test_narrow_cones_keep_their_digits():
     assert w[0, 0] == pytest.approx(np.sqrt(1 - float(cos_max) ** 2), rel=1e-4)
 
 
-# Sphere lights
-
-
 def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Unit directions from the origin, and distances, in double."""
     d = p.astype(float) - origin
@@ -111,13 +104,10 @@ def test_both_densities_of_a_sphere_give_its_irradiance():
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("distance", [1 + 1e-6, 1e3, 1e8])
 def test_spheres_of_any_size_and_distance_give_finite_densities(scale, distance):
-    p, n, pdf, pdf_area = testing.sample_sphere_light(
-        (0, 0, 0),
-        scale,
-        (0, 0, distance * scale),
-        np.append(uniforms(1000, 2), [[0, 0], [1 - 2**-24] * 2], 0),
-    )
-    for values in (p, n, pdf, pdf_area):
+    u = np.append(uniforms(1000, 2), [[0, 0], [1 - 2**-24] * 2], 0)
+    found = testing.sample_sphere_light((0, 0, 0), scale, (0, 0, distance * scale), u)
+    _, _, pdf, pdf_area = found
+    for values in found:
         assert np.isfinite(values).all()
     assert (pdf > 0).all() and (pdf_area > 0).all()
     if distance > 10:
@@ -127,9 +117,6 @@ def test_spheres_of_any_size_and_distance_give_finite_densities(scale, distance)
 @pytest.mark.parametrize(("radius", "z"), [(1.0, 0.0), (1.0, 0.5), (1.0, 1.0), (0.0, 2.0)])
 def test_there_is_no_sample_unless_outside_a_sphere_of_some_size(radius, z):
     assert testing.sample_sphere_light((0, 0, 0), radius, (0, 0, z), uniforms(4, 2)) is None
-
-
-# Microfacets
 
 
 def stretched(alpha: float, bins: int = 256, sub: int = 4) -> tuple[Rows, npt.NDArray[np.float64]]:
@@ -190,9 +177,6 @@ def test_smith_masking_has_its_limits():
     assert testing.smith_g1(np.array([1e-30, 1e-10]), 0.5) == pytest.approx(0, abs=1e-9)
     g1 = testing.smith_g1(np.array([0.3, 0.7]), 0.4)
     assert testing.smith_g2(0.3, 0.7, 0.4) == pytest.approx(g1[0] * g1[1])
-
-
-# Fresnel
 
 
 def test_schlick_goes_from_f0_to_one():

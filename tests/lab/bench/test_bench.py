@@ -40,9 +40,8 @@ def test_every_packet_width_and_flag_gives_the_same_bytes(scene, name):
     assert usual.any()
     for width in (1, 4, 8, 16):
         for coherent in (False, True):
-            found = caster.bare_occluded(
-                rays.origins, rays.directions, rays.t_max, width, coherent=coherent
-            )
+            given = (rays.origins, rays.directions, rays.t_max, width)
+            found = caster.bare_occluded(*given, coherent=coherent)
             assert found.tobytes() == usual.tobytes(), (width, coherent)
 
 
@@ -178,11 +177,8 @@ def test_peers_that_are_missing_are_named(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SMALL)
 def test_every_bench_runs_quickly_and_finds_right_answers(name):
-    done = subprocess.run(
-        [sys.executable, "-m", "viscache", "bench", name, "--quick", "--json"],
-        capture_output=True,
-        text=True,
-    )
+    command = [sys.executable, "-m", "viscache", "bench", name, "--quick", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert result["bench"] == name

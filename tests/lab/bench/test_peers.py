@@ -11,12 +11,7 @@ import pytest
 import viscache as vc
 from viscache import cli
 from viscache_lab import bench
-from viscache_lab.bench import (
-    against_peers,
-    peer_cases,
-    peer_page,
-    peers,
-)
+from viscache_lab.bench import against_peers, peer_cases, peer_page, peers
 from viscache_lab.bench.errors import log_interval
 from viscache_lab.bench.text import text as table
 from viscache_lab.experiment import Trial, amounts
@@ -157,13 +152,11 @@ def test_a_peer_that_ends_is_left_out_and_the_others_are_compared(case, jobs, mo
     made = {"mitsuba": Ends, "cycles": Fake}
     monkeypatch.setattr(against_peers, "Peer", lambda name, scene, python: made[name](case))
     trial = Trial()
-    against_peers._with_peers(
-        trial,
-        case.name,
-        case.scene,
-        None,
-        lambda found, able: against_peers.compare_pictures(found, able, case, 4),
-    )
+
+    def compare(found, able):
+        against_peers.compare_pictures(found, able, case, 4)
+
+    against_peers._with_peers(trial, case.name, case.scene, None, compare)
     assert [f["name"] for f in trial.figures] == [f"{case.name} vs cycles"]
     why = "the other program ended with status -6"
     assert trial.skipped == [{"what": f"{case.name} vs mitsuba", "reason": why}]
@@ -235,12 +228,9 @@ def test_without_peers_all_are_skipped_by_name(tmp_path, monkeypatch):
     assert result["figures"] == [] and result["answers_hold"] and result["answers_checked"]
     skipped = {s["what"].rpartition(" vs ")[2] for s in result["skipped"]}
     assert skipped == set(peers.PEERS)
-    assert {s["reason"] for s in result["skipped"]} == {
-        "mitsuba is not installed",
-        "embreex is not installed",
-        "bpy is not installed",
-        "pyluxcore is not installed",
-    }
+    packages = ("mitsuba", "embreex", "bpy", "pyluxcore")
+    reasons = {f"{package} is not installed" for package in packages}
+    assert {s["reason"] for s in result["skipped"]} == reasons
 
 
 def test_a_peer_that_ends_is_an_error_with_its_status(monkeypatch):

@@ -8,11 +8,7 @@ import pytest
 import xarray
 
 from viscache_lab.bench import errors as errors_of_frames
-from viscache_lab.bench import (
-    meter,
-    vismap_variance,
-    which_cache,
-)
+from viscache_lab.bench import meter, vismap_variance, which_cache
 from viscache_lab.bench.text import text
 from viscache_lab.experiment import Trial, amounts
 
@@ -27,26 +23,21 @@ def test_a_limit_and_a_goal_hold_on_their_side_alone():
 
 def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other():
     n = 8
-    found = {
-        "exact": (np.full(n, 4.0), np.full(n, 6.0)),
-        "picks": (np.full(n, 1.0), np.full(n, 1.0)),
-    }
+    found = {"exact": np.full((2, n), [[4.0], [6.0]]), "picks": np.ones((2, n))}
     seconds = {"exact": [3.0] * n, "picks": [2.0] * n}
     assert errors_of_frames.gain(found, seconds, "picks", 0) == pytest.approx((6, 6, 6))
     assert errors_of_frames.gain(found, seconds, "picks", 1) == pytest.approx((9, 9, 9))
     trial = Trial()
-    which_cache.gain_figure(
-        trial, "x", passes_of({"exact": (4.0, 6.0, 3.0), "a": (1.0, 1.0, 2.0)}), "a"
-    )
+    passes = passes_of({"exact": (4.0, 6.0, 3.0), "a": (1.0, 1.0, 2.0)})
+    which_cache.gain_figure(trial, "x", passes, "a")
     (made,) = trial.figures
     assert made["ratio"] == pytest.approx(6) and made["gain_rel"] == pytest.approx(9)
     # Both errors are known to a tenth: their ratio to a tenth of √2, in logarithms
     ends = [6 * np.exp(sign * 0.1 * np.sqrt(2)) for sign in (-1, 1)]
     assert [made["low"], made["high"]] == pytest.approx(ends)
     machine = {"processor": "p", "cores": 2}
-    printed = text(
-        {"bench": "b", "machine": machine, "figures": [made], "skipped": [], "answers": []}
-    )
+    result = {"bench": "b", "machine": machine, "figures": [made], "skipped": [], "answers": []}
+    printed = text(result)
     assert "6.00x [" in printed and "relMSE 9.00x" in printed
     assert (made["value"], made["baseline"]) == (1.0, 4.0)
     assert (made["cpu_s"], made["exact_cpu_s"]) == (2.0, 3.0)

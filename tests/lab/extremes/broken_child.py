@@ -46,12 +46,8 @@ def ends(full: bool) -> Iterator[Case]:
     os._exit(3)
 
 
-FAMILIES.update(
-    {
-        name: Experiment(description="made up", function=made)
-        for name, made in {"broken": cases, "stops": stops, "ends": ends}.items()
-    }
-)
+for name, made in {"broken": cases, "stops": stops, "ends": ends}.items():
+    FAMILIES[name] = Experiment(description="made up", function=made)
 
 if __name__ == "__main__":
     children.child(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4] == "full")

@@ -77,12 +77,8 @@ def test_a_value_holds_up_to_its_limit(value, limit, holds):
 def report(**values: Any) -> dict[str, Any]:
     checks = [{"name": n, "value": v, "limit": 1, "holds": v is not None and v <= 1}
               for n, v in values.items()]  # fmt: skip
-    return {
-        "checks": checks,
-        "cpu": "a CPU",
-        "isa": {"active": "avx2"},
-        "versions": {"embree": "3"},
-    }
+    machine = {"cpu": "a CPU", "isa": {"active": "avx2"}, "versions": {"embree": "3"}}
+    return {"checks": checks, **machine}
 
 
 def test_two_reports_differ_where_states_or_values_do():
@@ -105,9 +101,8 @@ def test_doctor_compares_two_files(capsys, tmp_path):
     assert cli.main(["doctor", "--compare", paths[0], paths[1]]) == 0
     assert "x: value 0.1 and 0.9\n1 differences" in capsys.readouterr().out
     assert cli.main(["doctor", "--compare", paths[0], paths[2], "--json"]) == 1
-    assert json.loads(capsys.readouterr().out) == {
-        "differences": [{"name": "x", "what": "holds", "a": True, "b": False}]
-    }
+    held = {"name": "x", "what": "holds", "a": True, "b": False}
+    assert json.loads(capsys.readouterr().out) == {"differences": [held]}
     Path(paths[0]).write_text("{}")
     assert cli.main(["doctor", "--compare", paths[0], paths[2]]) == 2
     assert "must be an output of viscache doctor --json" in capsys.readouterr().err
@@ -128,13 +123,8 @@ def test_doctor_prints_a_line_and_a_record_per_check(capsys, monkeypatch):
     assert cli.main(["doctor", "--extremes", "--json"]) == 1
     captured = capsys.readouterr()
     got = json.loads(captured.out)
-    assert got["checks"][-1] == {
-        "name": "a: bad",
-        "value": 2.0,
-        "limit": [0.0, 1.0],
-        "holds": False,
-        "family": "a",
-    }
+    bad = {"name": "a: bad", "value": 2.0, "limit": [0.0, 1.0], "holds": False, "family": "a"}
+    assert got["checks"][-1] == bad
     assert got["isa"]["active"] and got["cpu"] and got["versions"]["embree"] and not got["ok"]
     assert "FAIL a: bad (2, limit 0 … 1)" in captured.err
     made.pop()

@@ -103,11 +103,8 @@ def test_presets_stand_side_by_side_with_what_was_given():
 
 
 def test_false_colours_are_equal_where_keys_are():
-    shot = Shot(
-        scene=vc.scenes.bumpy_spheres(triangles=2000, spheres=4),
-        size=(48, 40),
-        integrator=vc.Direct(),
-    )
+    scene = vc.scenes.bumpy_spheres(triangles=2000, spheres=4)
+    shot = Shot(scene=scene, size=(48, 40), integrator=vc.Direct())
     samples = aqvc_clusters.eye_samples(shot)
     keys = samples.keys(vc.Aqvc(c_e=8))
     image = aqvc_clusters.false_colors(samples, keys, (40, 48)).reshape(-1, 3)
@@ -171,13 +168,12 @@ def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch):
 
 
 def test_sweeps_run_from_end_to_end_of_the_papers_ranges():
-    ranges = {
-        ("delta", True): printed.DELTA_AA,
-        ("delta", False): printed.DELTA_PLAIN,
-        ("courtyard", True): printed.SMOOTH_AA,
-        ("courtyard", False): printed.SMOOTH_PLAIN,
-    }
-    for (name, antialiased), (low, high) in ranges.items():
+    for name, antialiased, (low, high) in (
+        ("delta", True, printed.DELTA_AA),
+        ("delta", False, printed.DELTA_PLAIN),
+        ("courtyard", True, printed.SMOOTH_AA),
+        ("courtyard", False, printed.SMOOTH_PLAIN),
+    ):
         for quick in (False, True):
             values = aqvc_sweeps.c_e_values(SETUPS[name], antialiased, quick)
             for preset in ("default", "paper"):
@@ -220,12 +216,10 @@ def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows():
     image[0, 1] = 4.0
     shown = aqvc_claims.seen(Frame(layers={"color": image}), 2.0)
     np.testing.assert_allclose(shown, [[0.5, 1.0]], rtol=1e-6)
-    views = aqvc_claims.cameras(3)
-    np.testing.assert_allclose(
-        [view.origin for view in views],
-        [aqvc_claims.PATH[0], np.mean(aqvc_claims.PATH, axis=0), aqvc_claims.PATH[1]],
-        rtol=1e-6,
-    )
+    first, last = aqvc_claims.PATH
+    path = [first, np.mean(aqvc_claims.PATH, axis=0), last]
+    origins = [view.origin for view in aqvc_claims.cameras(3)]
+    np.testing.assert_allclose(origins, path, rtol=1e-6)
 
 
 def test_a_picture_is_exact_above_the_diagonal_and_cached_below():

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from codebase.repository import text
-from lab.figures.every_band import EVERY
+from lab.figures.test_bands import EVERY
 from viscache_lab.experiment import Band, Row, claims_pages
 from viscache_lab.experiment.claim_rules import Claim, interval
 from viscache_lab.experiment.claims_pages import PAGES, filled
@@ -22,7 +22,6 @@ FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith(
 
 
 def claim_of(band: Band) -> tuple[str, str, str, float, float]:
-    assert band.claimed is not None
     one = band.claimed
     return band.said, one.rule, one.because, one.low, one.high
 
@@ -62,16 +61,12 @@ def test_the_frame_of_each_claim_is_listed(name):
 
 def result(*rows: Row, **others: Any) -> dict[str, Any]:
     """A figure's result, as `figures.reproduce` returns it."""
-    return {
-        "figure": "aqvc-claims",
-        "rows": [row.as_dict() for row in rows],
-        "quick": False,
-        "size": None,
+    made = {"figure": "aqvc-claims", "quick": False, "size": None, "seconds": 6.04, "cpu_s": 10.0}
+    made |= {
+        "rows": [r.as_dict() for r in rows],
         "provenance": {"date": "2026-11-26T20:01:06+00:00"},
-        "seconds": 6.04,
-        "cpu_s": 10.0,
-        **others,
     }
+    return made | others
 
 
 WIDE = Band(0.5, math.inf, "Fig. 1: more; expected: much", claimed=Claim.by("more"))
@@ -81,10 +76,8 @@ def test_a_run_is_kept_with_its_bands_and_claims():
     run = kept(result(Row("a", 0.7, band=WIDE), Row("b", 0.4, band=WIDE), Row("c", 2.0)), "C")
     assert (run.date, run.machine, run.seconds, run.bands) == ("2026-11-26", "C", 6.0, 2)
     assert [row.what for row in run.failing] == ["b"]
-    assert [(row.what, row.said, row.found) for row in run.judged] == [
-        ("a", "Fig. 1: more", False),
-        ("b", "Fig. 1: more", False),
-    ]
+    judged = [(row.what, row.said, row.found) for row in run.judged]
+    assert judged == [(name, "Fig. 1: more", False) for name in "ab"]
     assert read(written({"aqvc-claims": run})) == {"aqvc-claims": run}
 
 

@@ -61,23 +61,13 @@ def test_growth_is_that_of_time_and_steps_over_that_of_triangles():
 
 def test_the_walk_compares_tracers_frame_by_frame():
     ms = {
-        "OpenGL-like": {
-            "CRT": (3.0, 9.0, 4.0),
-            "VLF-RT": (2.0, 3.0, 4.0),
-            "Embree": (1.0, 1.0, 1.0),
-            FAST_EMBREE: (0.5, 0.5, 0.5),
-        },
-        "Whitted": {
-            "CRT": (8.0, 9.0, 5.0),
-            "VLF-RT": (4.0, 9.0, 10.0),
-            "Embree": (2.0, 3.0, 5.0),
-            FAST_EMBREE: (1.0, 3.0, 4.0),
-        },
+        "OpenGL-like": ((3.0, 9.0, 4.0), (2.0, 3.0, 4.0), (1.0, 1.0, 1.0), (0.5, 0.5, 0.5)),
+        "Whitted": ((8.0, 9.0, 5.0), (4.0, 9.0, 10.0), (2.0, 3.0, 5.0), (1.0, 3.0, 4.0)),
     }
     table = [
         {"frame": k, "method": method, "shading": shading, "ms": value}
         for shading, methods in ms.items()
-        for method, values in methods.items()
+        for method, values in zip((*TUNED, FAST_EMBREE), methods, strict=True)
         for k, value in enumerate(values)
     ]
     rows = list(vlf_frames._walk_rows(table, TUNED, quick=False))
@@ -95,18 +85,10 @@ def test_the_walk_compares_tracers_frame_by_frame():
 
 
 def test_ambient_occlusion_compares_the_better_order_of_embree():
-    seconds = {
-        "CRT, by point": 30.0,
-        "CRT, by direction": 25.0,
-        "VLF-RT, by point": 12.0,
-        "VLF-RT, by direction": 10.0,
-        "Embree, by point": 4.0,
-        "Embree, by direction": 3.0,
-        f"{FAST_EMBREE}, by point": 3.0,
-        f"{FAST_EMBREE}, by direction": 2.5,
-        vlf_occlusion.EMBREE_ROWS: 2.0,
-        "aligned batch": 1.0,
-    }
+    seconds = {vlf_occlusion.EMBREE_ROWS: 2.0, "aligned batch": 1.0}
+    times = ((30.0, 25.0), (12.0, 10.0), (4.0, 3.0), (3.0, 2.5))
+    for name, (by_point, by_direction) in zip((*TUNED, FAST_EMBREE), times, strict=True):
+        seconds |= {f"{name}, by point": by_point, f"{name}, by direction": by_direction}
     rows, gain = vlf_occlusion._scene_rows("cow", seconds, TUNED, quick=False)
     assert gain == 2.5
     assert measured(rows) == {
@@ -159,12 +141,8 @@ def test_a_speed_up_is_the_exact_frames_time_over_the_cached_ones():
 def test_ambient_occlusion_compares_the_reference_with_the_cache():
     def frame(seconds: float, **counters: float) -> Any:
         layers = {"ambient": np.ones((2, 2)), "coverage": np.ones((2, 2, 1))}
-        return SimpleNamespace(
-            image=np.full((2, 2, 3), 0.5),
-            layers=layers,
-            counters=counters,
-            timings={"total_s": seconds},
-        )
+        image, timings = np.full((2, 2, 3), 0.5), {"total_s": seconds}
+        return SimpleNamespace(image=image, layers=layers, counters=counters, timings=timings)
 
     cached = frame(3.0, rays_per_point=4.0, records=7, without_record=0)
     rows = measured(vismap_ambient._rows(frame(12.0), cached, 256, quick=True))

@@ -26,7 +26,6 @@ def prepared(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str = OLD_SKY)
     (folder / "others/old/scene.xml").write_text(text)
     monkeypatch.setenv("VISCACHE_SCENES", str(folder / "others"))
     (scene,) = shared_scenes(folder / "made", only="shared/old")
-    assert scene.path is not None
     return scene.path
 
 

@@ -41,7 +41,6 @@ def brighter(factor: float, load: Callable[..., Loaded]) -> Callable[..., Loaded
 
     def wrong(path: Path, threads: int | None = None) -> Loaded:
         loaded = load(path, threads)
-        assert loaded.render is not None
         inner = loaded.render
 
         def picture(spp: int, seed: int) -> FloatImage:
@@ -58,7 +57,6 @@ class TestWithMitsuba:
     def test_a_cube_agrees_and_five_per_cent_more_light_does_not(self, monkeypatch):
         (right,) = run()
         assert right.verdict == "agrees"
-        assert right.compared is not None
         assert right.compared.power < 0.1
         load = judging.load_viscache
         monkeypatch.setattr(judging, "load_viscache", brighter(1.05, load))
@@ -79,7 +77,6 @@ class TestWithMitsuba:
             monkeypatch.setattr(judging, "load_viscache", lambda p, threads: load(other, threads))
             found = judge(mi, "wrong", path, effort=effort)
         assert found.silent_miss
-        assert found.compared is not None
         assert found.compared.energy_difference == pytest.approx(0.05, abs=0.01)
 
     def test_what_is_warned_of_is_listed_with_its_warning(self):
@@ -113,7 +110,6 @@ class TestWithMitsuba:
         page = (tmp_path / "index.html").read_text("utf-8")
         assert not re.search(r"""(src|href)=["']?http|url\(""", page)
         data = re.search(r'id="data" type="application/json">(.*?)</script>', page, re.S)
-        assert data is not None
         pictures = json.loads(data[1])["pictures"]
         assert sorted(pictures) == sorted(r.name for r in found)
         for four in pictures.values():
