@@ -3,7 +3,6 @@
 import os
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,7 +13,7 @@ __all__ = ["fake_vc", "finished", "without_netcdf"]
 
 
 @pytest.fixture(scope="session")
-def shared_scenes() -> Path:
+def shared_scenes():
     """Folder of scenes by other authors; tests that need it are skipped without it."""
     default = Path(__file__).resolve().parents[2] / "shared" / "scenes"
     folder = Path(os.environ.get("VISCACHE_SCENES", default))
@@ -24,7 +23,7 @@ def shared_scenes() -> Path:
 
 
 @pytest.fixture(scope="session")
-def room() -> Any:
+def room():
     """A scene that tests leave as it is."""
     from reference.built import built
 

@@ -204,7 +204,7 @@ def test_what_is_no_table_is_refused():
 def test_an_interrupted_frame_writes_nothing():
     table = vc.AqvcTable(table_bytes=1 << 20)
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -266,7 +266,7 @@ def test_a_table_serves_one_frame_at_a_time():
     table = vc.AqvcTable(table_bytes=1 << 20)
     assert table.entries().shape == (0,)
 
-    def ask_again(done: int, total: int) -> None:
+    def ask_again(done, total):
         for call in (lambda: frame(scene(), table), table.entries):
             with pytest.raises(ValueError, match="the table must not be in use by another call"):
                 call()

@@ -139,7 +139,7 @@ REFUSED, OF_THE_TABLE = {"form", "storage"}, {"hash", "digest_bits"}
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     """Every kind of light that a direct integrator with virtual point lights has."""
     description = vc.scenes.SCENES["cornell_box"].builder().description
     description.add_point_light((-0.15, 0.5, -0.1), (0.4, 0.4, 0.4))

@@ -25,7 +25,7 @@ from viscache.sweeps.tune import Pilot, Tuned
 
 @given(scale=st.floats(1e-4, 1e-2), power=st.floats(0.3, 2.0), target=st.floats(2e-3, 0.1))
 def test_the_search_finds_the_c_e_of_any_power_law(scale, power, target):
-    def error(c_e: float) -> Pilot:
+    def error(c_e):
         return Pilot(c_e, scale * c_e**power, 1.0)
 
     tried = search(error, target, C_E)
@@ -150,7 +150,7 @@ def test_under_a_sky_light_cells_are_made_as_small_as_the_target_needs():
 
 
 def test_light_cells_are_halved_until_they_leave_half_of_the_target():
-    def groups(tried: vc.Aqvc) -> dict[str, float]:
+    def groups(tried):
         return {"environment": 0.08 * tried.resolved()["c_l"], "point": 1.0}
 
     assert isinstance(with_light_cells(groups, vc.Aqvc(), 0.2).c_l, NotGiven)
@@ -159,7 +159,7 @@ def test_light_cells_are_halved_until_they_leave_half_of_the_target():
     assert with_light_cells(groups, vc.Aqvc(c_l=2), 1e-9).c_l == 2
     tried: list[float] = []
 
-    def slow(setting: vc.Aqvc) -> dict[str, float]:
+    def slow(setting):
         tried.append(setting.resolved()["c_l"])
         return {"environment": 0.08 * tried[-1] ** 0.5}
 
@@ -293,7 +293,7 @@ def test_tuning_costs_less_than_twenty_of_the_frames_it_finds(monkeypatch, spp, 
     """By counted queries and rays. A frame of few tiles, and one of enough to be halved."""
     spent = []
 
-    def counting(*given: Any, **more: Any) -> vc.Frame:
+    def counting(*given, **more):
         made = render_part(*given, **more)
         spent.append(modelled(made.counters, exact=isinstance(given[0].visibility, vc.Exact)))
         return made

@@ -9,7 +9,6 @@ import random
 import re
 import shutil
 import sqlite3
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -32,11 +31,11 @@ pytestmark = pytest.mark.usefixtures("without_netcdf")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Path, Path]]:
+def whole(tmp_path_factory):
     """The folder and the file of a format, made once."""
     made: dict[str, tuple[Path, Path]] = {}
 
-    def get(name: str) -> tuple[Path, Path]:
+    def get(name):
         if name not in made:
             folder = tmp_path_factory.mktemp("whole")
             made[name] = (folder, KEPT[name].make(folder))
@@ -46,9 +45,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Pat
 
 
 @pytest.fixture(params=KEPT)
-def case(
-    request: pytest.FixtureRequest, whole: Callable[[str], tuple[Path, Path]], tmp_path: Path
-) -> tuple[Kept, Path]:
+def case(request, whole, tmp_path):
     """A format and a copy of its file."""
     folder, path = whole(request.param)
     copy = tmp_path / "copy"
@@ -248,7 +245,7 @@ def test_a_frame_of_other_numbers_is_refused(tmp_path):
 
 
 def test_stores_of_others_and_of_before_are_refused_before_they_change(tmp_path):
-    def made(*statements: str) -> Path:
+    def made(*statements):
         path = tmp_path / "sweep.sqlite"
         path.unlink(missing_ok=True)
         with closing(sqlite3.connect(path)) as db, db:

@@ -4,7 +4,6 @@ import functools
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +43,7 @@ class SmallDisk:
 
 
 @pytest.fixture
-def disk(tmp_path: Path) -> Iterator[SmallDisk]:
+def disk(tmp_path):
     folder = tmp_path / "disk"
     folder.mkdir()
     mounted = run("mount", "-t", "tmpfs", "-o", "size=300k", "viscache-test", folder)
@@ -81,7 +80,7 @@ def one_line(capsys: pytest.CaptureFixture[str], words: list[str]) -> str:
 
 
 def test_a_state_is_the_last_whole_one(disk):
-    def picture() -> vc.Progressive:
+    def picture():
         return vc.Progressive(SCENE, LIGHTS, size=(24, 16), threads=1)
 
     going, state = picture(), disk.folder / "state.npz"

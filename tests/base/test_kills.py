@@ -100,7 +100,7 @@ FULL = [
 def test_a_disk_that_takes_nothing_is_one_line_that_says_what_to_do(
     number, text, says, out, tmp_path, monkeypatch, capsys
 ):
-    def refuse(self: Path, target: Any) -> None:
+    def refuse(self, target):
         raise OSError(number, text, str(target))
 
     monkeypatch.setattr(Path, "replace", refuse)
@@ -112,7 +112,7 @@ def test_a_disk_that_takes_nothing_is_one_line_that_says_what_to_do(
 
 
 def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(tmp_path, monkeypatch, capsys):
-    def full(*given: Any, **more: Any) -> None:
+    def full(*given, **more):
         raise OSError(errno.ENOSPC, "No space left on device", "x")
 
     monkeypatch.setattr(everything, "reproduce", full)
@@ -124,7 +124,7 @@ def test_a_full_disk_ends_all_figures_and_is_no_figures_fault(tmp_path, monkeypa
 def test_a_limit_on_the_size_of_files_leaves_nothing_half_written(tmp_path):
     """A real failure of writes, of an EXR and of a sweep."""
 
-    def limited() -> None:
+    def limited():
         resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 
     words = ["render", SCENE, "--integrator", "direct", "--size", "64x64"]

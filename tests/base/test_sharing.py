@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -25,7 +25,7 @@ FIELD = vc.Vlf(n_directions=9, n_tiles=4)
 
 
 @pytest.fixture
-def quick_switches() -> Iterator[None]:
+def quick_switches():
     """Threads change at almost every step."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
@@ -52,7 +52,7 @@ def at_once(calls: list[Callable[[], Any]]) -> list[Any]:
 def test_threads_get_one_object(kept):
     cache, calls = kept(), []
 
-    def make() -> object:
+    def make():
         calls.append(1)
         time.sleep(0.02)
         return object()
@@ -99,7 +99,7 @@ def test_casters_in_turns_are_the_ones_asked_for(quick_switches):
     scene = vc.scenes.cube_on_plane()
     kinds = {vc.Bsp(): _core.visibility.BspCaster, FIELD: _core.vlf.VisibilityField}
 
-    def ask(rays: Any) -> Callable[[], bool]:
+    def ask(rays):
         return lambda: all(type(scene.caster(rays, threads=1)) is kinds[rays] for _ in range(40))
 
     assert all(at_once([ask(rays) for rays in kinds] * 2))
@@ -118,7 +118,7 @@ def test_turns_are_taken_in_order():
     """A thread that comes again at once does not keep out one that waits."""
     turn, order = Turn("it"), []
 
-    def other() -> None:
+    def other():
         with turn:
             order.append("other")
 
@@ -180,7 +180,7 @@ def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang():
     other = vc.VisibilityMapCache(cache.scene, cache.settings)
     began, end = threading.Event(), threading.Event()
 
-    def wait(done: int, total: int) -> None:
+    def wait(done, total):
         began.set()
         end.wait()
 
@@ -200,7 +200,7 @@ def test_a_child_that_was_forked_meanwhile_is_refused_and_does_not_hang():
 def test_a_child_makes_what_another_thread_was_making():
     cache, began, end = MadeOnce(), threading.Event(), threading.Event()
 
-    def make() -> str:
+    def make():
         began.set()
         end.wait()
         return "made"
@@ -252,27 +252,27 @@ PICTURES: dict[str, dict[str, Any]] = {
 def test_a_picture_is_saved_whole_while_it_is_rendered(kind, tmp_path, quick_switches):
     scene, path = vc.scenes.cube_on_plane(), tmp_path / "state.npz"
 
-    def picture() -> vc.Progressive:
+    def picture():
         return vc.Progressive(scene, **PICTURES[kind], **SMALL)
 
     shared, saved, seen, ended = picture(), [], [], threading.Event()
     shared.passes(1)
 
-    def render() -> None:
+    def render():
         try:
             while len(saved) < 3 and shared.n_passes < 100:
                 shared.passes(1)
         finally:
             ended.set()
 
-    def save() -> None:
+    def save():
         while not ended.is_set():
             shared.save(path)
             again = picture()
             again.load(path)
             saved.append((again.n_passes, again.frame.sha256))
 
-    def look() -> None:
+    def look():
         while not ended.is_set():
             frame = shared.frame
             seen.append((frame.parameters["passes"], frame.sha256))
@@ -288,7 +288,7 @@ def test_a_picture_is_saved_whole_while_it_is_rendered(kind, tmp_path, quick_swi
 
 
 def test_threads_that_render_one_picture_render_each_pass_once():
-    def picture() -> vc.Progressive:
+    def picture():
         return vc.Progressive(vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=8), **SMALL)
 
     shared = picture()
@@ -320,7 +320,7 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
     moving = vc.vlf.DynamicField(scene, vc.Vlf(n_directions=9, n_tiles=4, head_room=3.0))
     up = np.tile([0, 1.0, 0], (50, 1))
 
-    def move() -> bytes:
+    def move():
         one = moving.insert([[0, 2, 0], [1, 2, 0], [0, 2, 1]], [[0, 1, 2]])
         moving.transform(one, np.eye(4))
         moving.delete(one)
@@ -341,7 +341,7 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
     ]
     expected = [call() for call in calls]
 
-    def repeat(call: Callable[[], Any]) -> Callable[[], list[Any]]:
+    def repeat(call):
         return lambda: [call() for _ in range(4)]
 
     for one, found in zip(expected, at_once([repeat(call) for call in calls]), strict=True):
@@ -352,7 +352,7 @@ def test_a_kept_table_in_use_is_refused_to_all_others():
     scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 16)
     told: list[str] = []
 
-    def report(done: int, total: int) -> None:
+    def report(done, total):
         told.extend(
             refusal(call) for call in (table.forget, lambda: table.moved(scene), table.entries)
         )

@@ -1,7 +1,6 @@
 """Fixtures: a report whose pictures are known, and a browser."""
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from sweeps import stand_in
 
 
 @pytest.fixture(scope="session")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
+def page(tmp_path_factory):
     """A report of 3 × 2 settings, moved away from its directory."""
     from viscache import report
     from viscache.sweeps.store import Store
@@ -45,7 +44,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+def browser(tmp_path_factory):
     if not CHROMIUM:
         pytest.skip("chromium is not installed")
     started = Browser(tmp_path_factory.mktemp("profile"))
@@ -54,7 +53,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 
 @pytest.fixture
-def tab(browser: Browser, page: Report) -> Iterator[Browser]:
+def tab(browser, page):
     """The browser at its usual size. Every test fails on an error of the page or a request."""
     browser.errors.clear()
     browser.size(1200, 1000)

@@ -1,10 +1,7 @@
 """The page of the parity suite in a real browser: folded pictures, sorting and filters."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from devtools import Browser
 
 from viscache_lab.parity.blocks import block_means, compare
 from viscache_lab.parity.judge import Judged, Verdict
@@ -32,7 +29,7 @@ def result(name: str, verdict: Verdict, factor: float, why: str = "") -> Judged:
 
 
 @pytest.fixture
-def opened(tab: Browser, tmp_path: Path) -> Browser:
+def opened(tab, tmp_path):
     results = [
         result("shape/cube", "agrees", 1.0),
         result("light/spot", "differs", 1.3, "energy +30.0%"),

@@ -1,11 +1,9 @@
 """What the report's script unpacks and computes is what NumPy does, on coloured pictures."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from devtools import Browser
 
 from reference import report_pictures as packed
 from viscache import report
@@ -15,7 +13,7 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture
-def pair(tab: Browser, tmp_path: Path) -> dict[str, np.ndarray]:
+def pair(tab, tmp_path):
     """Codes of two coloured pictures on an open page, some below 0."""
     rng = np.random.default_rng(0)
     reference = rng.uniform(0, 2, (9, 14, 3)) ** 3

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture
-def data(page: Report) -> dict[str, Any]:
+def data(page):
     return packed.model(page.path.read_text("utf-8"))
 
 
@@ -188,7 +188,7 @@ def test_two_fingers_pinch(tab, page):
     left, top, width, height = tab.box("stage")
     middle, centre = top + height / 2, left + width / 2
 
-    def fingers(kind: str, apart: float) -> None:
+    def fingers(kind, apart):
         points = [
             {"x": centre + side * apart / 2, "y": middle - 40, "id": i}
             for i, side in enumerate((-1, 1))

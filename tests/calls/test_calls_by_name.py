@@ -15,7 +15,7 @@ SIZE = (24, 16)
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     return vc.scenes.build(SPEC)
 
 

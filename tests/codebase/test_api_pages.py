@@ -92,7 +92,7 @@ def shown(pages: dict[str, str]) -> list[tuple[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def everything() -> list[tuple[str, Any]]:
+def everything():
     pages = sources(".rst", under="docs/api/")
     assert len(pages) >= 9
     return shown(pages)

@@ -102,7 +102,7 @@ def test_tests_lie_in_folders_named_as_the_rooms():
 
 
 def test_the_version_is_the_same_everywhere():
-    def find(path: str, pattern: str) -> str:
+    def find(path, pattern):
         match = re.search(pattern, text(path), re.M)
         assert match, f"{path} must hold {pattern}"
         return match[1]

@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,10 +22,10 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
+def run(capsys):
     """Status, output and complaints of a command line."""
 
-    def run(*words: str) -> tuple[int, str, str]:
+    def run(*words):
         status = cli.main(list(words))
         return status, *capsys.readouterr()
 
@@ -34,7 +33,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 @pytest.fixture
-def pair(tmp_path: Path) -> tuple[str, str]:
+def pair(tmp_path):
     b = np.random.default_rng(0).random((16, 20, 3)) + 0.1
     Frame(layers={"color": b * 1.1}).save(tmp_path / "a.exr")
     Frame(layers={"color": b}).save(tmp_path / "b.exr")
@@ -139,7 +138,7 @@ def test_a_report_says_what_its_directory_must_be_and_what_it_is(run, tmp_path):
 
 
 def test_too_little_memory_is_one_line(run, tmp_path, monkeypatch):
-    def full(*_: Any, **__: Any) -> None:
+    def full(*_, **__):
         raise MemoryError("std::bad_alloc")
 
     monkeypatch.setattr(viscache, "render", full)
@@ -195,7 +194,7 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(run, mon
     machine = {"processor": "p", "cores": 1}
     answer = {"what": "same hits", "value": 1.0, "limit": 0.0}
 
-    def made(name: str, quick: bool = False, **_: Any) -> dict[str, Any]:
+    def made(name, quick=False, **_):
         holds = name == "right"
         return {
             "bench": name,

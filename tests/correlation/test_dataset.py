@@ -19,7 +19,7 @@ from viscache.correlation import (
 
 
 @pytest.fixture(scope="module")
-def measured() -> xarray.Dataset:
+def measured():
     return measure("bumpy_spheres?triangles=3000", n_points=400, map_size=16)
 
 

@@ -105,7 +105,7 @@ def test_jittered_directions_are_uniform_in_their_cells():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_seed_alone_decides(kind):
-    def made(seed: int) -> Any:
+    def made(seed):
         return vc.correlation.DirectionSet(map_size=20, kind=kind, seed=seed).directions.tobytes()
 
     assert made(1) == made(1)

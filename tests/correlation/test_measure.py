@@ -37,12 +37,12 @@ def assert_same(a: xarray.Dataset, b: xarray.Dataset) -> None:
 
 
 @pytest.fixture(scope="module")
-def problem() -> Points:
+def problem():
     return bumpy(260)
 
 
 @pytest.fixture(scope="module")
-def measured() -> xarray.Dataset:
+def measured():
     return measure(SCENE, **SMALL)
 
 

@@ -24,7 +24,7 @@ def assert_same(a: pairs.PairTable, b: pairs.PairTable) -> None:
 
 
 @pytest.fixture(scope="module")
-def points() -> Points:
+def points():
     return random_points(n=700, groups=4)
 
 
@@ -205,7 +205,7 @@ def test_progress_counts_pairs_and_may_stop_the_call():
     tiles = pairs.tile_list(points.group, 100)
     assert calls[-1] == (tiles["pairs"][:20].sum(),) * 2
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

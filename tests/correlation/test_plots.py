@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-import xarray
 
 from viscache.correlation import measure, plots
 
 
 @pytest.fixture(scope="module")
-def measured() -> xarray.Dataset:
+def measured():
     return measure("bumpy_spheres?triangles=3000", n_points=600, map_size=16, points="camera")
 
 

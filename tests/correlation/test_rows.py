@@ -127,7 +127,7 @@ def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit():
     scene = clutter()
     points = vc.correlation.surface_points(scene, 3000, seed=2)
 
-    def traced(order: Any, threads: int, which: Any = slice(None)) -> Any:
+    def traced(order, threads, which=slice(None)):
         return _core.correlation.visibility_rows(
             scene._core,
             scene.caster(),

@@ -101,7 +101,7 @@ def _dask(folder: Path, *words: str) -> subprocess.Popen[bytes]:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
+def cluster(tmp_path):
     folder = tmp_path / "cluster"
     folder.mkdir()
     made = Cluster(folder, _dask(folder, "scheduler", "--host", "127.0.0.1", "--port", "0"))
@@ -115,7 +115,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
 
 
 @pytest.fixture
-def run(cluster: Cluster, tmp_path: Path) -> Iterator[Logged]:
+def run(cluster, tmp_path):
     with workers.dask_executor(cluster.address) as executor:
         executor._client.wait_for_workers(2, timeout=60)
         yield Logged(executor, tmp_path / "tasks.log")

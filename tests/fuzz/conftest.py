@@ -1,22 +1,16 @@
 """The frame of all fuzzers."""
 
-from collections import Counter
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from fuzz import campaign
 
 
 @pytest.fixture
-def fuzz(
-    pytestconfig: pytest.Config, tmp_path: Path
-) -> Callable[[campaign.Target, str], Counter[str]]:
+def fuzz(pytestconfig, tmp_path):
     """Runs a target as the options say, and fails with what no user may meet."""
     option = pytestconfig.getoption
 
-    def run(target: campaign.Target, name: str) -> Counter[str]:
+    def run(target, name):
         counts, bad = campaign.run(
             target,
             name,

@@ -9,7 +9,6 @@ import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -70,7 +69,7 @@ def test_every_public_name_is_called():
 
 
 def test_a_case_is_decided_by_its_seed():
-    def drawn(seed: int) -> list[Any]:
+    def drawn(seed):
         dice = Dice(random.Random(f"x {seed}"))
         return [repr(dice.number()) for _ in range(20)] + [dice.numpy().random()]
 

@@ -2,7 +2,6 @@
 
 import itertools
 import os
-import random
 import time
 from collections.abc import Callable
 
@@ -48,7 +47,7 @@ def test_work_and_refusals_are_allowed(tmp_path):
 
 
 def test_a_finding_is_named_by_its_seed(tmp_path):
-    def case(seeded: random.Random) -> None:
+    def case(seeded):
         if seeded.random() < 0.5:
             raise KeyError("a")
 

@@ -128,7 +128,7 @@ def test_what_was_changed_with_its_hash_is_read_or_refused_by_its_name(name, fuz
     whole.mkdir()
     place = kept.make(whole).relative_to(whole)
 
-    def case(dice: random.Random) -> None:
+    def case(dice):
         shutil.rmtree(tmp_path / "changed", ignore_errors=True)
         path = shutil.copytree(whole, tmp_path / "changed") / place
         head, arrays = kept.take(path)

@@ -168,7 +168,7 @@ def test_uniform_directions_fill_equal_area_texels_evenly():
     d = np.random.default_rng(3).normal(size=(400_000, 3))
     d /= np.linalg.norm(d, axis=1)[:, None]
 
-    def counts(there) -> Array:  # type: ignore[no-untyped-def]
+    def counts(there):  # type: ignore[no-untyped-def]
         i, j = np.minimum((there(d) * 32).astype(int), 31).T
         return np.bincount(i * 32 + j, minlength=1024).astype(float)
 

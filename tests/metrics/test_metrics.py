@@ -42,7 +42,7 @@ def test_ssim_is_scikit_images_on_what_a_viewer_sees():
     grey_a, grey_b = (i @ np.array([0.2126, 0.7152, 0.0722]) for i in (A, B))
     white = np.percentile(grey_b, 99)
 
-    def seen(grey: np.ndarray) -> np.ndarray:
+    def seen(grey):
         x = np.minimum(grey / white, 1)
         return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 

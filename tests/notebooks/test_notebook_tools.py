@@ -25,11 +25,11 @@ class Handle:
 
 
 @pytest.fixture
-def output(monkeypatch: pytest.MonkeyPatch) -> Handle:
+def output(monkeypatch):
     display = pytest.importorskip("IPython.display", reason="IPython comes with the test extra")
     handle = Handle()
 
-    def shows(picture: Any, display_id: bool) -> Handle:
+    def shows(picture, display_id):
         assert display_id
         handle.update(picture)
         return handle
@@ -70,7 +70,7 @@ def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort():
 def test_a_slider_that_moves_renders_again():
     asked: list[tuple[int, str]] = []
 
-    def render(level: int, kind: str) -> tuple[Any, str]:
+    def render(level, kind):
         asked.append((level, kind))
         return np.full((4, 6, 3), level / 10), f"{kind} {level}"
 
@@ -86,7 +86,7 @@ def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook():
     asked: list[int] = []
     begun, go_on = threading.Event(), threading.Event()
 
-    def render(level: int) -> tuple[Any, str]:
+    def render(level):
         asked.append(level)
         if level == 1:
             begun.set()
@@ -107,7 +107,7 @@ def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook():
 
 
 def test_a_live_slider_tells_what_went_wrong_and_goes_on():
-    def render(level: int) -> tuple[Any, str]:
+    def render(level):
         if level == 1:
             raise ValueError("level must be < 1")
         return np.ones((4, 6, 3)), f"level {level}"

@@ -28,7 +28,7 @@ CACHE = vc.Aqvc(c_e=16, exact_groups=())
 
 
 @pytest.fixture(scope="module")
-def hall() -> vc.Scene:
+def hall():
     lamps = ((0.3, 0.1, 1.5), (-0.9, 0.6, 1.1), (1.2, -0.7, 2.0))
     return slats([(place, 1) for place in lamps], base_color=(0.5, 0.5, 0.5))
 
@@ -110,7 +110,7 @@ def test_answers_that_the_cache_doubts_are_wrong_more_often():
 
 
 def test_octaves_follow_the_root_of_the_probability():
-    def counted(p: float, n: int = 10000) -> dict[str, int]:
+    def counted(p, n=10000):
         return {"queries": n, "corrections": n, "wrong": round(p * n)}
 
     rates = (0.64, 0.16, 0.04, 0.01, 0.0025, 0.0001, 0, 0.16)

@@ -167,7 +167,7 @@ def test_a_sweep_renders_anew_when_the_class_changes(tmp_path, monkeypatch):
 
 def test_a_swept_oracle_must_be_a_dataclass():
     class Plain:
-        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        def block(self, eyes, lamps, wanted):
             return eyes.trace(lamps, wanted)
 
     with pytest.raises(ValueError, match="visibility must be a dataclass, got"):

@@ -9,7 +9,7 @@ ROOM = "room?triangles=3000"
 
 
 @pytest.fixture(scope="module")
-def points(room: vc.Scene) -> vc.EyePoints:
+def points(room):
     """Points spread over all surfaces by area: no camera."""
     return area_points(room, 3000)
 

@@ -13,7 +13,7 @@ def connections_of(size: tuple[int, int]) -> vc.Connections:
 
 
 @pytest.fixture(scope="module")
-def conn() -> vc.Connections:
+def conn():
     return connections_of((64, 56))
 
 

@@ -66,12 +66,12 @@ def recorded(scene: vc.Scene, cache: vc.Aqvc) -> Record:
 
 
 @pytest.fixture(scope="module")
-def fine(room: vc.Scene) -> Record:
+def fine(room):
     return recorded(room, CACHE)
 
 
 @pytest.fixture(scope="module")
-def coarse(room: vc.Scene) -> Record:
+def coarse(room):
     return recorded(room, COARSE)
 
 

@@ -53,7 +53,7 @@ def test_shares_count_from_the_light_that_the_cache_sees(roughness):
     a, b = c.sum(axis=1), (c * cached).sum(axis=1)
     m = a.sum() / (SIZE[0] * SIZE[1])
 
-    def agrees(contributions: Floats, reference: Floats) -> float:
+    def agrees(contributions, reference):
         """Share of the changed answers whose h follows, up to the noise of m."""
         next_bound = CERTAIN * reference[:, None] * 2.0**-h
         below = (contributions <= 2 * next_bound * NEAR) | (h == 0)

@@ -17,7 +17,7 @@ SHARES = [0.5, 0.25, 0.12, 0.06, 0.04, 0.015, 0.008, 0.004, 0.0015, 0.001, 0.000
 
 
 @pytest.fixture(scope="module")
-def wall() -> vc.Scene:
+def wall():
     """A large plane between all eye points (below) and all lights (above)."""
     corners = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0]]
     scene: vc.Scene = vc.Scene.from_arrays(
@@ -148,7 +148,7 @@ def test_each_class_and_band_is_drawn_with_its_share(wall, truth):
             want = 2.0**band if truth == "visible" else 1 - 2.0**band
             np.testing.assert_array_equal(weight[mine & drawn], np.float32(want))
 
-    def z(weights: npt.NDArray[Any]) -> float:
+    def z(weights):
         away = (weights - float(truth == "visible"))[:, wrong].sum(dtype=np.float64)
         return float(abs(away) / np.sqrt((2.0**h - 1)[:, wrong].sum()))
 

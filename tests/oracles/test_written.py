@@ -87,7 +87,7 @@ def test_traced_rays_make_the_exact_frame(room, integrator, options, oracle):
 def test_sweeps_go_over_its_fields_and_correct_it(room, tmp_path):
     cells = [0.1, 0.4]
 
-    def swept(name: str, **use: Any) -> Any:
+    def swept(name, **use):
         given: dict[str, Any] = {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"], **use}
         over = {"visibility.cell": cells}
         return vc.sweep(room, WHITTED, over=over, directory=tmp_path / name, **given)
@@ -106,7 +106,7 @@ def test_sweeps_go_over_its_fields_and_correct_it(room, tmp_path):
 def test_weights_count(room):
     exact = vc.render(room, WHITTED, size=SIZE)
 
-    def halves(**options: Any) -> list[vc.Frame]:
+    def halves(**options):
         oracles = [Half(seed=seed, **options) for seed in range(16)]
         return [vc.render(room, WHITTED, size=SIZE, visibility=o) for o in oracles]
 
@@ -119,13 +119,13 @@ def test_it_may_be_told_of_frames_and_tiles(room):
     told: list[tuple[str, int]] = []
 
     class Told:
-        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        def block(self, eyes, lamps, wanted):
             return eyes.trace(lamps, wanted)
 
-        def begin_frame(self, lights: Any) -> None:
+        def begin_frame(self, lights):
             told.append(("frame", len(lights)))
 
-        def begin_tile(self, eyes: Any) -> None:
+        def begin_tile(self, eyes):
             told.append(("tile", len(eyes)))
 
     frame = vc.render(room, WHITTED, size=(256, 200), visibility=Told(), threads=2)
@@ -140,7 +140,7 @@ def test_state_of_a_tile_is_each_threads_own(room):
     class Counting:
         seen: int = 0
 
-        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        def block(self, eyes, lamps, wanted):
             before = self.seen
             self.seen += 1
             answer = eyes.trace(lamps, wanted)
@@ -181,7 +181,7 @@ def test_nonsense_is_refused_and_loses_nothing(room, answer, match):
 
 
 def test_an_exception_ends_the_frame_with_its_traceback(room):
-    def answer(eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def answer(eyes, lamps, wanted):
         raise KeyError("my own mistake")
 
     with pytest.raises(KeyError, match="my own mistake") as caught:
@@ -196,7 +196,7 @@ def test_what_is_no_oracle_is_refused(room, given):
 
 
 def test_a_cancelled_frame_is_interrupted(room):
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

@@ -18,7 +18,7 @@ CACHE = vc.Aqvc(c_e=40, exact_groups=())
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return vc.scenes.room(triangles=3000)
 
 

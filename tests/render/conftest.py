@@ -1,12 +1,10 @@
 """Mitsuba 3 for the tests of this folder."""
 
-from typing import Any
-
 import pytest
 
 
 @pytest.fixture(scope="module")
-def mi() -> Any:
+def mi():
     mitsuba = pytest.importorskip("mitsuba")
     mitsuba.set_variant("scalar_rgb")
     mitsuba.set_log_level(mitsuba.LogLevel.Error)

@@ -51,7 +51,7 @@ def test_blockers_beyond_the_maximum_distance_do_not_count(distribution):
     ceiling = quad((-50, 1, -50), (100, 0, 0), (0, 0, 100))
     model = Model((PLANE, ceiling), origin=(0, 0.9, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=10)
 
-    def share(distance: float | None) -> float:
+    def share(distance):
         frame = ambient(model, n_samples=256, distribution=distribution, max_distance=distance)
         return float(frame.image.mean())
 
@@ -89,7 +89,7 @@ def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at(own):
     scene = vc.scenes.room(triangles=5000)
     given: dict[str, Any] = {} if own else {"n_samples": 129, "directions": "shared"}
 
-    def frame(**more: Any) -> vc.Frame:
+    def frame(**more):
         return vc.render(scene, vc.AmbientOcclusion(**given, **more), size=(24, 16))
 
     diagonal = float(np.linalg.norm(scene.bounds[1].astype(float) - scene.bounds[0]))

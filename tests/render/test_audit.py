@@ -33,7 +33,7 @@ class Own:
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return vc.scenes.room(triangles=2000)
 
 
@@ -225,13 +225,13 @@ def test_intervals_of_whole_pixels_hold_as_often_as_they_say(name):
     truth = compare(frame, exact, metrics=["rel_l1"]).rel_l1
     light = float(frame.image.astype(np.float64).sum())
 
-    def drawn(by: vc.Frame, seed: int) -> Any:
+    def drawn(by, seed):
         seen = (by.image - by.layers["emitted"]).sum(axis=2)
         pixels = _core.draw_audit_pixels(seen, 1024, seed)
         x, y = pixels[:, :2].astype(int).T
         return pixel_estimates(pixels[:, 2], error[y, x], seen.size, light)["rel_l1"]
 
-    def holds(found: Any) -> bool:
+    def holds(found):
         return bool(found["low"] <= truth <= found["high"])
 
     every = [drawn(unoccluded, seed) for seed in range(seeds)]
@@ -268,7 +268,7 @@ def test_intervals_of_queries_hold(room):
 
 
 def test_no_interval_where_none_was_shown_to_hold(room):
-    def audit(size: tuple[int, int], cache: Any = CACHE, audit: Any = None) -> Any:
+    def audit(size, cache=CACHE, audit=None):
         return vc.render(room, LIGHTS, visibility=cache, size=size, audit=audit).audit
 
     watched = audit((160, 128))

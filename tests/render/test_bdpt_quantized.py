@@ -51,7 +51,7 @@ def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicte
 def test_racing_threads_are_wrong_no_more_often_than_one_at_a_time():
     """Share of wrong bits of 8 races against 8 frames of the deterministic mode, by other seeds."""
 
-    def wrong(seed: int, storage: str) -> float:
+    def wrong(seed, storage):
         frame = cached(spp=2, seed=seed, threads=4, storage=storage)
         return rel_l1(frame.image, exact(spp=2, seed=seed).image)
 

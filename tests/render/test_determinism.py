@@ -33,7 +33,7 @@ INTEGRATORS = [
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return ROOM.to_viscache()
 
 

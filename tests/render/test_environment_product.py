@@ -22,7 +22,7 @@ Images = npt.NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     return vc.scenes.cube_on_plane().with_environment(sky())
 
 
@@ -51,7 +51,7 @@ def images(
 
 
 @pytest.fixture(scope="module")
-def usual(scene: vc.Scene) -> Images:
+def usual(scene):
     """By product sampling without maps."""
     return images(40, scene, seed=500)
 
@@ -148,7 +148,7 @@ def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene):
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_startup=60))
     cache.update(size=(16, 12))
 
-    def state() -> list[bytes]:
+    def state():
         return [np.asarray(v).tobytes() for v in dataclasses.asdict(cache.records()).values()]
 
     before, rays, records = state(), cache.rays, len(cache)

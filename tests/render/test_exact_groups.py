@@ -23,7 +23,7 @@ FORMS: dict[str, vc.Aqvc] = {
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     """Lamps, a sun, an area light and a sky."""
     return q.lit_box().with_environment(0.5)
 
@@ -133,7 +133,7 @@ def test_the_paper_form_caches_every_group_unless_one_is_named(scene, preset):
 
 
 def test_a_kept_table_holds_no_bits_of_named_groups(scene):
-    def second(**named: Any) -> Any:
+    def second(**named):
         """Counts of a frame that finds the table of the one before."""
         table = vc.AqvcTable(table_bytes=1 << 25)  # large enough for every cell
         cache = vc.Aqvc(c_e=8, refinement="off", **named)

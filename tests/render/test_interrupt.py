@@ -108,7 +108,7 @@ def test_progress_counts_tiles_to_the_end():
 
 
 def test_an_error_in_progress_ends_the_render_and_comes_back():
-    def broken(done: int, total: int) -> None:
+    def broken(done, total):
         raise RuntimeError("no more")
 
     scene = busy_scene()
@@ -122,7 +122,7 @@ def test_other_python_threads_run_while_rendering():
 
     scene, ticks, stop = busy_scene(), [0], threading.Event()
 
-    def count() -> None:
+    def count():
         while not stop.wait(0.01):
             ticks[0] += 1
 

@@ -108,7 +108,7 @@ def lamps(count: int) -> Model:
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     return lamps(14).to_viscache()
 
 

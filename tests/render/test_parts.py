@@ -19,7 +19,7 @@ SIZE: dict[str, Any] = {"size": (140, 70), "spp": 16, "seed": 3}
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     return vc.scenes.build(SCENE)
 
 
@@ -106,7 +106,7 @@ def test_boxes_of_all_parts_cover_every_pixel_once():
 def test_a_live_view_sees_the_frame_grow(scene):
     seen: list[tuple[float, int, int]] = []
 
-    def show(frame: vc.Frame, done: int, total: int) -> None:
+    def show(frame, done, total):
         seen.append((float((frame.layers["coverage"] > 0).mean()), done, total))
 
     frame = tiles.render(scene, vc.Direct(), parts=3, show=show, **SIZE)
@@ -131,7 +131,7 @@ FEW_DIRECTIONS = vc.Direct(n_area=0, environment="shared", n_environment=8)
 
 
 @pytest.fixture(scope="module")
-def cube() -> vc.Scene:
+def cube():
     return vc.scenes.build("cube_on_plane").with_environment(1.0)
 
 

@@ -80,7 +80,7 @@ def test_where_maps_may_have_learnt_from_a_frame_the_next_one_is_independent_of_
     """Else what they learnt would tell something about samples that are still to come."""
     scene, camera, product = made("product")
 
-    def frame(visibility: Any, spp: int, first_sample: int = 0) -> Any:
+    def frame(visibility, spp, first_sample=0):
         options = {"size": SIZE, "camera": camera, "spp": spp, "first_sample": first_sample}
         return vc.render(scene, product, visibility=visibility, **options).image
 
@@ -102,7 +102,7 @@ def test_picks_of_a_pixel_are_spread_better_than_independent_ones():
     """Beside all lights at the same eye points."""
     scene, camera, _ = made("picks")
 
-    def noise(spp: int, seed: int) -> Any:
+    def noise(spp, seed):
         options = {"size": SIZE, "spp": spp, "seed": seed, "camera": camera}
         return picture("picks", spp, seed) - vc.render(scene, vc.Direct(), **options).image
 
@@ -130,7 +130,7 @@ def test_the_mean_over_seeds_is_that_of_independent_samples(kind):
     together = np.array([picture(kind, SPP, seed).mean() for seed in range(64)])
     alone = np.array([picture(kind, 1, 5000 + seed).mean() for seed in range(64)])
 
-    def z(scale: float) -> float:
+    def z(scale):
         error = np.sqrt(together.var(ddof=1) / 64 + alone.var(ddof=1) / 64)
         return float(abs(scale * together.mean() - alone.mean()) / error)
 

@@ -76,7 +76,7 @@ def test_parts_of_two_machines_merge(room):
 
 
 def test_corrected_passes_have_larger_cells_unless_told_otherwise(room):
-    def cache(given: vc.Aqvc | str, use: Any = None) -> Any:
+    def cache(given, use=None):
         return vc.Progressive(room, LIGHTS, visibility=given, use=use, size=SIZE).visibility
 
     for given in ("aqvc", vc.Aqvc()):
@@ -94,7 +94,7 @@ def test_passes_whose_lights_are_all_exact_cost_nothing_more(room, tmp_path):
     """After the first one they are exact passes; with more lights they are not."""
     few, many = vc.Whitted(n_vpls=16), vc.Whitted(n_vpls=64)
 
-    def made(lights: vc.Whitted, visibility: str = "aqvc", **options: Any) -> vc.Progressive:
+    def made(lights, visibility="aqvc", **options):
         return vc.Progressive(room, lights, visibility=visibility, size=SIZE, **options)
 
     corrected = made(few)
@@ -144,7 +144,7 @@ def test_little_room_is_for_whole_tiles(room):
 def test_passes_that_learn_have_the_energy_and_the_blocks_of_exact_ones(room):
     """Shares by class and the scale come from the first two passes: all 16 are unbiased."""
 
-    def alone(p: vc.Progressive) -> list[Any]:
+    def alone(p):
         sums = [p.passes(1).image * np.float64(n + 1) for n in range(16)]
         return list(np.diff(np.stack([np.zeros_like(sums[0]), *sums]), axis=0))
 
@@ -176,7 +176,7 @@ def test_the_error_is_estimated_from_the_passes(room):
 def test_the_error_of_well_spread_samples_is_not_that_of_single_passes():
     """The noise between 64 passes of ambient occlusion tells more than twice their error."""
 
-    def made(first: int) -> vc.Progressive:
+    def made(first):
         light = vc.AmbientOcclusion(n_samples=4, max_distance=None)
         given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "first_pass": first}
         return vc.Progressive("cube_on_plane", light, **given)
@@ -220,7 +220,7 @@ def test_notebooks_show_the_picture_while_it_gets_better(room, monkeypatch):
     shown: list[str] = []
 
     class Handle:
-        def update(self, made: Any) -> None:
+        def update(self, made):
             shown.append(made.data)
 
     monkeypatch.setattr(display, "display", lambda *a, **k: Handle())

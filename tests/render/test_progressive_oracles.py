@@ -31,7 +31,7 @@ class HalfBlind:
 
 
 @pytest.fixture(scope="module")
-def window() -> vc.Scene:
+def window():
     return vc.scenes.window_room()
 
 
@@ -102,7 +102,7 @@ def test_an_interrupted_pass_leaves_nothing(room, window, visibility, before, mo
         stopped.passes(before)
     whole = progressive.render_part
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(progressive, "render_part", functools.partial(whole, progress=stop))
@@ -203,7 +203,7 @@ def passes(p: vc.Progressive, n: int = 36) -> Any:
 
 
 @pytest.fixture(scope="module")
-def exact(room: vc.Scene) -> Any:
+def exact(room):
     return passes(picture(room, vc.Exact()))
 
 
@@ -232,7 +232,7 @@ COARSE: dict[str, Any] = {"m": 4, "n_startup": 1, "d_max": 1000.0}
 
 
 @pytest.fixture(scope="module")
-def product(window: vc.Scene) -> Any:
+def product(window):
     """Passes of product sampling, which have the same eye samples."""
     light = vc.Direct(n_environment=64, environment="product")
     return passes(vc.Progressive(window, light, visibility="exact", size=SIZE), MANY)

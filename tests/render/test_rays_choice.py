@@ -38,12 +38,12 @@ def test_every_stack_gives_embrees_image(integrator, options):
 
 @pytest.mark.parametrize("use", ["replace", "correct"])
 def test_records_of_visibility_maps_are_traced_by_the_same_caster(use, monkeypatch):
-    def rendered(scene: vc.Scene, rays: Any) -> vc.Frame:
+    def rendered(scene, rays):
         given: dict[str, Any] = {"use": use, "size": SIZE, "env": (1, 1, 1)}
         product = vc.Direct(environment="product")
         return vc.render(scene, product, rays=rays, visibility=vc.VisMaps(), **given)
 
-    def forbidden(*_: Any) -> None:
+    def forbidden(*_):
         raise AssertionError("Embree was asked")
 
     scene, fresh = (vc.scenes.build("courtyard?triangles=6000") for _ in range(2))

@@ -33,7 +33,7 @@ def queries(frame: vc.Frame) -> int:
 
 
 @pytest.fixture(scope="module")
-def energy() -> float:
+def energy():
     """Of samples of each eye point's own."""
     own = vc.Direct(n_environment=512, n_brdf=512, n_area=0)
     return float(light(frame_of(own, spp=16, **SMALL)).mean())
@@ -65,7 +65,7 @@ def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once():
     scene = vc.Scene.from_arrays(quad, [[0, 2, 1], [0, 3, 2]], env=1.0)
     camera = _core.look_at((0, 4, 0), (0, 0, 0.1), (0, 0, 1), 40)
 
-    def values(sets: int, spp: int) -> Any:
+    def values(sets, spp):
         at: dict[str, Any] = {"size": (8, 8), "spp": spp, "camera": camera}
         return light(vc.render(scene, with_sets(128, sets), **at))[..., 0]
 
@@ -86,7 +86,7 @@ def test_each_eye_point_asks_its_share_of_the_directions():
 def test_unequal_sets_are_each_asked_by_one_eye_point_of_a_pixel(n, sets):
     """Sets end within words of bits and beyond them; rays through centres, so that all is equal."""
 
-    def asked(integrator: vc.Direct, spp: int) -> int:
+    def asked(integrator, spp):
         return queries(frame_of(dataclasses.replace(integrator, centred=True), spp=spp))
 
     assert asked(with_sets(n, sets), sets) == asked(with_sets(n, 1), 1)
@@ -153,7 +153,7 @@ def test_engines_agree_but_for_rounding(scene, integrator):
 def test_the_engine_is_chosen_by_predicted_cost():
     """Few points before many triangles go to Embree, a frame of points before few to the batch."""
 
-    def asked(triangles: int, edge: int) -> Any:
+    def asked(triangles, edge):
         scene = vc.scenes.bumpy_spheres(triangles=triangles)
         given: dict[str, Any] = {"size": (edge, edge), "spp": 1, "env": gradient()}
         return frame_of(WHOLE, by("auto"), scene, **given).parameters["engine"]

@@ -129,7 +129,7 @@ def test_the_cache_answers_lobes_and_corrections_undo_its_errors():
     common: dict[str, Any] = {"size": (48, 36), "spp": 2}
     coarse = vc.Aqvc(c_e=20, c_finest=20, refinement="off", exact_groups=())
 
-    def means(**given: Any) -> Any:
+    def means(**given):
         return np.array(
             [light(frame_of(shared(2), **given, seed=s, **common)).mean() for s in range(60)]
         )

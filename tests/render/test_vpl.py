@@ -136,7 +136,7 @@ def test_light_by_way_of_a_mirror_reaches_the_floor():
     roof = quad((-2, 2, -2), (4, 0, 0), (0, 0, 4), look=WHITE)
     wall = quad((-2, 0, -2), (4, 0, 0), (0, 2, 0), look=WHITE)
 
-    def seen(look: Look) -> float:
+    def seen(look):
         plate = quad((-1, 0.1, -1), (0, 0, 2), (2, 0, 0), look=look)
         lamp = (((0.0, 0.6, 0.0), (2.0, 2.0, 2.0)),)
         lit = Model((plate, roof, wall), points=lamp, origin=(0, 1, 3), target=(0, 1.2, 0))
@@ -208,7 +208,7 @@ def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look():
     given: dict[str, Any] = {"directions": (((0, 1, 0), (3, 3, 3)),), "fov_deg": 30}
     given |= {"origin": (0, 2.5, -2.5), "target": (0, 2.5, 2)}
 
-    def seen(mirror: Part) -> float:
+    def seen(mirror):
         scene = Model((mirror, catcher, screen), **given).to_viscache()
         return float(indirect(scene, 4, vpl_max_depth=2, n_vpls=512).mean())
 
@@ -241,7 +241,7 @@ def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(cosine, 
 
 @pytest.mark.stat
 def test_a_thin_plate_takes_from_virtual_lights_what_it_reflects():
-    def below(eta: float) -> float:
+    def below(eta):
         look = Look(kind="dielectric", eta=eta, thin=True)
         plate = quad((-1.5, 4, -1.5), (0, 0, 3), (3, 0, 0), look=look)
         return on_the_wall(SHEET, plate, seeds=4, n_vpls=1024, vpl_max_depth=2)

@@ -164,7 +164,7 @@ def test_visible_normals_follow_their_density(alpha, cos_o):
     counts = np.histogram2d(v, azimuth, (16, 32), [(0, 1), (0, 2 * np.pi)])[0]
     h, dw = stretched(alpha, bins=16, sub=64)
 
-    def p(assumed: float) -> float:
+    def p(assumed):
         mass = (testing.pdf_ggx_vndf(wo, h, assumed) * dw).reshape(16, 64, 32, 16).sum((1, 3))
         return p_value(counts, N * mass)
 

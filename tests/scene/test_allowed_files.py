@@ -25,7 +25,7 @@ TEXTURED = (
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """`top/place/scene`, where scenes lie; `top` and `place` hold files, too."""
     made = tmp_path / "top" / "place" / "scene"
     made.mkdir(parents=True)

@@ -108,7 +108,7 @@ def test_reflection_is_the_same_both_ways(name):
     w = rng.normal(size=(200, 2, 3))
     w /= np.linalg.norm(w, axis=2, keepdims=True)
 
-    def f(wo: npt.NDArray[np.float64], wi: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    def f(wo, wi):
         if name.startswith("diffuse"):
             sp = ShadingPoint(MaterialKind.DIFFUSE, wo, base=(0.8, 0.5, 0.2), **normals)
         else:

@@ -79,7 +79,7 @@ def test_the_diffuse_part_is_mitsubas_for_beckmann_too(cos_o, alpha):
     whole = of_mitsuba(plugin("roughplastic", base, **given), direction(cos_o), wi)
     theirs = whole - of_mitsuba(plugin("roughplastic", (0, 0, 0), **given), direction(cos_o), wi)
 
-    def ours(kind: CoatKind) -> Any:
+    def ours(kind):
         sp = coated(cos_o, kind, base, (0, 0, 0), roughness=alpha)
         return eval_bsdf(sp, wi) * wi[:, 2:]
 
@@ -100,7 +100,7 @@ def test_below_a_smooth_coat_lies_mitsubas_plastic(cos_o, eta, nonlinear):
         plugin("plastic", base, nonlinear=nonlinear) | {"int_ior": eta}, direction(cos_o), wi
     )
 
-    def ours(**changed: Any) -> Any:
+    def ours(**changed):
         given = {"eta": eta, "nonlinear": nonlinear} | changed
         sp = coated(cos_o, CoatKind.SMOOTH, base, (0, 0, 0), roughness=0.01, **given)
         return eval_bsdf(sp, wi) * wi[:, 2:]

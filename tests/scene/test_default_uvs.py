@@ -31,7 +31,7 @@ TEXTURED = """<bsdf type="diffuse"><texture type="checkerboard" name="reflectanc
 
 
 @pytest.fixture(autouse=True)
-def files(tmp_path: Path) -> None:
+def files(tmp_path):
     (tmp_path / "bare.ply").write_text(PLY)
     rows = np.zeros((8, 8, 3), np.uint8)
     rows[:4], rows[4:] = (255, 0, 0), (0, 0, 255)

@@ -340,7 +340,7 @@ print(resident() - before)
 def test_the_memory_of_a_sky_is_that_of_its_bright_texels():
     """The tables that samples need take a quarter of them."""
 
-    def growth(bright: float) -> float:
+    def growth(bright):
         return float(subprocess.check_output([sys.executable, "-c", GROWTH, str(bright)]))
 
     texels = 1024 * 1024 * 12 / 2**20

@@ -83,7 +83,7 @@ def test_a_gltf_image_is_placed_by_its_transform(tmp_path, wraps):
 def test_images_of_a_gltf_material_share_their_transform(tmp_path):
     moved = {"extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}}
 
-    def warnings(second: dict[str, Any]) -> list[str]:
+    def warnings(second):
         pbr = {
             "baseColorTexture": {"index": 0} | moved,
             "metallicRoughnessTexture": {"index": 0} | second,

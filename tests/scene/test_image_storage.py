@@ -41,7 +41,7 @@ def seen(scene: vc.Scene) -> bytes:
 
 
 @pytest.fixture
-def colors() -> np.ndarray:
+def colors():
     return RNG.integers(0, 256, (SIZE, SIZE, 3), dtype=np.uint8)
 
 

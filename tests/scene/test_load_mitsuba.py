@@ -170,7 +170,7 @@ def test_plastic_phong_and_glass_have_their_nearest_materials(tmp_path):
 
 
 def test_colours_come_as_hex_srgb_single_value_or_spectrum(tmp_path):
-    def base(value: str) -> list[float]:
+    def base(value):
         return material(tmp_path, f'<bsdf type="diffuse">{value}</bsdf>')["base_color"]
 
     linear = ((0x80 / 255 + 0.055) / 1.055) ** 2.4

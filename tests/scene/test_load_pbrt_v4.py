@@ -158,7 +158,7 @@ def test_what_is_not_modelled_is_warned_of_with_its_line(tmp_path, words, text):
 
 
 def test_the_power_of_lights_is_spread_over_their_area(tmp_path):
-    def emission(shape: str, light: str = "") -> float:
+    def emission(shape, light=""):
         lamp = f'AreaLightSource "diffuse" "float power" 10 {light}'
         scene = load(tmp_path, f"{lamp} Shape {shape}")
         return float(

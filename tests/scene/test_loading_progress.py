@@ -1,7 +1,5 @@
 """Loading tells of its steps: the file, EXR images one by one, and the structure."""
 
-from pathlib import Path
-
 import numpy as np
 import OpenEXR
 import pytest
@@ -15,7 +13,7 @@ XML = """<scene version="3.0.0">
 
 
 @pytest.fixture
-def scene_file(tmp_path: Path) -> Path:
+def scene_file(tmp_path):
     pixels = np.full((4, 4, 3), 0.5, np.float32)
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     OpenEXR.File(header, {"RGB": pixels}).write(str(tmp_path / "a.exr"))

@@ -140,7 +140,7 @@ def test_an_image_with_its_own_coordinates_is_a_mean(tmp_path):
 def test_an_even_image_is_its_factors(tmp_path, integrator, spp):
     base = {"baseColorFactor": [0.8, 0.4, 0.2, 1]}
 
-    def of(name: str, pbr: dict[str, Any], images: list[Array]) -> Array:
+    def of(name, pbr, images):
         folder = tmp_path / name
         folder.mkdir()
         return picture(document(folder, base | pbr, images), integrator, spp)
@@ -159,7 +159,7 @@ def test_an_image_changes_the_surface_from_place_to_place(tmp_path):
     """One half of the floor is a metal, the other is not: each is as if the whole floor was."""
     base = {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicRoughnessTexture": {"index": 0}}
 
-    def of(name: str, roughness: Any, metallic: Any) -> Array:
+    def of(name, roughness, metallic):
         folder = tmp_path / name
         folder.mkdir()
         image = packed(roughness, metallic)
@@ -177,7 +177,7 @@ def test_an_image_changes_the_surface_from_place_to_place(tmp_path):
 def test_images_of_roughness_in_pbrt_files(tmp_path):
     imsave(tmp_path / "rough.png", waves(0), check_contrast=False)
 
-    def load(remap: str, kind: str) -> core.SceneDescription:
+    def load(remap, kind):
         path = tmp_path / "scene.pbrt"
         path.write_text(f"""WorldBegin
         Texture "r" "float" "imagemap" "string filename" "rough.png" "float scale" 0.5

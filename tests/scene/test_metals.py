@@ -70,7 +70,7 @@ def test_a_rough_metal_is_mitsubas(cos_o, alpha, distribution):
     plugin = {"type": "roughconductor", "material": "Cu", "alpha": alpha}
     theirs = of_mitsuba(plugin | {"distribution": distribution}, direction(cos_o), wi)
 
-    def ours(beckmann: bool, **more: Any) -> Any:
+    def ours(beckmann, **more):
         return eval_bsdf(metal(cos_o, alpha, beckmann=beckmann, **more), wi) * wi[:, 2:]
 
     bright = theirs.max(1) > 1e-3 * theirs.max()
@@ -120,7 +120,7 @@ def test_an_image_of_alpha_is_that_of_mitsuba(tmp_path, distribution):
     image = """<texture type="bitmap" name="alpha"><string name="filename" value="rough.png"/>
     <boolean name="raw" value="true"/></texture>"""
 
-    def rough(alpha: str) -> Path:
+    def rough(alpha):
         lobe = f'<string name="distribution" value="{distribution}"/>'
         gold = '<string name="material" value="Au"/>'
         return write(tmp_path, f'<bsdf type="roughconductor">{alpha}{lobe}{gold}</bsdf>')
@@ -157,7 +157,7 @@ def test_a_mirror_of_metal_is_tinted_by_its_angle(integrator):
 def test_photons_are_tinted_by_a_mirror_as_eye_paths_are():
     """A narrow beam by way of a mirror to a wall, whose virtual lights shine on another wall."""
 
-    def lit(**material: Any) -> Any:
+    def lit(**material):
         d = vc.SceneDescription()
         wall = d.add_material()
         mirror = d.add_material(MaterialKind.MIRROR, **material)

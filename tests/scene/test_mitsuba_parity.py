@@ -1,6 +1,5 @@
 """Files that Mitsuba 3 and viscache load and render alike, by blocks of pixels and by energy."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +72,7 @@ material/conductor-tinted-sky material/mask-0.25-lamp material/mask-picture-lamp
 
 
 @pytest.fixture(scope="module")
-def quiet_mitsuba() -> Iterator[Any]:
+def quiet_mitsuba():
     with renderers.mitsuba() as module:
         yield module
 

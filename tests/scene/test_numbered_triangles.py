@@ -11,7 +11,7 @@ OF_A_SPHERE = 2208  # as `Intersection` promises
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     """A floor of two triangles that is placed twice, below two sphere lights."""
     d = vc.SceneDescription()
     floor = np.float64([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]])

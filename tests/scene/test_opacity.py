@@ -76,7 +76,7 @@ def test_every_caster_sees_the_same_holes(rays):
 
 
 def test_greys_of_an_image_are_shares_if_the_cutoff_is_negative():
-    def plate(cutoff: float, opacity: float = 1) -> vc.Scene:
+    def plate(cutoff, opacity=1):
         d = vc.SceneDescription()
         greys = d.add_image(np.float32([[[0.2], [0.7]]]), nearest=True)
         material = d.add_material(alpha_texture=greys, alpha_cutoff=cutoff, opacity=opacity)
@@ -90,7 +90,7 @@ def test_greys_of_an_image_are_shares_if_the_cutoff_is_negative():
     b = a * np.float32([1, 1, -1])
     right = a[:, 0] > 0.5
 
-    def shares(scene: vc.Scene) -> list[float]:
+    def shares(scene):
         stopped = ~scene.visible(a, b)
         return [float(stopped[~right].mean()), float(stopped[right].mean())]
 

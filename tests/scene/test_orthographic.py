@@ -30,7 +30,7 @@ ROOM = """<scene version="3.0.0"><sensor type="orthographic"><transform name="to
 
 
 @pytest.fixture
-def room(tmp_path: Path) -> Path:
+def room(tmp_path):
     path = tmp_path / "room.xml"
     path.write_text(ROOM)
     return path

@@ -87,7 +87,7 @@ def test_images_of_one_material_share_their_transform(tmp_path):
     )
     move = '<transform name="to_uv"><scale x="2" y="2"/></transform>'
 
-    def load(opacity: str) -> core.SceneDescription:
+    def load(opacity):
         body = f"""<shape type="rectangle"><bsdf type="mask">{bitmap.format("opacity", opacity)}
             <bsdf type="diffuse">{bitmap.format("reflectance", move)}</bsdf></bsdf></shape>"""
         path = parity.write(tmp_path, body)

@@ -2,7 +2,7 @@
 
 import multiprocessing
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
@@ -20,13 +20,13 @@ SIZE = (24, 16)
 
 
 @pytest.fixture(autouse=True)
-def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
+def other_process(monkeypatch):
     """Results that this process made earlier are not reused."""
     monkeypatch.setattr(travelling, "_NEWEST", Newest())
 
 
 @pytest.fixture(scope="module")
-def pool() -> Iterator[ProcessPoolExecutor]:
+def pool():
     """One other process."""
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as made:
         yield made
@@ -268,7 +268,7 @@ def test_a_scene_without_lights_or_triangles_shows_what_there_is(scene, shown):
 
 
 def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(monkeypatch):
-    def fails(scene: vc.Scene) -> str:
+    def fails(scene):
         raise MemoryError("too <large>")
 
     monkeypatch.setattr(vc.Scene, "_picture", staticmethod(fails))

@@ -62,12 +62,12 @@ def test_light_enters_only_by_the_gate_the_windows_and_the_roof_lights():
     o, d = origins[free], towards[free]
     assert 0.02 < free.mean() < 0.2
 
-    def crossing(axis: int, at: float) -> tuple[np.ndarray, np.ndarray]:
+    def crossing(axis, at):
         """Where rays cross a plane, and whether they do ahead of them."""
         t = (at - o[:, axis]) / d[:, axis]
         return o + t[:, None] * d, t > 0
 
-    def between(values: np.ndarray, low: float, high: float) -> np.ndarray:
+    def between(values, low, high):
         return (values > low) & (values < high)
 
     p, ahead = crossing(0, LENGTH)

@@ -285,7 +285,7 @@ def test_a_sky_that_changes_during_a_sweep_is_refused(tmp_path):
 
 
 def test_parts_of_another_picture_are_not_merged(tmp_path):
-    def part(number: int, **options: Any) -> tiles.Part:
+    def part(number, **options):
         given = {"size": (150, 40)} | options
         return tiles.render_in_worker(shot(**given), (number, 2))
 

@@ -2,7 +2,6 @@
 
 import csv
 import importlib
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -29,7 +28,7 @@ def install(patch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
+def fake_vc(monkeypatch):
     """viscache with the stand-in; yields the stand-in's module."""
     install(monkeypatch)
     fake.CALLS.clear()
@@ -39,14 +38,14 @@ def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
 
 
 @pytest.fixture
-def without_netcdf(monkeypatch: pytest.MonkeyPatch) -> None:
+def without_netcdf(monkeypatch):
     """Sweeps write no `table.nc`, which takes longer than all else of a small one."""
     module = importlib.import_module("viscache.sweeps.sweep")
     monkeypatch.setattr(module, "write_table", lambda *_: None)
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(tmp_path_factory):
     """The folder of a finished sweep, to be copied."""
     from base.kept_formats import swept
 

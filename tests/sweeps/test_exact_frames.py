@@ -19,11 +19,11 @@ SIZE = (24, 16)
 
 
 @pytest.fixture
-def rendered(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def rendered(monkeypatch):
     """One entry per frame that was rendered."""
     calls: list[Any] = []
 
-    def counted(*arguments: Any, **options: Any) -> vc.Frame:
+    def counted(*arguments, **options):
         calls.append(options)
         return render_part(*arguments, **options)
 
@@ -156,7 +156,7 @@ def test_a_damaged_frame_is_rendered_again(tmp_path, rendered):
 def test_an_interrupted_frame_is_not_kept(tmp_path, rendered, monkeypatch):
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
 
-    def interrupted(*_: Any, **__: Any) -> vc.Frame:
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:

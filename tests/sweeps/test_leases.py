@@ -9,7 +9,6 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ BEAT_S, SILENT_S = 0.02, 0.6
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+def quick(monkeypatch):
     monkeypatch.setattr(leases, "BEAT_S", BEAT_S)
     monkeypatch.setattr(leases, "SILENT_S", SILENT_S)
 
@@ -81,10 +80,10 @@ class Owner:
 
 
 @pytest.fixture
-def owner(tmp_path: Path) -> Iterator[Callable[..., Owner]]:
+def owner(tmp_path):
     made: list[Owner] = []
 
-    def make(*before: str, **given: Any) -> Owner:
+    def make(*before, **given):
         made.append(Owner(tmp_path, [*before], **given))
         return made[-1]
 
@@ -313,7 +312,7 @@ def test_a_sweep_renders_what_another_process_let_fall(fake_vc, tmp_path, monkey
     given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (32, 24), "metrics": ["rel_l1"]}
     stolen: list[tuple[str]] = []
 
-    def overslept(*arguments: Any, **options: Any) -> Frame:
+    def overslept(*arguments, **options):
         made: Frame = fake_vc.fake_render(*arguments, **options)
         if not stolen:
             with Store(tmp_path) as thief, thief._door():

@@ -25,13 +25,13 @@ PRECIOUS = b"precious"
 
 
 @pytest.fixture
-def store(finished: Path, tmp_path: Path) -> Path:
+def store(finished, tmp_path):
     """A copy of a finished sweep's folder."""
     return shutil.copytree(finished, tmp_path / "store")
 
 
 @pytest.fixture
-def victim(tmp_path: Path) -> Path:
+def victim(tmp_path):
     path = tmp_path / "victim"
     path.write_bytes(PRECIOUS)
     return path
@@ -210,7 +210,7 @@ def test_definitions_name_no_files(store):
 
 @pytest.mark.parametrize("name", ["rows.npy", "rows", "rows-0-16.npz", "pairs"])
 def test_links_in_a_store_of_correlations_are_refused(name, tmp_path):
-    def measure() -> Any:
+    def measure():
         return measured(directory=tmp_path / "store")
 
     measure()
@@ -241,7 +241,7 @@ def test_nothing_that_is_read_back_is_unpickled(wrapped, tmp_path):
     """Neither a pickle in the place of a file, nor objects among its arrays."""
     scene, started = vc.scenes.cube_on_plane(), tmp_path / "started"
 
-    def replaced(path: Path) -> Path:
+    def replaced(path):
         objects = np.array([Program(started)], object)
         if not wrapped:
             path.write_bytes(pickle.dumps(objects))
@@ -268,7 +268,7 @@ def test_nothing_that_is_read_back_is_unpickled(wrapped, tmp_path):
     replaced(next((tmp_path / "flip").iterdir()))
     assert flip_map_of(frame, other, tmp_path) is not None
 
-    def measure() -> Any:
+    def measure():
         return measured(directory=tmp_path / "store")
 
     measure()

@@ -97,12 +97,12 @@ def test_a_frame_is_measured_while_its_picture_is_written(fake_vc, tmp_path, mon
     compare, put = metrics.compare, Store.put
     order: list[str] = []
 
-    def compares(*images: Any, **options: Any) -> Any:
+    def compares(*images, **options):
         order.append("compare")
         measured.set()
         return compare(*images, **options)
 
-    def puts(store: Store, key: str, spec: Any, frame: Frame) -> None:
+    def puts(store, key, spec, frame):
         cached = frame.counters["rays"] < frame.counters["queries"]
         assert not cached or measured.wait(60)
         put(store, key, spec, frame)
@@ -118,7 +118,7 @@ def test_a_frame_is_measured_while_its_picture_is_written(fake_vc, tmp_path, mon
 
 
 def test_a_frame_that_cannot_be_measured_is_kept(fake_vc, tmp_path, monkeypatch):
-    def fails(*_: Any, **__: Any) -> Any:
+    def fails(*_, **__):
         raise ValueError("a must be finite")
 
     monkeypatch.setattr(metrics, "compare", fails)
@@ -132,7 +132,7 @@ def test_a_frame_that_cannot_be_measured_is_kept(fake_vc, tmp_path, monkeypatch)
 def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(fake_vc, tmp_path):
     lengths = []
 
-    def progress(done: int, total: int) -> None:
+    def progress(done, total):
         assert done <= total == 6
         lengths.append(len(rows_of(tmp_path)) if (tmp_path / "table.csv").exists() else 0)
 
@@ -176,7 +176,7 @@ def test_an_executor_gives_the_same_table_as_none(fake_vc, tmp_path):
 
 def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(fake_vc, tmp_path, monkeypatch):
 
-    def breaks(scene: Any, integrator: Any, **options: Any) -> Frame:
+    def breaks(scene, integrator, **options):
         if getattr(options["visibility"], "c_e", 0) == 16:
             raise RuntimeError("a bad ray")
         return fake_vc.fake_render(scene, integrator, **options)

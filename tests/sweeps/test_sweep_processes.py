@@ -101,7 +101,7 @@ def test_a_frame_finished_between_look_up_and_claim_is_not_rendered_again(
     fake_vc.CALLS.clear()
     claim, overtaken = Leases.claim, []
 
-    def late(self: Leases, key: str) -> bool:
+    def late(self, key):
         if not key.startswith("turn") and key not in overtaken:
             with Store(mine) as rival, Store(other) as finished:
                 assert claim(rival.leases, key) and rival.adopt(key, finished)
@@ -145,7 +145,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(fake_vc, monkeyp
 
     running, most = [], []
 
-    def slow(*arguments: Any, **options: Any) -> Any:
+    def slow(*arguments, **options):
         running.append(1)
         most.append(len(running))
         time.sleep(0.01)
@@ -219,7 +219,7 @@ def test_a_scene_gets_its_environment_once_and_not_once_per_frame(tmp_path, monk
     made = []
     original = vc.Scene.with_environment
 
-    def counted(self: vc.Scene, *arguments: Any, **options: Any) -> vc.Scene:
+    def counted(self, *arguments, **options):
         made.append(1)
         return original(self, *arguments, **options)
 
@@ -251,7 +251,7 @@ def test_a_worker_loads_a_scene_once(monkeypatch):
     opened = []
     original = sources.open_scene
 
-    def counted(spec: str, **options: Any) -> Any:
+    def counted(spec, **options):
         opened.append(spec)
         return original(spec, **options)
 
@@ -260,7 +260,7 @@ def test_a_worker_loads_a_scene_once(monkeypatch):
     class Here(ThreadPoolExecutor):
         """Takes scenes by name, as workers in other processes do."""
 
-        def submit(self, function: Any, task: Any, scene: Any) -> Any:
+        def submit(self, function, task, scene):
             return super().submit(function, task, None)
 
     with Here(2) as pool:

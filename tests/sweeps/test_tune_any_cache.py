@@ -35,7 +35,7 @@ class GridCache:
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return vc.scenes.room(triangles=3000)
 
 
@@ -72,7 +72,7 @@ def test_whole_numbers_are_tried_once_and_stay_in_range(low, steps, where, falls
     span = Span(low=low, high=low + steps, whole=True)
     wanted = low + where * steps
 
-    def error(value: float) -> float:
+    def error(value):
         away = (wanted - value if falls else value - wanted) / steps
         return 0.02 * 4**away
 

@@ -23,7 +23,7 @@ WHITTED = vc.Whitted(n_vpls=64)
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return vc.scenes.room(triangles=3000)
 
 
@@ -48,7 +48,7 @@ def test_the_family_with_the_fewest_rays_is_found_at_the_target(best):
     tried = search(measure, 0.02, C_E)
     before = len(made)
 
-    def others(**beside: Any) -> list[dict[str, float]]:
+    def others(**beside):
         return families(vc.Aqvc(), **beside)
 
     pilots, one = jointly(measure, tried, 0.02, C_E, others, lambda p: 1 / p.ray_reduction)
@@ -101,7 +101,7 @@ def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room):
 
 
 def test_a_reached_target_is_confirmed_by_the_interval():
-    def one(error: float, low: float) -> Tuned:
+    def one(error, low):
         return Tuned(
             target=0.01, parameter="c_e", value=8.0, visibility=vc.Aqvc(c_e=8), rel_l1=error,
             rel_l1_reflected=error, interval=(low, 2 * error - low), ray_reduction=5.0,
@@ -138,11 +138,11 @@ def test_a_time_gives_an_exact_frame_where_it_fits_and_else_a_cached_one(room):
 def test_passes_have_the_error_that_was_asked_for(room):
     size = (48, 30)
 
-    def light(integrator: Any, passes: int, **given: Any) -> Any:
+    def light(integrator, passes, **given):
         picture = vc.Progressive(room, integrator, size=size, **given).passes(passes)
         return np.asarray(light_on_surfaces(picture), float)
 
-    def error(found: Tuned) -> float:
+    def error(found):
         mine = light(found.integrator, found.passes, visibility=found.visibility, use=found.use)
         return float(np.abs(mine - truth).sum() / truth.sum())
 

@@ -83,7 +83,7 @@ def test_something_else():
 
 
 @pytest.fixture
-def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
+def run(pytester, monkeypatch):
     """Run pytest in a process of its own, which finds the plugin by its entry point."""
     package = Path(viscache.__file__).parents[1]
     info = pytester.mkdir("site") / "made_up-1.0.dist-info"
@@ -94,7 +94,7 @@ def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
     pytester.makeini("[pytest]\nfilterwarnings = error\nxfail_strict = true\n")
 
-    def ran(*arguments: str) -> pytest.RunResult:
+    def ran(*arguments):
         # Others of this environment are slow to load
         alone = [f"-pno:{plugin}" for plugin in ("nbmake", "hypothesispytest", "anyio")]
         return pytester.runpytest_subprocess(

@@ -100,7 +100,7 @@ def test_a_bias_fails_and_is_named(spoil, where):
 def test_too_little_power_fails_and_says_how_many_frames_it_takes():
     rng = np.random.default_rng(3)
 
-    def stack(n: int) -> Array:
+    def stack(n):
         return picture() * (1 + 0.02 * rng.standard_normal((n, 1, 1, 1)))
 
     with pytest.raises(PictureError, match="the test is too weak") as caught:
@@ -120,7 +120,7 @@ def test_noise_of_equal_seeds_cancels():
     light = vc.Whitted(n_vpls=64)
     options: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "use": vc.Correct(share=0.5)}
 
-    def exact(first: int) -> list[vc.Frame]:
+    def exact(first):
         return [vc.render(scene, light, size=size, seed=first + i) for i in range(10)]
 
     frames = [vc.render(scene, light, size=size, seed=i, **options) for i in range(10)]

@@ -251,7 +251,7 @@ def test_every_integrator_and_cache_of_the_registry_has_cells():
 
 @pytest.mark.stat
 def test_both_techniques_of_a_sky_have_the_mean_of_one():
-    def frames(first: int, **given: int) -> list[vc.Frame]:
+    def frames(first, **given):
         light = vc.Direct(n_area=0, **given)
         return [
             vc.render(scene("sky"), light, size=SIZE, seed=first + i, threads=1) for i in range(48)

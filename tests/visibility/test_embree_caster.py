@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.mitsuba_scene import Part, quad
+from render.mitsuba_scene import quad
 from visibility.moeller_trumbore import cross_all
 from visibility.soup import rays, soup
 
@@ -345,7 +345,7 @@ def test_points_on_surfaces_see_each_other_through_free_space_only(scale, away):
     screen = quad((-2, 0.5, -2), (0, 0, 4), (4, 0, 0))
     shift = np.array([away, away, -away])
 
-    def scene_of(*parts: Part) -> tuple[vc.Scene, list[Array]]:
+    def scene_of(*parts):
         vertices = [((p.vertices.astype(float) + shift) * scale).astype(np.float32) for p in parts]
         faces = np.concatenate([p.triangles + 4 * i for i, p in enumerate(parts)])
         return vc.Scene.from_arrays(np.concatenate(vertices), faces), vertices

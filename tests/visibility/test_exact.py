@@ -10,7 +10,7 @@ from render.test_determinism import ROOM
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return ROOM.to_viscache()
 
 

@@ -114,7 +114,7 @@ def test_a_large_tilted_floor_shades_itself_nowhere(rays):
 
 
 def test_shared_directions_leave_the_batch_where_its_offsets_are_too_coarse():
-    def ambient(parts: Parts, engine: Any) -> Array:
+    def ambient(parts, engine):
         light = vc.AmbientOcclusion(
             n_samples=129, directions="shared", max_distance=4, engine=engine
         )

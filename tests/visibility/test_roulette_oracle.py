@@ -22,7 +22,7 @@ SKY = vc.Direct(environment="shared", n_environment=32, n_area=2)
 
 
 @pytest.fixture(scope="module")
-def room() -> vc.Scene:
+def room():
     return ROOM.to_viscache()
 
 
@@ -98,7 +98,7 @@ def test_connections_between_voxels_that_never_see_each_other_are_hardly_traced(
 def test_more_voxels_leave_less_noise_and_smaller_exponents_too(room):
     exact = vc.render(room, vc.Direct(n_area=0), size=(64, 48))
 
-    def error(**given: Any) -> float:
+    def error(**given):
         settings = vc.NeePlusPlus(learn_pixels=1 << 12, **given)
         frame = vc.render(room, vc.Direct(n_area=0), size=(64, 48), visibility=settings)
         return vc.metrics.rel_l1(frame.image, exact.image)
@@ -112,7 +112,7 @@ LIGHTS = vc.Whitted(n_vpls=64)
 
 
 @pytest.fixture(scope="module")
-def scene() -> vc.Scene:
+def scene():
     return built("room?triangles=3000")
 
 

@@ -194,7 +194,7 @@ def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta):
     table = np.repeat(b[..., None], 3, axis=-1).astype(np.float32)
     light, one = EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)), np.ones(1, np.float32)
 
-    def found(maps: npt.NDArray[np.bool_], kind: PointSet) -> Doubles:
+    def found(maps, kind):
         point = PointEstimate(light, table, maps, one, dilated=dilations(maps), eta=eta)
         args = {"n": 8, "passes": 2, "replicates": 200, "alpha": 1.0, "set": kind}
         return luminance(point.simulate(visible.astype(bool), **args))

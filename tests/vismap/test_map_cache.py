@@ -150,7 +150,7 @@ def test_repeated_passes_leave_no_pixel_that_needs_a_record():
 
 
 def test_lower_thresholds_make_more_records():
-    def count(**settings: Any) -> dict[str, int]:
+    def count(**settings):
         report = made(r_min_px=0.5, **settings)[1]
         return {"weight": report.weight, "difference": report.difference, "all": report.inserted}
 

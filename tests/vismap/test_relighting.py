@@ -15,7 +15,7 @@ SKY = np.random.default_rng(3).gamma(0.5, size=(32, 64, 3)).astype(np.float32)
 
 
 @pytest.fixture(scope="module")
-def image() -> vc.Relighting:
+def image():
     cache, _ = made()
     return vc.Relighting(cache, camera=view(), size=SIZE)
 
@@ -123,7 +123,7 @@ def test_a_large_image_is_reduced_without_losing_light():
     small = reduced(tall)
     assert small.shape == (256, 512, 3)
 
-    def power(pixels: npt.NDArray[np.float32]) -> Floats:
+    def power(pixels):
         edges = np.cos(np.arange(len(pixels) + 1) / len(pixels) * np.pi)
         rows = pixels.astype(float).mean(axis=1) * (edges[:-1] - edges[1:])[:, None]
         return np.asarray(rows.sum(axis=0))

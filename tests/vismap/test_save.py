@@ -1,7 +1,5 @@
 """Files of caches: the same cache comes back, anything else is refused with its reason."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from vismap.scenes import SIZE, clutter, made, pixels, same, view
 
 
 @pytest.fixture
-def saved(tmp_path: Path) -> tuple[vc.VisibilityMapCache, Path]:
+def saved(tmp_path):
     cache, _ = made(n_startup=30, preset="auto", m=4)
     points = pixels(cache)
     found = cache.lookup(points.positions, points.normals, points.d_max)

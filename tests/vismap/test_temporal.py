@@ -170,7 +170,7 @@ def test_a_moved_object_is_found_out_by_its_errors():
     )
     cache, _ = made(old, n_startup=200, delta_max=0.02)
 
-    def rate() -> float:
+    def rate():
         points = pixels(cache)
         points = points.take(np.flatnonzero(points.d_max > 0))
         found = cache.lookup(points.positions, points.normals, points.d_max)

@@ -29,7 +29,7 @@ def kinds_of_maps(edge: int) -> dict[str, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def light() -> np.ndarray:
+def light():
     return sky(EDGE, sun=1e6)
 
 

@@ -148,7 +148,7 @@ def test_memory_does_not_grow_with_the_number_of_moves(mode):
     number = f.insert(*soup(200, 9, 0.3))
     places = [random_place(r) for _ in range(10)]
 
-    def tour() -> int:
+    def tour():
         for m in places:
             f.transform(number, m)
         return f.stats["bytes"]

@@ -99,7 +99,7 @@ def test_the_field_is_chosen_where_it_is_predicted_to_be_cheapest(monkeypatch):
 def test_predictions_follow_tiles_and_triangles():
     scenes = [vc.scenes.bumpy_spheres(triangles=n)._core for n in (2000, 20_000)]
 
-    def cost(scene: Any, n_tiles: int) -> dict[str, float]:
+    def cost(scene, n_tiles):
         settings = vc.Vlf(n_directions=33, n_tiles=n_tiles).core()
         return dict(_core.vlf.predict_field_rows(scene, settings))
 
@@ -115,7 +115,7 @@ def test_predictions_follow_tiles_and_triangles():
 def test_frames_of_ambient_occlusion_by_a_field():
     scene = vc.scenes.bumpy_spheres(triangles=2000)
 
-    def frame_by(engine: Any) -> vc.Frame:
+    def frame_by(engine):
         shared = vc.AmbientOcclusion(
             n_samples=33, max_distance=None, directions="shared", engine=engine
         )

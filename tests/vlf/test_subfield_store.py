@@ -63,7 +63,7 @@ def test_threads_that_ask_at_once_get_right_answers_from_a_small_store():
     f = lazy(2000 * 96 + 100_000)
     wrong: list[int] = []
 
-    def ask(part: int) -> None:
+    def ask(part):
         for _ in range(3):
             rows = CHORDS[part::4]
             found = f.occluded(rows[:, 0], rows[:, 1], threads=2)

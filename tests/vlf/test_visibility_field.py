@@ -47,7 +47,7 @@ def field(scene: vc.Scene, settings: vc.Vlf = SMALL, **changed: Any) -> vc.Visib
 
 
 @pytest.fixture(scope="module", params=["soup", "room"])
-def scene(request: pytest.FixtureRequest) -> vc.Scene:
+def scene(request):
     if request.param == "soup":
         return vc.Scene.from_arrays(*soup(3000))
     return built("room?triangles=5000")
@@ -341,7 +341,7 @@ def test_progress_is_told_and_can_stop_the_build():
     scene = vc.Scene.from_arrays(*soup(30_000))
     seen: list[tuple[int, int]] = []
 
-    def stop(done: int, total: int) -> None:
+    def stop(done, total):
         seen.append((done, total))
         raise RuntimeError("enough")
 

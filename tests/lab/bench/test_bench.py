@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pytest
 
-import viscache as vc
 from viscache import _core, cli
 from viscache_lab import bench
 from viscache_lab.bench import peers, ray_sets, vlf_ao
@@ -28,7 +27,7 @@ def main(arguments):
 
 
 @pytest.fixture(scope="module", params=SCENES)
-def scene(request: pytest.FixtureRequest) -> vc.Scene:
+def scene(request):
     return amounts.build_scene(request.param)
 
 
@@ -143,7 +142,7 @@ def test_figures_are_medians_of_ratios_with_their_bounds():
 
 
 def test_a_wrong_answer_makes_the_bench_fail(monkeypatch, capsys):
-    def wrong(trial: Trial) -> None:
+    def wrong(trial):
         trial.check("pixels", float("nan"), 1.0)
 
     info = Experiment(description="", function=wrong)

@@ -14,7 +14,7 @@ from viscache_lab.extremes.compare import differences
 
 
 @pytest.fixture
-def broken(monkeypatch: pytest.MonkeyPatch) -> None:
+def broken(monkeypatch):
     monkeypatch.setattr(children, "CHILD", (str(Path(__file__).with_name("broken_child.py")),))
     for name in ("broken", "stops", "ends"):
         family = Experiment(description="made up", function=lambda full: iter(()))
@@ -114,7 +114,7 @@ def test_doctor_prints_a_line_and_a_record_per_check(capsys, monkeypatch):
         Check(name="a: bad", value=2.0, limit=(0.0, 1.0), family="a"),
     ]
 
-    def run(names: Any, *, full: bool, told: Any) -> list[Check]:
+    def run(names, *, full, told):
         for check in made:
             told(check)
         return made

@@ -35,7 +35,7 @@ def test_a_shift_is_found_to_the_right_and_down(moved):
 
 
 @pytest.fixture(scope="module")
-def trade() -> Trade:
+def trade():
     shot = Shot(
         scene=vc.scenes.cornell_box(), size=(40, 40), integrator=vc.Whitted(n_vpls=16, n_area=4)
     )
@@ -61,7 +61,7 @@ def test_settings_take_turns_and_keep_the_frame_of_the_median_time(monkeypatch):
     seconds = {"Exact": [9.0, 6.0, 7.0], "Aqvc": [3.0, 1.0, 2.0]}
     asked: list[str] = []
 
-    def made(*_: Any, visibility: Any, **__: Any) -> Frame:
+    def made(*_, visibility, **__):
         name = type(visibility).__name__
         asked.append(name)
         cpu_s = seconds[name][asked.count(name) - 1]
@@ -152,7 +152,7 @@ def test_reflected_light_leaves_out_what_shines_itself():
 def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch):
     image = np.ones((2, 2, 3), np.float32)
 
-    def taking(cpu_s: float) -> Trade:
+    def taking(cpu_s):
         frame = Frame(layers={"color": image}, timings={"cpu_s": cpu_s})
         return Trade(frame=frame, exact=frame)
 

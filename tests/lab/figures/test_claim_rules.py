@@ -111,7 +111,7 @@ def test_a_number_that_the_paper_does_not_print_is_noticed():
 
 
 def test_printed_numbers_lie_where_their_claims_are_found():
-    def found(band: Band, value: float) -> bool:
+    def found(band, value):
         claim = band.claim
         inside = claim[0] <= value <= claim[1] or math.isclose(value, claim[0], rel_tol=1e-6)
         assert inside == (value in band) or band is vismap.AO_RAYS  # ours is above 57.9
@@ -177,7 +177,7 @@ def test_the_maps_own_results_lie_in_the_bands():
 
 
 def test_the_weighting_function_of_figure_5_has_the_values_of_its_bands():
-    def weight(distance: float, theta_deg: float) -> float:
+    def weight(distance, theta_deg):
         return (1 - theta_deg / 180) * (1 - distance / (1 + maps.STEEPNESS * distance))
 
     assert weight(1, maps.THETA_MAX_DEG) in vismap.LEAST_WEIGHT

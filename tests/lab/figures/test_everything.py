@@ -3,7 +3,6 @@
 import json
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,26 +20,26 @@ CALLS: list[str] = []
 
 
 @pytest.fixture
-def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+def two(monkeypatch):
     """Two figures, "holds" and "varies"; what they measure and raise can be changed."""
     for name in list(figures.FIGURES):
         monkeypatch.delitem(figures.FIGURES, name)
     state: dict[str, Any] = {"measured": 3.0, "raises": None}
     CALLS.clear()
 
-    def picture(folder: Path, name: str) -> Path:
+    def picture(folder, name):
         noise = np.random.default_rng(0).integers(0, 255, (600, 700, 3), dtype=np.uint8)
         Image.fromarray(noise).save(folder / f"{name}.png")
         return folder / f"{name}.png"
 
-    def holds(trial: Trial) -> None:
+    def holds(trial):
         CALLS.append("holds")
         trial.row("a <b>", 1.0, printed=2.0)
         trial.row("fine", 1.0, band=Band(0.5, np.inf, "said so"))
         trial.files.append(picture(trial.folder, "holds"))
         trial.skip("far away", "absent")
 
-    def varies(trial: Trial) -> None:
+    def varies(trial):
         CALLS.append("varies")
         if state["raises"] is not None:
             raise state["raises"]

@@ -139,7 +139,7 @@ def test_a_speed_up_is_the_exact_frames_time_over_the_cached_ones():
 
 
 def test_ambient_occlusion_compares_the_reference_with_the_cache():
-    def frame(seconds: float, **counters: float) -> Any:
+    def frame(seconds, **counters):
         layers = {"ambient": np.ones((2, 2)), "coverage": np.ones((2, 2, 1))}
         image, timings = np.full((2, 2, 3), 0.5), {"total_s": seconds}
         return SimpleNamespace(image=image, layers=layers, counters=counters, timings=timings)
@@ -160,7 +160,7 @@ def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch):
     )
     left = {cost.samples: cost.variance_ratio for cost in costs}
 
-    def rendered(picture: Any, cache: Any, n: int, renders: int) -> Any:
+    def rendered(picture, cache, n, renders):
         return SimpleNamespace(ratio=left[n], low=0.0, high=1.0, trimmed=left[n], energy_z=0.0)
 
     monkeypatch.setattr(vismap_table3, "_rendered", rendered)
@@ -184,16 +184,16 @@ def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(mon
         scene = None
         camera = 0
 
-        def build_cache(self) -> list[int]:
+        def build_cache(self):
             return []
 
-        def maps(self, n: int, maps: Any, seed: int = 0) -> Any:
+        def maps(self, n, maps, seed=0):
             return self.noisy(np.where(share > 0, 0.2, 1.0) / n)
 
-        def product(self, n: int, seed: int = 0) -> Any:
+        def product(self, n, seed=0):
             return self.noisy(np.full(share.shape, 1 / n))
 
-        def noisy(self, variance: Any) -> Any:
+        def noisy(self, variance):
             noise = rng.normal(size=(48, 64, 3)) * np.sqrt(variance)[..., None]
             return SimpleNamespace(image=(10 + noise), timings={"cpu_s": 1.0})
 

@@ -8,7 +8,7 @@ import pytest
 
 from viscache import cli
 from viscache_lab import figures
-from viscache_lab.experiment import Band, Experiment, Registry, Row, Trial
+from viscache_lab.experiment import Band, Experiment, Registry, Row
 from viscache_lab.experiment.claim_rules import Claim
 from viscache_lab.experiment.rows import text
 
@@ -16,11 +16,11 @@ BAND = Band(0.8, math.inf, "the paper says so")
 
 
 @pytest.fixture
-def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
+def made_up(monkeypatch):
     """A figure `made-up` whose rows the test fills in."""
     rows: list[Row] = []
 
-    def function(trial: Trial) -> None:
+    def function(trial):
         (trial.folder / "made-up.png").write_bytes(b"picture")
         trial.rows += rows
         trial.files.append(trial.folder / "made-up.png")
@@ -51,7 +51,7 @@ def test_a_decorated_function_is_an_experiment():
     @made.add("vlf-x9", "made up", sized=True)
     @made.add("vlf-fig10", "made up")
     @made.add("aqvc-x1", "made up")
-    def function(trial: Trial) -> None:
+    def function(trial):
         pass
 
     ordered = sorted(made, key=made._place)
@@ -124,7 +124,7 @@ def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
 ):
     sizes = []
 
-    def function(trial: Trial) -> None:
+    def function(trial):
         sizes.append(trial.size)
 
     info = Experiment(description="made up", function=function, sized=True)

@@ -64,7 +64,7 @@ def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets():
     assert times.split() == pytest.approx((2.0, 0.1))
 
     class Fake:
-        def product(self, samples: int) -> SimpleNamespace:
+        def product(self, samples):
             return SimpleNamespace(timings={"cpu_s": 2.0 + 0.1 * samples})
 
     assert samples_in(Fake(), 6.0) == 40  # type: ignore[arg-type]

@@ -1,10 +1,8 @@
 """Parts of the visibility field's figures."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -36,7 +34,7 @@ def test_rays_of_a_camera_meet_what_its_picture_shows():
     frame = vc.render(scene, vc.Direct(), size=size, spp=64, camera=view)
     shown = frame.layers["depth"][..., 0]
 
-    def alike(other: npt.NDArray[Any]) -> float:
+    def alike(other):
         return float((np.abs(shown - other) < 0.01 * shown).mean())
 
     assert alike(depth) > 0.7

@@ -49,7 +49,7 @@ def test_the_stated_power_is_that_of_a_block(noise):
     level = np.ones((ROWS, COLUMNS, 3))
     power = compare(stack(rng, 48, level, noise), stack(rng, 48, level, noise)).power
 
-    def missed(d: float) -> float:
+    def missed(d):
         return 1 - compare(stack(rng, 48, level * d, noise), stack(rng, 48, level, noise)).share
 
     found, less = (np.mean([missed(1 + d) for _ in range(20)]) for d in (power, power / 2))

@@ -27,7 +27,7 @@ CUBES = "shape/cube-mirror-x"
 
 
 @pytest.fixture(autouse=True)
-def no_shared_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_shared_scenes(monkeypatch):
     monkeypatch.delenv("VISCACHE_SCENES", raising=False)
 
 

@@ -19,7 +19,7 @@ LIGHTS = {"area", "point", "spot", "directional", "constant", "envmap", "sunsky"
 
 
 @pytest.fixture(scope="module")
-def texts() -> dict[str, str]:
+def texts():
     return {case.name: case.text() for case in zoo.cases()}
 
 
