@@ -5,6 +5,8 @@ Eurographics 2013, with the corrections documented in docs/deviations.md. Slow o
 eye point, one light at a time.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

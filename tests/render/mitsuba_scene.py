@@ -1,5 +1,7 @@
 """Small scenes said once and built twice: for viscache and for Mitsuba 3."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
