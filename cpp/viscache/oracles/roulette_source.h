@@ -32,6 +32,7 @@ public:
 
 private:
     const RayCaster& caster_;
+    float extent_;
     NeePlusPlusSettings settings_;
     RouletteOptions options_;
     std::optional<VoxelVisibility> own_;  ///< without `keep`

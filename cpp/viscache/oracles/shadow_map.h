@@ -57,7 +57,8 @@ struct Receivers16 {
 /// Data of a scene for its maps.
 struct ShadowMapExtent {
     Vec3 center;
-    float radius = 1;  ///< radius of the bounding sphere
+    float radius = 1;         ///< radius of the bounding sphere
+    float offset_extent = 1;  ///< Scene::offset_extent
 };
 
 /// The maps of the shared lights of a frame. Immutable after construction, and the same for any number of

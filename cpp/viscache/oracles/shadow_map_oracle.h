@@ -11,7 +11,8 @@ namespace viscache {
 class ShadowMapOracle final : public VisibilityOracle {
 public:
     /// `maps` must outlive the oracle and may be shared by several.
-    ShadowMapOracle(const ShadowMaps& maps, const RayCaster& caster) : maps_(maps), exact_(caster) {
+    ShadowMapOracle(const ShadowMaps& maps, const RayCaster& caster, float extent)
+        : maps_(maps), exact_(caster, extent) {
         wrap(exact_);
     }
 

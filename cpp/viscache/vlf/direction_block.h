@@ -51,8 +51,7 @@ private:
     uint64_t rays_ = 0;
 };
 
-/// True if all points are close enough to the scene for the batch, and its offsets are small beside
-/// triangles.
+/// True if all points are close enough to the scene for the batch.
 bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points);
 
 }  // namespace viscache
