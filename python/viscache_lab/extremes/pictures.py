@@ -108,8 +108,11 @@ def two(
     other: Mapping[str, Any] = MappingProxyType({}),
     **both: Any,
 ) -> float:
-    """A measure of a frame of the lit box against another; both have the same further arguments."""
-    return measure(lit(**both, **mine), lit(**both, **other))
+    """A measure of a frame of the lit box against another; both have the same further arguments.
+
+    The first is drawn anew: a kept frame would be compared with itself where both are alike.
+    """
+    return measure(picture(scenes.lit_box(), **both, **mine), lit(**both, **other))
 
 
 def against_unmoved(
