@@ -35,7 +35,7 @@ _NAMES = {
     "vlf": "aligned_occlusion",
     "vlf.field": "VisibilityField",
 }
-#: The module whose `__all__` has more of them: a new method of visibility is listed there alone.
+#: Its `__all__` lists the other names: a new visibility method is added there only.
 _METHODS = "viscache.settings.visibility"
 #: Modules that are names themselves, and those that `dir` leaves out.
 _MODULES = (

@@ -305,14 +305,18 @@ def test_automatic_thresholds_follow_the_scene():
 
 AT, UP = [[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]
 BAD_LOOKUPS: list[tuple[Any, Any, Any, str]] = [
-    *(([[bad, 0, 0]], UP, 1.0, "positions must be finite and at most 1e16")
-      for bad in (np.nan, np.inf, 1e17)),
-    *((AT, [bad], 1.0, "normals must be unit vectors, row 0")
-      for bad in ([0, 0, 0], [0, 2, 0], [np.nan, 0, 0])),
+    *(
+        ([[bad, 0, 0]], UP, 1.0, "positions must be finite and at most 1e16")
+        for bad in (np.nan, np.inf, 1e17)
+    ),
+    *(
+        (AT, [bad], 1.0, "normals must be unit vectors, row 0")
+        for bad in ([0, 0, 0], [0, 2, 0], [np.nan, 0, 0])
+    ),
     *((AT, UP, bad, r"d_max must be in \[0, 1e16\], row 0") for bad in (-1.0, np.nan, np.inf)),
     (AT, UP, [1.0, 2.0], "d_max must be one or 1 numbers"),
     (AT[0], UP, 1.0, r"positions must have shape \(N, 3\)"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.extreme

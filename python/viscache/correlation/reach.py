@@ -19,7 +19,7 @@ def closed_reach(
     normals: npt.NDArray[np.float32],
     threads: int | None = None,
 ) -> float:
-    """A length at which visibility tells points (N, 3) of a closed scene apart; inf in an open one.
+    """A distance within which visibility varies, for points (N, 3) of a closed scene; else inf.
 
     A scene is closed if at least half of the pilot's points see no sky. There the length is the
     median of the free paths above the surfaces, rounded up to two digits, so about half of all

@@ -91,7 +91,7 @@ def jointly(
     price: Callable[[Pilot], float],
     finest: float = 4.0,
 ) -> tuple[list[Pilot], Pilot]:
-    """All pilots, and the one to use, after those of C_E alone in `tried`.
+    """All pilots, `tried` included, which varied C_E alone; and the one to use.
 
     `measure` takes C_E and the other values, and gives a pilot whose error should be `target`.
     `others` takes `c_e` and gives the families to try; with `beside`, those beside the best of

@@ -153,8 +153,8 @@ def _compare_rays(trial: Trial, scene: vc.Scene, r: RaySet, field: Any) -> None:
                 goal=GUARD if name == "bsp" else None,
                 **(of_bsp if name == "bsp" else {}),
             )
-            found, truth = (a if a.dtype == bool else np.isfinite(a)
-                            for a in (answers[name], answers["embree"]))  # fmt: skip
+            both = (answers[name], answers["embree"])
+            found, truth = (a if a.dtype == bool else np.isfinite(a) for a in both)
             differing = float(np.mean(found != truth))
             trial.check(f"{label}: share unlike embree", differing, EDGE_TOLERANCE)
 

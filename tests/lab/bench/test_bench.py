@@ -13,11 +13,27 @@ from viscache_lab import bench
 from viscache_lab.bench import peers, ray_sets, vlf_ao
 from viscache_lab.experiment import Experiment, Trial, amounts
 
-SMALL = (
-    "rays", "aqvc-frame", "aqvc-apartment", "aqvc-lookup", "shafts", "progressive",
-    "which-cache", "picks", "skies", "meter", "threads", "loading", "correlation", "vlf-build",
-    "vlf-ao", "vismap-variance", "sweep", "parity", "peers",
-)  # fmt: skip
+SMALL = [
+    "rays",
+    "aqvc-frame",
+    "aqvc-apartment",
+    "aqvc-lookup",
+    "shafts",
+    "progressive",
+    "which-cache",
+    "picks",
+    "skies",
+    "meter",
+    "threads",
+    "loading",
+    "correlation",
+    "vlf-build",
+    "vlf-ao",
+    "vismap-variance",
+    "sweep",
+    "parity",
+    "peers",
+]
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")
 
