@@ -78,6 +78,7 @@ SceneDescription load_scene_file(const std::string& path, const LoadOptions& opt
         check_cameras(scene, path);
         // Last of the work: a scene that cannot be used fails before its pictures are read.
         loading::decode_images(state);
+        state.count_warnings();
         // Last, since images and warnings are still added above. Python refuses strings that are not UTF-8.
         make_printable(scene);
     } catch (const std::bad_alloc&) {

@@ -122,7 +122,27 @@ size_t LineIndex::line(size_t offset) const {
 
 void Loading::warn(const std::string& where, const std::string& text) {
     if (strict) fail(where, text);
-    scene.warnings.push_back({where, text});
+    note(where, text);
+}
+
+void Loading::note(const std::string& where, const std::string& text) {
+    const auto [at, is_new] = said_.try_emplace(text, Said{scene.warnings.size()});
+    if (is_new) return scene.warnings.push_back({where, text});
+    Said& said = at->second;
+    ++said.times;
+    const bool is_told = where == scene.warnings[said.index].where ||
+                         std::find(said.also.begin(), said.also.end(), where) != said.also.end();
+    if (said.also.size() < 2 && !is_told) said.also.push_back(where);
+}
+
+void Loading::count_warnings() {
+    for (const auto& [text, said] : said_) {
+        if (said.times == 1) continue;
+        std::string& told = scene.warnings[said.index].text;
+        told += " (" + std::to_string(said.times) + " times";
+        for (size_t i = 0; i < said.also.size(); ++i) told += (i ? " and " : ", also at ") + said.also[i];
+        told += ")";
+    }
 }
 
 int Loading::add_material(const Material& material) {

@@ -77,8 +77,12 @@ public:
     const bool strict, skip_missing;
     Point origin{};  ///< what the caller wants as origin; a loader may place everything relative to it
 
-    /// Reports something that is not modelled; an error when strict.
+    /// Reports something that makes the picture wrong; an error when strict.
     void warn(const std::string& where, const std::string& text);
+    /// Reports something that leaves the picture right.
+    void note(const std::string& where, const std::string& text);
+    /// Texts that were reported at several places say so: how often, and the second and third place.
+    void count_warnings();
     int add_material(const Material& material);
     /// False if the mesh file `path` is not there and may be left out, which is reported. Otherwise a missing
     /// file is an error.
@@ -93,6 +97,13 @@ public:
     void set_environment(const Environment& environment, const std::string& where);
 
 private:
+    /// How often a text was reported, and where after the first time.
+    struct Said {
+        size_t index;  ///< in the scene's warnings
+        size_t times = 1;
+        std::vector<std::string> also;
+    };
+    std::map<std::string, Said> said_;
     std::map<std::tuple<std::string, bool, LookUp>, int> images_;
     std::map<std::array<float, 6>, int> checkerboards_;
 };

@@ -36,8 +36,9 @@ def load_scene(
     path : path
         `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
     strict : bool
-        Features that viscache does not model are errors. By default they are skipped and listed in
-        `Scene.warnings`.
+        What makes the picture wrong is an error: features that viscache does not model, values and
+        files that cannot be used. By default each is one line of `Scene.warnings`, with the places
+        where it stands.
     missing : {"error", "skip"}
         What happens where a Mitsuba or pbrt scene names a mesh file that is not there: an error, or
         the shape is left out with a warning.
