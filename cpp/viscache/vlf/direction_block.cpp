@@ -34,6 +34,7 @@ constexpr float kFarEnough = 0.99f * kFarthest;
 
 bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points) {
     const Placement& placement = batch.triangles().placement;
+    if (batch.triangles().coarse) return false;
     for (const Vec3 p : points)
         if (!(max_abs(placement.apply(p)) <= kFarEnough)) return false;
     return true;
