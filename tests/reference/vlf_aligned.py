@@ -39,13 +39,12 @@ def origins(scene: vc.Scene, points: Array, normals: Array) -> Array:
     return np.asarray(points + normals * step[:, None], f32)
 
 
-def placement(triangles: Array) -> tuple[Array, np.float32, np.float32]:
-    """Centre, power of two that brings the scene to a radius of about one, and offset of points."""
+def placement(triangles: Array) -> tuple[Array, np.float32]:
+    """Centre and power of two that bring the scene to a radius of about one."""
     lo, hi = triangles.min((0, 1)), triangles.max((0, 1))
     d = hi - lo
     radius = f32(0.5) * np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-    scale = f32(2.0) ** f32(-(np.floor(np.log2(float(radius))) + 1))
-    return (lo + hi) * f32(0.5), scale, f32(8) * f32(2.0**-23) * (radius * 2) * scale
+    return (lo + hi) * f32(0.5), f32(2.0) ** f32(-(np.floor(np.log2(float(radius))) + 1))
 
 
 def along(row: Array, p: Array) -> Array:
@@ -61,8 +60,8 @@ def free_along(
     free = np.ones((len(o), len(frames)), bool)
     if not len(triangles):
         return free
-    centre, scale, offset = placement(triangles)
-    v, p = (triangles - centre) * scale, (o - centre) * scale + normals * offset
+    centre, scale = placement(triangles)
+    v, p = (triangles - centre) * scale, (o - centre) * scale
     for k, frame in enumerate(frames):
         up = along(frame[2], normals) >= 0
         corner = [along(row, v) for row in frame]  # x, y, z of (T, 3)
@@ -133,8 +132,9 @@ def excused(
     if masks is None:
         return bool(not surely.any() and (close & maybe & near_z).any())
     some = np.flatnonzero(close & maybe & near_z)
-    shortest = np.maximum(length[some].min(1), 1e-300)
-    always, ever = mask_at(masks, some, uv[some], np.minimum(tolerance / shortest, 1))
+    # Barycentrics are edge / det: seen flatly, they hang on digits more than seen from the front
+    moved = tolerance * length[some].max(1) / np.maximum(np.abs(det[some]), 1e-300)
+    always, ever = mask_at(masks, some, uv[some], np.minimum(moved, 1))
     return bool(not (surely[some] & always).any() and ever.any())
 
 

@@ -123,5 +123,6 @@ def test_shared_directions_leave_the_batch_where_its_offsets_are_too_coarse():
 
     near = ambient([floor(20)], "embree")
     far = [floor(20), card(1e6)]
-    assert np.abs(ambient(far, "auto") - near).max() < 1e-6
-    assert np.abs(ambient(far, "batch") - near).max() > 0.05
+    # Rays start at other heights of the same surfaces: one level ray may find what the other misses
+    assert (ambient(far, "auto") != near).sum() <= 2
+    assert (ambient(far, "batch") != near).mean() > 0.5

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from core import testing
-from reference.vlf_aligned import corners, excused, origins, placement
+from reference.vlf_aligned import excused, origins
 from viscache import _core
 
 Array = npt.NDArray[Any]
@@ -29,12 +29,6 @@ def batch(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more:
 def embree(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
     bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **more)
     return unpacked(bits, len(frames))
-
-
-def moved(scene: vc.Scene, points: Array, normals: Array) -> Array:
-    """Points from which Embree starts where the batch does: ulps of the scene's size off."""
-    _, scale, offset = placement(corners(scene))
-    return np.asarray(points + normals * (offset / scale), np.float32)
 
 
 def unpacked(bits: Array, n_directions: int) -> Array:

@@ -14,7 +14,7 @@ from reference.isas import AVAILABLE
 from reference.vlf_aligned import corners, excused, origins
 from viscache import _core
 from viscache.correlation.rows import trace_rows
-from vlf.aligned_scenes import moved, surface
+from vlf.aligned_scenes import surface
 
 Array = npt.NDArray[Any]
 SKY = vc.correlation.DirectionSet(map_size=24)
@@ -72,7 +72,6 @@ def test_no_row_differs_from_embrees_without_an_excuse(spec, kind, t_max):
     sky = vc.correlation.DirectionSet(map_size=32, kind=kind).directions
     points, normals = surface(scene, 1500)
     ours, rays = by_batch(scene, points, normals, sky, t_max=t_max)
-    points = moved(scene, points, normals)
     theirs, same_rays = by_embree(scene, points, normals, sky, t_max=t_max)
     assert rays == same_rays == above(normals, sky).sum()
     a, b = unpacked(ours, len(sky)), unpacked(theirs, len(sky))
@@ -94,8 +93,7 @@ def test_alpha_masks_and_few_points_are_embrees(kind):
     sky = vc.correlation.DirectionSet(map_size=17, kind=kind).directions
     for n in (0, 1, 16, 300):
         ours, _ = by_batch(scene, at.positions[:n], at.normals[:n], sky)
-        points = moved(scene, at.positions[:n], at.normals[:n])
-        theirs, _ = by_embree(scene, points, at.normals[:n], sky)
+        theirs, _ = by_embree(scene, at.positions[:n], at.normals[:n], sky)
         np.testing.assert_array_equal(ours, theirs)
 
 

@@ -123,7 +123,7 @@ void Scene::measure() {
         if (!mesh.in_world) continue;
         placed_triangles_ += mesh.triangles.size();
         placed_area += area_of(mesh);
-        offset_extent_ = std::max(offset_extent_, extents.back());
+        most_extent_ = std::max(most_extent_, extents.back());
         for (Vec3u t : mesh.triangles)
             for (uint32_t v : {t.x, t.y, t.z}) bounds_.add(mesh.vertices[v]);
     }
@@ -139,7 +139,7 @@ void Scene::measure() {
             for (Vec3 v : mesh.vertices) placed.add(instance.to_world.point(v));
             bounds_.add(placed);
             const float extent = instance_extent(extents[size_t(index)], placed, instance.to_world);
-            offset_extent_ = std::max(offset_extent_, extent);
+            most_extent_ = std::max(most_extent_, extent);
         }
     }
     if (placed_triangles_) triangle_size_ = float(std::sqrt(placed_area / double(placed_triangles_)));
@@ -149,8 +149,35 @@ void Scene::measure() {
         throw SceneError("instances and sphere lights must stay below 1e12 in size, got " +
                          std::to_string(bounds_.magnitude()));
     for (const Image& image : d_.images) memory_bytes_ += image.memory_bytes();
+    // Offsets by ulps of the scene's size are a tenth of a triangle there
+    constexpr float kFinest = 1e5f;
+    is_coarse_ = placed_triangles_ && bounds_.diagonal() > kFinest * median_size();
     // Embree's BVH takes about 100 bytes per unique triangle (measured: 90–140) and 600 per instance.
     memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
+}
+
+/// Median diagonal of the bounds of placed triangles, of a few thousand that are evenly spread.
+float Scene::median_size() const {
+    const uint64_t step = placed_triangles_ / 4096 + 1;
+    uint64_t before = 0;  // triangles of the meshes so far
+    std::vector<float> sizes;
+    const auto add = [&](const Mesh& mesh, const Affine& to_world) {
+        const uint64_t count = mesh.triangles.size(), first = (step - before % step) % step;
+        for (uint64_t i = first; i < count; i += step) {
+            Bounds box;
+            for (uint32_t v : {mesh.triangles[i].x, mesh.triangles[i].y, mesh.triangles[i].z})
+                box.add(to_world.point(mesh.vertices[v]));
+            sizes.push_back(box.diagonal());
+        }
+        before += count;
+    };
+    for (const Mesh& mesh : d_.meshes)
+        if (mesh.in_world) add(mesh, {});
+    for (const Instance& instance : d_.instances)
+        for (int index : instance.meshes) add(d_.meshes[size_t(index)], instance.to_world);
+    const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return *middle;
 }
 
 /// Outside these lengths, products of edges and areas leave the range of single precision. Measured: images

@@ -2,6 +2,8 @@
 // Segments between two points. All self-intersection offsets are defined here.
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "viscache/math/vec.h"
 
@@ -35,6 +37,12 @@ inline float spawn_offset(Vec3 p, float extent) { return kOffsetUlps * kUlp * st
 /// Origin of a ray that leaves the surface at p on the side of the unit normal n (n·wi > 0). Where only p and
 /// n are known, `extent` is that of the scene.
 inline Vec3 spawn(Vec3 p, Vec3 n, float extent) { return p + n * spawn_offset(p, extent); }
+
+inline std::vector<Vec3> spawned(std::span<const Vec3> position, std::span<const Vec3> normal, float extent) {
+    std::vector<Vec3> origin(position.size());
+    for (size_t i = 0; i < position.size(); ++i) origin[i] = spawn(position[i], normal[i], extent);
+    return origin;
+}
 
 /// Relative shortening of a segment x→y without normals: visible(x, y) traces t in [e, 1 − e].
 inline float segment_epsilon(Vec3 x, Vec3 y) {

@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "viscache/visibility/query.h"
-
 namespace viscache {
 
 namespace {
@@ -15,9 +13,6 @@ namespace {
 /// medium; and the many small ones.
 constexpr size_t kSizes = 4;
 constexpr size_t kLarge = 1;
-/// Offsets above this share of the median triangle's size lose contact shadows: the scene is 10⁵ times larger
-/// than its detail.
-constexpr float kMostOffset = 0.1f;
 
 /// Size class of a triangle; `scale` makes the radius of the scene about one.
 size_t size_class(const FlatTriangle& t, float scale) {
@@ -81,8 +76,7 @@ Placement Placement::of(const Bounds& bounds) {
     const float radius = 0.5f * bounds.diagonal();
     // 2^(power−1) ≤ radius < 2^power. The limit of ±100 keeps the scale itself a normal float.
     const int power = radius > 0 ? std::clamp(std::ilogb(radius) + 1, -100, 100) : 0;
-    const float scale = std::ldexp(1.f, -power);
-    return {bounds.center(), scale, spawn_offset({}, bounds.diagonal()) * scale};
+    return {bounds.center(), std::ldexp(1.f, -power)};
 }
 
 TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::move(of)) {
@@ -99,11 +93,6 @@ TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::mov
     //
     // Only large solid triangles block whole nodes (aligned_cover.inc). A masked one has holes, so it is
     // tested point by point whatever its size.
-    std::vector<float> sizes;
-    for (const FlatTriangle& t : list) sizes.push_back(t.bounds().diagonal() * placement.scale);
-    const auto median = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-    std::nth_element(sizes.begin(), median, sizes.end());
-    coarse = !sizes.empty() && placement.offset > kMostOffset * *median;
     std::vector<uint32_t> kinds[2 * kSizes];
     for (uint32_t i = 0; i < triangles; ++i)
         kinds[scene->has_cutout(flat.sources[i].mesh) * kSizes + size_class(list[i], placement.scale)]
@@ -160,7 +149,7 @@ PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> pos
     if (points > UINT32_MAX - kLanes) throw std::length_error("points must be fewer than 2^32 - 16");
     std::vector<Vec3> placed(points);
     for (size_t i = 0; i < points; ++i) {
-        placed[i] = placement.apply(position[i]) + normal[i] * placement.offset;
+        placed[i] = placement.apply(position[i]);
         const float far = std::max({std::fabs(placed[i].x), std::fabs(placed[i].y), std::fabs(placed[i].z)});
         // Written so that NaN fails, too
         if (!(far <= kFarthest))

@@ -55,12 +55,10 @@ private:
 std::vector<uint32_t> kd_order(std::span<const Vec3> points, const Control& control);
 
 /// Translation and scale applied to triangles and points before rotation: centred, with a size between one
-/// half and one. Rounding errors then scale with the scene, and no product leaves the range of float. So do
-/// offsets: rotated points keep a distance from their surfaces that rotations do not round away.
+/// half and one. Rounding errors then scale with the scene, and no product leaves the range of float.
 struct Placement {
     Vec3 centre;
-    float scale = 1;   ///< a power of two
-    float offset = 0;  ///< of points along their normals, after the scale
+    float scale = 1;  ///< a power of two
     static Placement of(const Bounds& bounds);
     Vec3 apply(Vec3 p) const { return (p - centre) * scale; }
 };
@@ -78,7 +76,6 @@ struct TriangleBlocks {
     std::shared_ptr<const Scene> scene;
     Placement placement;
     size_t triangles = 0, blocks = 0;
-    bool coarse = false;                 ///< offsets are not small beside the median triangle
     size_t first_small = 0;              ///< first block after those of large triangles
     std::vector<BlockGroup> groups;      ///< groups of the blocks from first_small on
     size_t first_masked = 0;             ///< first block of triangles with alpha masks
