@@ -1,7 +1,6 @@
 """The layer rule of docs/design.md, checked by scanning #include lines."""
 
 import re
-from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 
 import pytest
@@ -41,7 +40,7 @@ BINDINGS = ("cpp/bindings/", "tests/core/")
 INCLUDE = re.compile(r"""^\s*#\s*include\s*(["<])([^">]+)[">]""", re.M)
 
 
-def violations(files: Mapping[str, str]) -> Iterator[str]:
+def violations(files):
     for path, text in files.items():
         parts = PurePosixPath(path).parts
         folder = parts[2] if parts[:2] == ("cpp", "viscache") else None

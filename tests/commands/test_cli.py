@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,6 @@ import viscache
 from codebase.repository import text
 from viscache import cli, metrics
 from viscache.frame import Frame
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
@@ -270,8 +267,6 @@ def test_help_needs_no_heavy_imports():
     )
     assert "--visibility" in done.stdout and done.stderr.strip() == ""
 
-
-# With the real renderer
 
 CUBE = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n"
 

@@ -3,7 +3,6 @@
 import json
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ class GridCache:
 
     cell: float = 0.25
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         facing = np.argmax(np.abs(eyes.normals), axis=1)
         key = np.column_stack([np.floor(eyes.positions / self.cell), facing])
         _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
@@ -39,7 +38,7 @@ def room():
     return vc.scenes.room(triangles=3000)
 
 
-def error_of(scene: vc.Scene, found: Any, integrator: Any = WHITTED, seed: int = 7) -> float:
+def error_of(scene, found, integrator=WHITTED, seed=7):
     exact = vc.render(scene, integrator, size=SIZE, seed=seed)
     frame = vc.render(
         scene, integrator, size=SIZE, seed=seed, visibility=found.visibility, use=found.use
@@ -163,7 +162,7 @@ class TwoNumbers(GridCache):
 
 
 class NoFields:
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return eyes.trace(lamps, wanted)
 
 
