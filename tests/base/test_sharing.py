@@ -223,9 +223,6 @@ def test_objects_with_a_state_are_not_copied(copied):
             copied(one)
 
 
-# All objects at once
-
-
 PICTURES = {
     "rows": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.Aqvc()},
     "counts": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.NeePlusPlus(n_voxels=4)},
@@ -335,16 +332,3 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
 
     for one, found in zip(expected, at_once([repeat(call) for call in calls]), strict=True):
         assert found == [one] * 4
-
-
-def test_a_kept_table_in_use_is_refused_to_all_others():
-    scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 16)
-    told = []
-
-    def report(done, total):
-        told.extend(
-            refusal(call) for call in (table.forget, lambda: table.moved(scene), table.entries)
-        )
-
-    vc.render(scene, "direct", visibility=vc.Aqvc(c_e=8), keep=table, progress=report, **SMALL)
-    assert set(told) == {"the table must not be in use by another call"} and table.epoch == 0

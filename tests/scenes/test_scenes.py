@@ -213,8 +213,3 @@ def test_an_edge_factor_keeps_random_triangles_as_dense_at_any_number():
         assert edge == pytest.approx(1.5 * n ** (-1 / 3), rel=1e-4)
     with pytest.raises(ValueError, match="edge must be left out with edge_factor"):
         make(triangles=10, edge=0.1, edge_factor=1.0)
-
-
-def test_too_few_triangles_are_refused_with_the_limit():
-    with pytest.raises(ValueError, match=r"triangles must be >= 100, got 3"):
-        scenes.room(triangles=3)

@@ -101,6 +101,14 @@ def seconds_until_claimed(store, most=10.0):
     return time.monotonic() - began
 
 
+def assert_kept(store, silences):
+    """That the lease stays that of another, for so many times SILENT_S."""
+    end = time.monotonic() + silences * SILENT_S
+    while time.monotonic() < end:
+        assert not store.leases.claim(KEY)
+        time.sleep(0.01)
+
+
 def change(folder, of_process=None, **columns):
     """Change the lease of the key, as another machine would have written it."""
     with sqlite3.connect(folder / "sweep.sqlite") as db:
@@ -196,10 +204,7 @@ def test_clocks_of_other_machines_do_not_count(since, alive, tmp_path, owner):
     change(tmp_path, {"host": "elsewhere", "machine": "another"}, since=since)
     with Store(tmp_path) as store:
         if alive:
-            end = time.monotonic() + 2 * SILENT_S
-            while time.monotonic() < end:
-                assert not store.leases.claim(KEY)
-                time.sleep(0.01)
+            assert_kept(store, 2)
         else:
             assert seconds_until_claimed(store) > 0.9 * SILENT_S
 
@@ -207,10 +212,7 @@ def test_clocks_of_other_machines_do_not_count(since, alive, tmp_path, owner):
 def test_a_living_owner_keeps_its_lease_however_slow_it_is(tmp_path, owner):
     slow = owner()
     with Store(tmp_path) as store:
-        end = time.monotonic() + 3 * SILENT_S
-        while time.monotonic() < end:
-            assert not store.leases.claim(KEY)
-            time.sleep(0.01)
+        assert_kept(store, 3)
         assert slow.renders() == "stored\n"
         assert store.frame(KEY).image[0, 0, 0] == 7
 
@@ -249,10 +251,7 @@ def test_owners_that_stood_together_with_who_waits_keep_their_leases(tmp_path, o
         time.sleep(2 * SILENT_S)  # this process stands, too
         assert not store.leases.claim(KEY)
         asleep.process.send_signal(signal.SIGCONT)
-        end = time.monotonic() + 2 * SILENT_S
-        while time.monotonic() < end:
-            assert not store.leases.claim(KEY)
-            time.sleep(0.01)
+        assert_kept(store, 2)
 
 
 def test_who_waits_says_for_whom_and_since_when(tmp_path, owner, monkeypatch, caplog):
