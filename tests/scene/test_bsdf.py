@@ -129,6 +129,9 @@ def test_reflection_is_the_same_both_ways(name):
     assert 20 < np.count_nonzero(there.any(1)) < 100
 
 
+# Energy
+
+
 def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     """Mean weight over low-discrepancy points: the share of a white furnace's light."""
     index = np.arange(n, dtype=np.uint32)
@@ -182,6 +185,9 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing():
         assert testing.diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
     below = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, -1), base=(1, 1, 1))
     assert testing.diffuse_albedo(below) == [0, 0, 0]
+
+
+# Limits
 
 
 def test_nothing_is_reflected_below_either_normal():
