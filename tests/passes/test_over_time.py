@@ -16,11 +16,6 @@ WHITTED = vc.Whitted(n_vpls=48)
 CACHE = vc.Aqvc(c_e=40, exact_groups=())
 
 
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
-
-
 def test_errors_are_those_of_the_mean_of_the_passes(room):
     other = vc.Progressive(room, WHITTED, visibility="exact", size=SIZE, first_pass=600).passes(3)
     ds = vc.passes_over_time(

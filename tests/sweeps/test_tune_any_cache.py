@@ -18,11 +18,6 @@ SIZE = (96, 60)
 WHITTED = vc.Whitted(n_vpls=32)
 
 
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
-
-
 def error_of(scene, found, integrator=WHITTED, seed=7):
     exact = vc.render(scene, integrator, size=SIZE, seed=seed)
     frame = vc.render(

@@ -20,11 +20,6 @@ SIZE = (96, 60)
 WHITTED = vc.Whitted(n_vpls=64)
 
 
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
-
-
 def modelled(best):
     """A cache in which one family needs half of the rays at each error."""
     made = []
