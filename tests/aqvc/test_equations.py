@@ -25,20 +25,20 @@ class Equation:
     ranges: tuple[tuple[float, float], ...]
     rtol: float = 1e-13
 
-    def arguments(self) -> list[np.ndarray]:
+    def arguments(self):
         rng = np.random.default_rng(7)
         return [np.exp(rng.uniform(np.log(a), np.log(b), 1000)) for a, b in self.ranges]
 
-    def holds(self, got: np.ndarray, *, over: list[np.ndarray]) -> bool:
+    def holds(self, got, *, over):
         """Whether `got` is the transcription's value; integers must be equal."""
         want = self.transcription(*over)
         return bool(np.allclose(got, want, rtol=self.rtol, atol=0))
 
 
-def bins(mode: str) -> Callable[..., np.ndarray]:
+def bins(mode):
     """Eq. 4 through the key of a surface point: slot 1 of a normal (n, 0, √(1 − n²))."""
 
-    def bound(component: np.ndarray) -> np.ndarray:
+    def bound(component):
         n = np.stack([component, 0 * component, np.sqrt(1 - component**2)], 1).astype(np.float32)
         p, one = aqvc.AqvcParameters(c_n=8, normal_mode=mode), np.ones(len(n))
         return aqvc.full_keys(p, (0, 0, 0), 1.0, n, n, 9 * one, 0, n, n, one)[0][:, 1]
@@ -46,20 +46,20 @@ def bins(mode: str) -> Callable[..., np.ndarray]:
     return bound
 
 
-def bins_transcribed(rounding: bool) -> Callable[..., np.ndarray]:
+def bins_transcribed(rounding):
     return lambda n: reference.normal_bins(n.astype(np.float32).astype(float), 8, rounding)
 
 
-def hashes(scheme: str) -> tuple[Callable[..., np.ndarray], Callable[..., np.ndarray]]:
+def hashes(scheme):
     """Eq. 10 of keys whose slots follow from one number, over all of 32 bits."""
 
-    def keys(x: np.ndarray) -> np.ndarray:
+    def keys(x):
         return (x[:, None] * np.arange(1, 16) ** 3).astype(np.int64).astype(np.int32)
 
-    def bound(x: np.ndarray) -> np.ndarray:
+    def bound(x):
         return np.asarray(aqvc.hash_keys(keys(x), scheme), np.float64)
 
-    def transcribed(x: np.ndarray) -> np.ndarray:
+    def transcribed(x):
         one = getattr(reference, scheme)
         return np.array([one([int(j) for j in key]) for key in keys(x)], np.float64)
 

@@ -1,7 +1,6 @@
 """Keys of four levels at once: the same hashes as one after the other."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from aqvc import tiles
@@ -10,7 +9,7 @@ from viscache import _core
 C_E = (16.0, 8.0, 4.0, 2.0)
 
 
-def hashes(*, at_once: bool) -> npt.NDArray[np.uint32]:
+def hashes(*, at_once):
     """(2, N, 4): κ and digest of a tile's eye points at four levels, a point light each."""
     eyes = tiles.eye_points(48, 48)
     n = len(eyes["density"])

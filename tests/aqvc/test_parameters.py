@@ -5,7 +5,6 @@ import pickle
 import re
 import typing
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -111,7 +110,7 @@ def test_a_value_beyond_its_row_is_refused_with_what_must_hold(name, good, bad, 
             _core.aqvc.AqvcParameters(**{name: value})
 
 
-def other_value(name: str) -> Any:
+def other_value(name):
     """A value of the parameter that is not its default."""
     special = {
         "c_n": 6,

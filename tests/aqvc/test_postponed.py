@@ -1,10 +1,8 @@
 """The queue of postponed rays, against its transcription."""
 
 import itertools
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -14,23 +12,15 @@ from reference.aqvc_postponed import postponed
 from viscache import _core
 
 QUEUES = [(64, 31), (64, 33), (64, 1), (16, 5), (6, 2), (2, 1)]
-PAPER: dict[str, Any] = {"c_z": 8.0, "c_finest": "log2", "level_step": 2.0, "refinement": "on"}
+PAPER = {"c_z": 8.0, "c_finest": "log2", "level_step": 2.0, "refinement": "on"}
 
 
-def runs_of(run: Any) -> list[list[int]]:
+def runs_of(run):
     order, ends = run.order()
     return [order[a:b] for a, b in itertools.pairwise([0, *ends])]
 
 
-def transcribed(
-    run: Any,
-    exact: npt.NDArray[np.bool_],
-    wanted: npt.NDArray[np.bool_],
-    eyes: Any,
-    c_e: float,
-    queue: int,
-    c_w: int,
-) -> reference.Result:
+def transcribed(run, exact, wanted, eyes, c_e, queue, c_w):
     grid = reference.Grid(tiles.CENTER, tiles.RADIUS, c_z=PAPER["c_z"])
     levels = _core.aqvc.AqvcParameters(c_e=c_e, **PAPER).level_list(0)
     return postponed(grid, eyes, levels, exact, wanted, runs_of(run), queue, c_w)
@@ -53,7 +43,7 @@ def test_postponed_rays_are_those_of_the_transcription(queue, c_w):
 def test_a_warp_of_one_query_is_algorithm_2():
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
-    options: dict[str, Any] = {"c_e": 8, "form": "pairs", "storage": "exact", **PAPER}
+    options = {"c_e": 8, "form": "pairs", "storage": "exact", **PAPER}
     alone = tiles.tile_run(eyes, queue=2, c_w=1, **options).block(far, wanted)
     one_by_one = tiles.tile_run(eyes, batch=1, **options).block(far, wanted)
     np.testing.assert_array_equal(alone[0], one_by_one[0])
@@ -63,7 +53,7 @@ def test_a_warp_of_one_query_is_algorithm_2():
 def test_a_queue_longer_than_a_call_is_a_batch():
     eyes, far = tiles.eye_points(8, 8), tiles.lights("point", 6)
     wanted = tiles.facing(eyes, far)
-    options: dict[str, Any] = {"c_e": 5, "form": "pairs", "storage": "exact", **PAPER}
+    options = {"c_e": 5, "form": "pairs", "storage": "exact", **PAPER}
     queued = tiles.tile_run(eyes, queue=1024, c_w=1024, **options).block(far, wanted)
     batched = tiles.tile_run(eyes, **options).block(far, wanted)
     np.testing.assert_array_equal(queued[0], batched[0])

@@ -1,7 +1,5 @@
 """`vc.aqvc`: the equations as users call them give what the core computes, and refuse bad input."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ POINTS = RNG.uniform(-1, 1, (50, 3)).astype(np.float32)
 NORMALS = RNG.normal(size=(50, 3)).astype(np.float32)
 NORMALS /= np.linalg.norm(NORMALS, axis=1, keepdims=True)
 SIZES = np.full(50, 30.0)
-GIVEN: dict[str, Any] = {
+GIVEN = {
     "settings": vc.Aqvc(c_n=6),
     "center": (0, 0, 0),
     "radius": 2.0,

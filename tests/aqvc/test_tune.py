@@ -2,7 +2,6 @@
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -56,9 +55,9 @@ def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says():
     assert ratio([1.0], [4.0]) == (0.25, (0.0, math.inf))
 
 
-def tuned(error: float, **changes: Any) -> Tuned:
+def tuned(error, **changes):
     """What a search for 1 % found; one that is cheaper than exact unless changed."""
-    values: dict[str, Any] = {
+    values = {
         "target": 0.01,
         "parameter": "c_e",
         "value": 8.0,
@@ -76,7 +75,7 @@ def tuned(error: float, **changes: Any) -> Tuned:
     return Tuned(**values | changes)
 
 
-def error_of(scene: vc.Scene, integrator: Any, found: Tuned, **frame: Any) -> float:
+def error_of(scene, integrator, found, **frame):
     exact = vc.render(scene, integrator, **frame)
     cached = vc.render(scene, integrator, visibility=found.visibility, **frame)
     return float(vc.metrics.compare(cached, exact, metrics=[found.metric])[found.metric])
@@ -157,7 +156,7 @@ def test_light_cells_are_halved_until_they_leave_half_of_the_target():
     assert with_light_cells(groups, vc.Aqvc(), 0.03).c_l == 1 / 8
     assert with_light_cells(groups, vc.Aqvc(), 1e-9).c_l == 0.5**MOST_HALVINGS
     assert with_light_cells(groups, vc.Aqvc(c_l=2), 1e-9).c_l == 2
-    tried: list[float] = []
+    tried = []
 
     def slow(setting):
         tried.append(setting.resolved()["c_l"])
@@ -205,7 +204,7 @@ def test_both_times_are_told_where_exact_is_cheaper():
     assert not tuned(0.01).exact_is_cheaper and str(tuned(0.008)) == repr(tuned(0.008))
 
 
-def lamp_in_view() -> vc.Scene:
+def lamp_in_view():
     d = vc.SceneDescription()
     grey = d.add_material(base_color=(0.5, 0.5, 0.5))
     two = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
@@ -225,7 +224,7 @@ def lamp_in_view() -> vc.Scene:
 
 def test_a_lamp_in_view_does_not_hide_the_error_unless_the_papers_metric_is_asked_for():
     scene, direct = lamp_in_view(), vc.Direct(n_area=2)
-    given: dict[str, Any] = {"size": (96, 60)}
+    given = {"size": (96, 60)}
     given["visibility"] = vc.Aqvc(exact_groups=())
     found = vc.tune(scene, direct, rel_l1_reflected=0.02, **given)
     papers = vc.tune(scene, direct, rel_l1=0.02, **given)
@@ -240,7 +239,7 @@ def test_a_lamp_in_view_does_not_hide_the_error_unless_the_papers_metric_is_aske
 
 
 def test_progress_counts_renderings_and_ends_complete():
-    seen: list[tuple[int, int]] = []
+    seen = []
     scene = built("room?triangles=2000")
     vc.tune(
         scene,
@@ -282,7 +281,7 @@ def test_the_command_prints_what_was_found(capsys):
     assert "missed" in printed and "No C_E reaches rel_l1_reflected 1e-08" in printed
 
 
-def modelled(counters: dict[str, Any], *, exact: bool) -> float:
+def modelled(counters, *, exact):
     """The cost of a frame's visibility in exact queries, by its counters."""
     queries, rays = counters["queries"], counters["rays"]
     return float(queries if exact else SHARED_LIGHTS.of(rays / max(1, queries)) * queries)
@@ -300,7 +299,7 @@ def test_tuning_costs_less_than_twenty_of_the_frames_it_finds(monkeypatch, spp, 
 
     monkeypatch.setattr(samples, "render_part", counting)
     scene, whitted = built("room?triangles=2000"), vc.Whitted(n_vpls=n_vpls)
-    frame: dict[str, Any] = {"size": (256, 160), "spp": spp}
+    frame = {"size": (256, 160), "spp": spp}
     found = vc.tune(scene, whitted, rel_l1_reflected=0.02, **frame)
     final = vc.render(scene, whitted, visibility=found.visibility, **frame)
     assert sum(spent) < 20 * modelled(final.counters, exact=False)

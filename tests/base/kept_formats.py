@@ -33,17 +33,17 @@ class Kept:
     make: Callable[[Path], Path]
     read: Callable[[Path], Any]
 
-    def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
+    def take(self, path: Path):
         with np.load(path) as file:
             arrays = {name: file[name] for name in file.files}
         return arrays.pop(formats.HEAD).tobytes(), arrays
 
-    def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
+    def put(self, path: Path, head: bytes | None, arrays) -> None:
         if head is not None:
             arrays = arrays | {formats.HEAD: np.frombuffer(head, np.uint8)}
         np.savez(path, **arrays)
 
-    def sealed(self, form: Format, fields: Any, arrays: Any) -> bytes:
+    def sealed(self, form: Format, fields, arrays) -> bytes:
         return form.sealed(fields, arrays).encode()
 
     def content(self, path: Path) -> bytes:
@@ -57,10 +57,10 @@ class Kept:
 class Row(Kept):
     """A row of a store; its record is the head."""
 
-    def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
+    def take(self, path: Path):
         return self.content(path), {}
 
-    def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
+    def put(self, path: Path, head: bytes | None, arrays) -> None:
         self.damage(path, b"" if head is None else head)
 
     @property
@@ -86,11 +86,11 @@ class Row(Kept):
 class Exr(Kept):
     """A frame: the head is an attribute, and the pixels have hashes among its fields."""
 
-    def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
+    def take(self, path: Path):
         with OpenEXR.File(str(path), separate_channels=True) as file:
             return file.header()[frame_file.ATTRIBUTE].encode(), {}
 
-    def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
+    def put(self, path: Path, head: bytes | None, arrays) -> None:
         with OpenEXR.File(str(path), separate_channels=True) as file:
             header = {n: v for n, v in file.header().items() if n != "channels"}
             planes = {n: np.array(c.pixels) for n, c in file.channels().items()}
@@ -101,11 +101,11 @@ class Exr(Kept):
 class NetCdf(Kept):
     """A dataset: the head is a line after the content."""
 
-    def take(self, path: Path) -> tuple[bytes, dict[str, Any]]:
+    def take(self, path: Path):
         content, line = path.read_bytes().rstrip(b"\n").rsplit(b"\n", 1)
         return line, {"content": np.frombuffer(content, np.uint8)}
 
-    def put(self, path: Path, head: bytes | None, arrays: dict[str, Any]) -> None:
+    def put(self, path: Path, head: bytes | None, arrays) -> None:
         content = b"".join(array.tobytes() for array in arrays.values())
         path.write_bytes(content + (b"" if head is None else b"\n" + head + b"\n"))
 
@@ -124,7 +124,7 @@ def make_state(folder: Path) -> Path:
     return folder / "state.npz"
 
 
-def read_state(path: Path) -> Any:
+def read_state(path: Path):
     """A refused state changes nothing."""
     made = picture()
     assert made.rows is not None
@@ -151,7 +151,7 @@ def make_maps(folder: Path) -> Path:
     return folder / "maps.npz"
 
 
-def read_maps(path: Path) -> Any:
+def read_maps(path: Path):
     found = vc.VisibilityMapCache.load(path, "cube_on_plane")
     arrays = found._core.records()
     return found.settings, found.rays, {name: a.tobytes() for name, a in arrays.items()}
@@ -162,13 +162,13 @@ def make_frame(folder: Path) -> Path:
     return folder / "frame.exr"
 
 
-def read_frame(path: Path) -> Any:
+def read_frame(path: Path):
     found = vc.Frame.load(path)
     return {name: layer.tobytes() for name, layer in found.layers.items()}, found.summary()
 
 
-def measured(**more: Any) -> Any:
-    given: dict[str, Any] = {"n_points": 16, "map_size": 4, "d_edges": 4, "theta_edges_deg": 4}
+def measured(**more):
+    given = {"n_points": 16, "map_size": 4, "d_edges": 4, "theta_edges_deg": 4}
     return vc.correlation.measure("cube_on_plane", threads=1, **(given | more))
 
 
@@ -177,7 +177,7 @@ def make_dataset(folder: Path) -> Path:
     return folder / "correlation.nc"
 
 
-def read_dataset(path: Path) -> Any:
+def read_dataset(path: Path):
     found = vc.correlation.load_dataset(path)
     return {n: v.values.tobytes() for n, v in found.variables.items()}, str(found.attrs)
 
@@ -189,7 +189,7 @@ def make_table(folder: Path) -> Path:
     return folder / "pairs.npz"
 
 
-def read_table(path: Path) -> Any:
+def read_table(path: Path):
     found = pair_table.PairTable.from_npz(path)
     return [getattr(found, name).tolist() for name in pair_table.FORMAT.arrays]
 
@@ -205,7 +205,7 @@ def make_flip(folder: Path) -> Path:
     return path
 
 
-def read_flip(path: Path) -> Any:
+def read_flip(path: Path):
     """A sweep measures it again."""
     frames = two_frames()
     found = flip_maps.kept(frames[0], frames[1], path.parents[1])
@@ -222,7 +222,7 @@ def make_block(name: str) -> Callable[[Path], Path]:
     return make
 
 
-def read_block(path: Path) -> Any:
+def read_block(path: Path):
     """A measurement computes it again, and says so."""
     folder = next(f for f in path.parents if (f / "rows.npy").exists())
     opened = work_store.FolderStore(folder, np.load(folder / "rows.npy", mmap_mode="r").shape)
@@ -236,7 +236,7 @@ def read_block(path: Path) -> Any:
     return {name: array.tobytes() for name, array in found.items()}
 
 
-def read_points(path: Path) -> Any:
+def read_points(path: Path):
     _, arrays = tasks.POINTS.read_npz(path)
     return {name: array.tobytes() for name, array in arrays.items()}
 
@@ -248,9 +248,9 @@ def make_points(folder: Path) -> Path:
     return folder / "work" / "points.npz"
 
 
-def swept(folder: Path, **more: Any) -> Any:
+def swept(folder: Path, **more):
     """A small sweep in a folder; what is there already is taken."""
-    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4, 8]}, "size": (12, 11), "metrics": ["rel_l1"]}
     return vc.sweep("cube_on_plane", DIRECT, directory=folder, threads=1, **(given | more))
 
 
@@ -259,20 +259,20 @@ def make_sweep(folder: Path) -> Path:
     return folder
 
 
-def opened_store(read: Callable[[Store], Any]) -> Callable[[Path], Any]:
-    def run(path: Path) -> Any:
+def opened_store(read):
+    def run(path: Path):
         with Store(path) as opened:
             return read(opened)
 
     return run
 
 
-def read_comparison(opened: Store) -> Any:
+def read_comparison(opened: Store):
     point = opened.definition()["points"][0]
     return opened.compared(point["key"], point["paired"])
 
 
-def read_records(opened: Store) -> Any:
+def read_records(opened: Store):
     keys = sorted(key for (key,) in opened._db.execute("SELECT key FROM frames"))
     return [opened.get(key) for key in keys]
 
@@ -293,7 +293,7 @@ KEPT = {
 }
 
 #: Values of every type of JSON, out of every range.
-WRONG: tuple[Any, ...] = (
+WRONG = (
     *(None, True, -1, 1.5, 2**70, float("nan"), "", "x", [], [1], [[3, 1]], ["x"]),
     *({}, {"a": None}, {"a": [1, 2]}, {"a": {}}, {"rays": "many"}),
 )

@@ -1,8 +1,6 @@
 """No array, colour or matrix may be complex: NumPy would drop imaginary parts with a warning."""
 
 import warnings
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,21 +15,20 @@ CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
 POINTS, UP, SQUARE = CORNERS + 0.5, [[0.0, 0, 1]] * 3, [[0.0, 0], [1, 0], [0, 1]]
 COLOR, IMAGE = np.array([0.2, 0.4, 0.6]), np.ones((2, 4, 3))
 PLACE, BITS = np.eye(4), np.ones((3, 1), np.uint64)
-SWEPT: dict[str, Any] = {"size": (4, 4), "over": {"c_e": [4]}}
+SWEPT = {"size": (4, 4), "over": {"c_e": [4]}}
 
 
-def described(method: str, *before: Any) -> Callable[..., object]:
+def described(method, *before):
     """A method of a new description, after some arguments."""
     return lambda *more, **named: getattr(vc.SceneDescription(), method)(*before, *more, **named)
 
 
-def scene() -> vc.Scene:
-    built: vc.Scene = vc.scenes.cube_on_plane()
-    return built
+def scene():
+    return vc.scenes.cube_on_plane()
 
 
 #: What takes numbers, the numbers, and the call.
-DOORS: dict[str, tuple[Any, Callable[[Any], object]]] = {
+DOORS = {
     "add_mesh vertices": (CORNERS, lambda v: described("add_mesh")(v, ONE)),
     "add_mesh triangles": (np.array(ONE), described("add_mesh", CORNERS)),
     "add_mesh normals": (UP, lambda v: described("add_mesh", CORNERS, ONE)(normals=v)),
@@ -87,7 +84,7 @@ DOORS: dict[str, tuple[Any, Callable[[Any], object]]] = {
         lambda v: pairs.spatial_map(BITS, v, UP, d_max=1.0, theta_max_deg=9.0),
     ),
 }
-WAYS: dict[str, Callable[[Any], Any]] = {
+WAYS = {
     "array": lambda v: np.asarray(v) + 0j,
     "single precision": lambda v: np.asarray(v).astype(np.complex64),
     "list": lambda v: (np.asarray(v) + 0j).tolist(),

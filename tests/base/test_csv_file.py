@@ -2,8 +2,6 @@
 
 import csv
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +28,7 @@ FORMULAS = [
 PLAIN = ["waves", "a=1", "c-d", "1", "", "'", "'=1", "''", "α"]
 
 
-def cells(path: Path) -> list[list[str]]:
+def cells(path):
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.reader(file))
 
@@ -60,7 +58,7 @@ def test_numbers_are_as_they_were(number, tmp_path):
 
 
 def test_a_strangers_names_are_no_formulas(fake_vc, tmp_path):
-    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
     sweep("room", "whitted", directory=tmp_path, **given)
     with Store(tmp_path) as store:
         point = store.definition()["points"][0]
@@ -73,7 +71,7 @@ def test_a_strangers_names_are_no_formulas(fake_vc, tmp_path):
 
 @pytest.mark.parametrize("value", ["=1+1", [1], True])
 def test_a_metric_that_is_no_number_is_refused(value, fake_vc, tmp_path):
-    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4]}, "size": (8, 6), "metrics": ["rel_l1"]}
     sweep("room", "whitted", directory=tmp_path, **given)
     with Store(tmp_path) as store:
         point = store.definition()["points"][0]

@@ -11,15 +11,13 @@ import shutil
 import sqlite3
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import OpenEXR
 import pytest
 
 import viscache as vc
-from base.kept_formats import KEPT, WRONG, Kept, Row, make_sweep, measured, read_records
+from base.kept_formats import KEPT, WRONG, Row, make_sweep, measured, read_records
 from codebase.repository import sources
 from viscache.base.formats import FormatError
 from viscache.correlation import dataset
@@ -33,7 +31,7 @@ pytestmark = pytest.mark.usefixtures("without_netcdf")
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The folder and the file of a format, made once."""
-    made: dict[str, tuple[Path, Path]] = {}
+    made = {}
 
     def get(name):
         if name not in made:
@@ -53,7 +51,7 @@ def case(request, whole, tmp_path):
     return KEPT[request.param], copy / path.relative_to(folder)
 
 
-def refused(kept: Kept, path: Path, says: str | None = None) -> None:
+def refused(kept, path, says=None):
     """The reader raises one clean error, which names the file, in one line or so."""
     with pytest.raises(ValueError, match=says) as told:
         kept.read(path)
@@ -61,9 +59,8 @@ def refused(kept: Kept, path: Path, says: str | None = None) -> None:
     assert named in str(told.value) and isinstance(told.value, FormatError)
 
 
-def fields_of(head: bytes) -> dict[str, Any]:
-    fields: dict[str, Any] = json.loads(head)["fields"]
-    return fields
+def fields_of(head):
+    return json.loads(head)["fields"]
 
 
 def test_the_table_has_every_format_and_no_reader_goes_around_it():
@@ -115,7 +112,7 @@ def test_a_head_that_lacks_something_is_refused(lost, case):
     kept, path = case
     head, arrays = kept.take(path)
     cut = {name: value for name, value in json.loads(head).items() if name != lost}
-    others: dict[str, bytes | None] = {"head": None, "all": b"[]"}
+    others = {"head": None, "all": b"[]"}
     kept.put(path, others.get(lost, json.dumps(cut).encode()), arrays)
     refused(kept, path)
 

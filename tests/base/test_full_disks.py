@@ -4,8 +4,6 @@ import functools
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ from viscache import cli
 SCENE, LIGHTS = "cube_on_plane", vc.Direct(n_area=1, n_environment=1, n_brdf=1)
 
 
-def run(*words: Any) -> subprocess.CompletedProcess[str]:
+def run(*words):
     try:
         return subprocess.run([str(w) for w in words], capture_output=True, text=True)
     except FileNotFoundError as error:  # a machine without the program
@@ -26,18 +24,18 @@ def run(*words: Any) -> subprocess.CompletedProcess[str]:
 class SmallDisk:
     """A folder on a disk of its own."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder):
         self.folder = folder
 
-    def fill(self, leave: int) -> None:
+    def fill(self, leave):
         at = os.statvfs(self.folder)
         (self.folder / "filler").write_bytes(bytes(at.f_bavail * at.f_frsize - leave))
 
-    def make_room(self) -> None:
+    def make_room(self):
         (self.folder / "filler").unlink(missing_ok=True)
         assert run("mount", "-o", "remount,size=64m", self.folder).returncode == 0
 
-    def files(self) -> set[str]:
+    def files(self):
         found = (p for p in self.folder.rglob("*") if p.is_file())
         return {str(p.relative_to(self.folder)) for p in found} - {"filler"}
 
@@ -70,7 +68,7 @@ def test_in_a_namespace_where_this_user_may_mount(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
-def one_line(capsys: pytest.CaptureFixture[str], words: list[str]) -> str:
+def one_line(capsys, words):
     """What a command says that ends for lack of room."""
     capsys.readouterr()
     assert cli.main(words) == 2
@@ -126,7 +124,7 @@ def test_a_sweep_goes_on_when_there_is_room(disk, tmp_path, capsys):
     assert errors(tables[0]) == errors(tables[1])
 
 
-def errors(table: list[str]) -> list[tuple[str, ...]]:
+def errors(table):
     head = table[0].split(",")
     columns = [head.index("c_e"), head.index("rel_l1")]
     return sorted(tuple(row.split(",")[i] for i in columns) for row in table[1:])
@@ -142,7 +140,7 @@ def test_a_figure_is_drawn_when_there_is_room(disk, capsys):
     assert cli.main(command) == 0
 
 
-CORRELATION: dict[str, Any] = {
+CORRELATION = {
     "scene": SCENE, "n_points": 2000, "map_size": 32, "d_edges": 4, "theta_edges_deg": 4,
     "threads": 1,
 }  # fmt: skip
@@ -156,7 +154,7 @@ except OSError as error:
 
 
 @functools.cache
-def with_room_from_the_start() -> Any:
+def with_room_from_the_start():
     return vc.correlation.measure(**CORRELATION)["mean"]
 
 

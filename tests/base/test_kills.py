@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -27,7 +26,7 @@ sys.exit(cli.main(sys.argv[1:]))
 """
 
 
-def start(code: str, *words: str) -> subprocess.Popen[bytes]:
+def start(code, *words):
     return subprocess.Popen(
         [sys.executable, "-c", code, *words],
         env=environment(),
@@ -36,7 +35,7 @@ def start(code: str, *words: str) -> subprocess.Popen[bytes]:
     )
 
 
-def in_passes(folder: Path, n: int) -> list[str]:
+def in_passes(folder, n):
     words = ["render", SCENE, "--integrator", "direct", "--size", "96x64", "--spp", "4"]
     return [
         *words,
@@ -49,13 +48,13 @@ def in_passes(folder: Path, n: int) -> list[str]:
     ]
 
 
-def picture_of() -> vc.Progressive:
+def picture_of():
     """As the command has it."""
-    exact: Any = {"visibility": "exact", "rays": vc.Embree()}
+    exact = {"visibility": "exact", "rays": vc.Embree()}
     return vc.Progressive(SCENE, vc.Direct(), **exact, size=(96, 64), spp=4)
 
 
-def saved(folder: Path) -> int:
+def saved(folder):
     """The number of passes of a state, which must be whole."""
     if not (folder / "s.npz").exists():
         return 0

@@ -1,7 +1,5 @@
 """Arguments that are no numbers are refused by their name, whatever takes them."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ import viscache as vc
 from viscache.settings.checks import checked_floats
 
 POINT, UP = [(0.0, 1.0, 0.0)], [(0.0, 1.0, 0.0)]
-CALLS: dict[str, Callable[[object], object]] = {
+CALLS = {
     "positions": lambda bad: vc.Vpls(bad, UP, POINT),
     "normals": lambda bad: vc.Vpls(POINT, bad, POINT),
     "flux": lambda bad: vc.Vpls(POINT, UP, bad),

@@ -7,9 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +17,7 @@ from codebase.repository import sources
 from viscache import _core
 from viscache.base.sharing import MadeOnce, Newest, Turn
 
-SMALL: dict[str, Any] = {"size": (16, 10), "threads": 1}
+SMALL = {"size": (16, 10), "threads": 1}
 LAZILY = "@cached_property"
 FIELD = vc.Vlf(n_directions=9, n_tiles=4)
 
@@ -33,19 +31,16 @@ def quick_switches():
     sys.setswitchinterval(before)
 
 
-def at_once(calls: list[Callable[[], Any]]) -> list[Any]:
+def at_once(calls):
     """What calls return that begin at the same time, each in its own thread."""
     start = threading.Barrier(len(calls))
 
-    def one(call: Callable[[], Any]) -> Any:
+    def one(call):
         start.wait()
         return call()
 
     with ThreadPoolExecutor(len(calls)) as pool:
         return list(pool.map(one, calls))
-
-
-# What is made once
 
 
 @pytest.mark.parametrize("kept", [MadeOnce, Newest])
@@ -75,7 +70,7 @@ def test_the_newest_alone_is_kept():
     assert 1 not in cache and 2 in cache
 
 
-LAZY: dict[str, Callable[[vc.Scene], Any]] = {
+LAZY = {
     "embree": lambda scene: scene.caster(vc.Embree(watertight=True)),
     "bsp": lambda scene: scene.caster("bsp"),
     "aligned": lambda scene: scene.aligned_batch(),
@@ -109,9 +104,6 @@ def test_no_property_is_made_twice_by_two_threads():
     """`functools.cached_property` has no lock from Python 3.12 on. The lab has one thread."""
     files = sources(".py", under="python/viscache/")
     assert [path for path, text in files.items() if LAZILY in text] == []
-
-
-# Whose turn it is
 
 
 def test_turns_are_taken_in_order():
@@ -150,7 +142,7 @@ def test_a_turn_that_does_not_wait_is_refused():
         pass
 
 
-def in_child(call: Callable[[], str]) -> str:
+def in_child(call):
     """What a call says in a forked child, which must end within five seconds."""
     reads, writes = os.pipe()
     child = os.fork()
@@ -167,7 +159,7 @@ def in_child(call: Callable[[], str]) -> str:
     return said
 
 
-def refusal(call: Callable[[], Any]) -> str:
+def refusal(call):
     try:
         call()
     except (ValueError, TypeError) as error:
@@ -216,9 +208,6 @@ def test_a_child_makes_what_another_thread_was_making():
     assert cache.get("a", make) == "made"
 
 
-# Copies
-
-
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
 def test_objects_with_a_state_are_not_copied(copied):
     scene = vc.scenes.cube_on_plane()
@@ -234,10 +223,7 @@ def test_objects_with_a_state_are_not_copied(copied):
             copied(one)
 
 
-# All objects at once
-
-
-PICTURES: dict[str, dict[str, Any]] = {
+PICTURES = {
     "rows": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.Aqvc()},
     "counts": {"integrator": vc.Whitted(n_vpls=8), "visibility": vc.NeePlusPlus(n_voxels=4)},
     "maps": {
@@ -326,7 +312,7 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
         moving.delete(one)
         return b""
 
-    calls: list[Callable[[], Any]] = [
+    calls = [
         lambda: vc.render(scene, lights, visibility="aqvc", **SMALL).sha256,
         lambda: vc.render(scene, lights, visibility=vc.ShadowMap(resolution=16), **SMALL).sha256,
         lambda: oracle.block(eyes, ends).bits.tobytes(),
@@ -346,16 +332,3 @@ def test_all_objects_in_threads_give_the_same_bytes(quick_switches):
 
     for one, found in zip(expected, at_once([repeat(call) for call in calls]), strict=True):
         assert found == [one] * 4
-
-
-def test_a_kept_table_in_use_is_refused_to_all_others():
-    scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 16)
-    told: list[str] = []
-
-    def report(done, total):
-        told.extend(
-            refusal(call) for call in (table.forget, lambda: table.moved(scene), table.entries)
-        )
-
-    vc.render(scene, "direct", visibility=vc.Aqvc(c_e=8), keep=table, progress=report, **SMALL)
-    assert set(told) == {"the table must not be in use by another call"} and table.epoch == 0

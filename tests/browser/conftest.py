@@ -2,7 +2,6 @@
 
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -23,7 +22,7 @@ def page(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         stand_in.install(patch)
         directory = tmp_path_factory.mktemp("sweep")
-        over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
+        over = {"c_e": [4, 8, 16], "c_n": [4, 8]}
         sweep(
             "room",
             "whitted",

@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -94,7 +93,7 @@ class Browser:
         self.call("Page.navigate", url=f"{page.as_uri()}#{fragment}")
         self.wait_for("document.readyState === 'complete'")
 
-    def eval(self, expression: str) -> Any:
+    def eval(self, expression: str):
         """The value of a JavaScript expression; a promise is awaited."""
         got = self.call(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
@@ -120,11 +119,11 @@ class Browser:
         )
         return tuple(self.eval(f"{bounds}(document.getElementById('{element}'))"))
 
-    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
+    def mouse(self, kind: str, x: float, y: float, **more) -> None:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
-        held: dict[str, Any] = {"button": "left", "buttons": 1, "clickCount": 1}
+        held = {"button": "left", "buttons": 1, "clickCount": 1}
         self.mouse("mousePressed", *begin, **held)
         for share in (0.5, 1.0):
             x, y = (b + share * (e - b) for b, e in zip(begin, end, strict=True))
@@ -142,7 +141,7 @@ class Browser:
         """(H, W, 3) pixels of an element, or of the whole page."""
         from PIL import Image
 
-        clip: dict[str, Any] = {}
+        clip = {}
         if element is not None:
             left, top, width, height = self.box(element)
             x, y = self.eval("[scrollX, scrollY]")
@@ -153,7 +152,7 @@ class Browser:
         with Image.open(io.BytesIO(base64.b64decode(got["data"]))) as image:
             return np.asarray(image.convert("RGB"), dtype=int)
 
-    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+    def call(self, method: str, **parameters):
         """The result of a command; earlier events are processed first."""
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters}
@@ -167,7 +166,7 @@ class Browser:
                 return dict(got["result"])
             self._look_at(got)
 
-    def _look_at(self, event: dict[str, Any]) -> None:
+    def _look_at(self, event) -> None:
         method, given = event.get("method"), event.get("params", {})
         if method == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(given["exceptionDetails"]))
@@ -180,7 +179,7 @@ class Browser:
             if not url.startswith(("file:", "data:", "about:", "blob:")):
                 self.errors.append(f"asked for {url}")
 
-    def _receive(self) -> dict[str, Any]:
+    def _receive(self):
         while b"\0" not in self._buffer:
             ready, _, _ = select.select([self._read], [], [], TIMEOUT_S)
             assert ready, "the browser does not answer"

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from viscache_lab.parity.blocks import block_means, compare
-from viscache_lab.parity.judge import Judged, Verdict
+from viscache_lab.parity.judge import Judged
 from viscache_lab.parity.page import write_page
 
 pytestmark = pytest.mark.browser
 
 
-def result(name: str, verdict: Verdict, factor: float, why: str = "") -> Judged:
+def result(name, verdict, factor, why=""):
     rng = np.random.default_rng(len(name))
     frames = rng.uniform(0.4, 0.6, (2, 6, 64, 64, 3))
     frames[0] *= factor

@@ -1,13 +1,11 @@
 """The report in a real browser: Debian's chromium, headless, straight from disk."""
 
 import pytest
-from devtools import Browser
-from known_report import Report
 
 pytestmark = pytest.mark.browser
 
 
-def shown(tab: Browser, page: Report, fragment: str = "", setting: str = "s0") -> None:
+def shown(tab, page, fragment="", setting="s0"):
     tab.open(page.path, fragment if "select" in fragment else f"select={setting}&{fragment}")
     tab.wait_for(f"document.documentElement.dataset.shown?.startsWith('{setting} ')")
 
@@ -204,7 +202,7 @@ def test_the_page_opens_on_the_setting_for_its_target(tab, page, tmp_path):
     assert tab.text("chosen").startswith("C_E = 8")  # the cheapest of at most 10 %
 
 
-def focused(tab: Browser) -> str:
+def focused(tab):
     return str(
         tab.eval(
             "(e => e.id || e.closest('svg')?.id || e.closest('[id]')?.id || e.tagName)"

@@ -1,7 +1,5 @@
 """What the report's script unpacks and computes is what NumPy does, on coloured pictures."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -19,7 +17,7 @@ def pair(tab, tmp_path):
     reference = rng.uniform(0, 2, (9, 14, 3)) ** 3
     image = reference * rng.uniform(0.5, 1.5, (9, 14, 3)) - 0.01
     page = report.write_difference(image, reference, tmp_path / "p.html", flip_map=False)
-    data: dict[str, Any] = packed.model(page.read_text("utf-8"))
+    data = packed.model(page.read_text("utf-8"))
     tab.open(page)
     tab.wait_for("document.documentElement.dataset.shown === 's0 signed'")
     return {

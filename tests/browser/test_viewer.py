@@ -1,12 +1,10 @@
 """The report's difference viewer: the screen shows the radiance of the store."""
 
 import re
-from typing import Any
 
 import numpy as np
 import pytest
-from devtools import Browser
-from known_report import HEIGHT, WIDTH, Report
+from known_report import HEIGHT, WIDTH
 
 from reference import report_pictures as packed
 from viscache import metrics
@@ -20,45 +18,36 @@ def data(page):
     return packed.model(page.path.read_text("utf-8"))
 
 
-def shown(
-    tab: Browser, page: Report, fragment: str = "", setting: str = "s4", kind: str = "signed"
-) -> None:
+def shown(tab, page, fragment="", setting="s4", kind="signed"):
     tab.open(page.path, f"select={setting}&{fragment}")
     wait(tab, setting, kind)
 
 
-def wait(tab: Browser, setting: str, kind: str) -> None:
+def wait(tab, setting, kind):
     tab.wait_for(f"document.documentElement.dataset.shown === '{setting} {kind}'")
     tab.eval("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
-def tones(page: Report, image: np.ndarray, ev: float = 0.0) -> np.ndarray:
+def tones(page, image, ev=0.0):
     """A picture, tone-mapped in Python."""
     exposure = tonemap.display_exposure(page.reference)
     return tonemap.to_srgb8(image, exposure * 2**ev).astype(int)
 
 
-def at(pixels: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def at(pixels, u, v):
     """Colours at shares of a screenshot of a stage."""
     h, w = pixels.shape[:2]
     return pixels[(v * h).astype(int)[:, None], (u * w).astype(int)[None, :]]
 
 
-def expected(
-    picture: np.ndarray,
-    u: np.ndarray,
-    v: np.ndarray,
-    zoom: float = 1.0,
-    x: float = 0.5,
-    y: float = 0.5,
-) -> np.ndarray:
+def expected(picture, u, v, zoom=1.0, x=0.5, y=0.5):
     """Colours that a view has at shares of its stage."""
     columns = ((x + (u - 0.5) / zoom) * WIDTH).astype(int)
     rows = ((y + (v - 0.5) / zoom) * HEIGHT).astype(int)
     return picture[rows[:, None], columns[None, :]]
 
 
-def middles(n: int, zoom: float, centre: float, size: int) -> np.ndarray:
+def middles(n, zoom, centre, size):
     """Positions on the stage, as shares, at pixel centres and away from tags and the grip."""
     first, last = (centre - 0.5 / zoom) * size, (centre + 0.5 / zoom) * size
     pixels = np.unique(np.linspace(first + 1, last - 2, n).astype(int)) + 0.5
@@ -66,21 +55,14 @@ def middles(n: int, zoom: float, centre: float, size: int) -> np.ndarray:
     return shares[(np.abs(shares - 0.5) > 0.06) & (shares > 0.12) & (shares < 0.9)]
 
 
-def signed_map(page: Report, data: dict[str, Any], setting: str, gain: float) -> np.ndarray:
+def signed_map(page, data, setting, gain):
     """Colours of the signed map, from the store's radiance."""
     delta = tonemap.luminance(page.pictures[setting]) - tonemap.luminance(page.reference)
     share = np.clip(0.5 + 0.5 * gain * delta * tonemap.display_exposure(page.reference), 0, 1)
     return packed.colors(data, "signed")[np.round(255 * share).astype(int)]
 
 
-def check(
-    stage: np.ndarray,
-    picture: np.ndarray,
-    within: int,
-    zoom: float = 1.0,
-    x: float = 0.5,
-    y: float = 0.5,
-) -> None:
+def check(stage, picture, within, zoom=1.0, x=0.5, y=0.5):
     u, v = middles(12, zoom, x, WIDTH), middles(9, zoom, y, HEIGHT)
     assert len(u) > 2 and len(v) > 2
     off = np.abs(at(stage, u, v) - expected(picture, u, v, zoom, x, y))

@@ -2,7 +2,6 @@
 
 import inspect
 import warnings
-from typing import Any
 
 import numpy as np
 import pytest
@@ -71,7 +70,7 @@ def test_tune_and_sweep_take_names():
     scene = vc.scenes.slits()
     made = vc.tune(scene, vc.Direct(), visibility=vc.Aqvc(), rel_l1_reflected=0.05, size=(48, 30))
     assert (named.c_e, named.rel_l1) == (made.c_e, made.rel_l1)
-    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
     table = vc.sweep("slits", "direct", visibility="aqvc", rays="bsp", **given)
     other = vc.sweep(scene, vc.Direct(), visibility=vc.Aqvc(), rays=vc.Bsp(), **given)
     assert float(table.rel_l1[0, 0]) == float(other.rel_l1[0, 0])
@@ -137,7 +136,7 @@ SIZED = (
 
 @pytest.mark.parametrize("name", SIZED)
 def test_the_size_is_the_cameras_own_everywhere(name):
-    value: Any = vc
+    value = vc
     for part in name.split(".")[1:]:
         value = getattr(value, part)
     assert inspect.signature(value).parameters["size"].default is None

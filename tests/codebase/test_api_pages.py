@@ -3,9 +3,7 @@
 import importlib
 import inspect
 import re
-from collections.abc import Iterator
 from functools import cached_property
-from typing import Any
 
 import pytest
 
@@ -38,12 +36,12 @@ MODULES = (
 DIRECTIVE = re.compile(r"^\.\. auto(\w+):: (\S+)$|^\.\. currentmodule:: (\S+)$", re.M)
 
 
-def module(name: str) -> Any:
+def module(name):
     # Not by attribute: `viscache.tune` is also a function
     return importlib.import_module(name)
 
 
-def public(name: str) -> dict[str, Any]:
+def public(name):
     """Public names of a module: its `__all__`, or what it defines."""
     found = module(name)
     names = getattr(found, "__all__", None) or [
@@ -54,7 +52,7 @@ def public(name: str) -> dict[str, Any]:
     return {n: getattr(found, n) for n in names if n != "__version__"}
 
 
-def resolved(dotted: str) -> Any:
+def resolved(dotted):
     """What an autodoc directive finds by a dotted name."""
     parts = dotted.split(".")
     for split in range(len(parts) - 1, 0, -1):
@@ -68,9 +66,9 @@ def resolved(dotted: str) -> Any:
     raise LookupError(dotted)
 
 
-def shown(pages: dict[str, str]) -> list[tuple[str, Any]]:
+def shown(pages):
     """Everything that the pages show, by the last part of its name."""
-    found: list[tuple[str, Any]] = []
+    found = []
     for page, text in pages.items():
         current = ""
         for match in DIRECTIVE.finditer(text):
@@ -123,7 +121,7 @@ def test_a_name_that_no_page_shows_is_found():
         shown({"page": page + ".. autofunction:: rendre\n"})
 
 
-def documented(value: Any) -> Iterator[tuple[str, Any]]:
+def documented(value):
     """A function, or a class with its public methods and properties."""
     yield getattr(value, "__name__", ""), value
     for name, member in vars(value).items() if inspect.isclass(value) else ():
@@ -135,7 +133,7 @@ def documented(value: Any) -> Iterator[tuple[str, Any]]:
         yield f"{value.__name__}.{name}", plain
 
 
-def parameters(doc: str) -> list[str]:
+def parameters(doc):
     """Names in the section Parameters of a numpy docstring."""
     section = re.search(r"^Parameters\n-+\n(.*?)(?=\n\n\w+\n-+\n|\Z)", doc, re.S | re.M)
     lines = section[1].splitlines() if section else []
@@ -143,13 +141,13 @@ def parameters(doc: str) -> list[str]:
     return [name.strip().lstrip("*") for head in heads for name in head.split(",")]
 
 
-def api() -> list[tuple[str, Any]]:
+def api():
     values = [v for name in ("viscache", *MODULES) for v in public(name).values()]
     kept = [v for v in values if inspect.isclass(v) or inspect.isroutine(v)]
     return sorted({name: v for value in kept for name, v in documented(value)}.items())
 
 
-def is_documented(name: str, value: Any) -> bool:
+def is_documented(name, value):
     """Whether it has a docstring of its own; a dataclass without one shows its signature."""
     doc = (inspect.getdoc(value) or "").strip()
     return doc != "" and not doc.startswith(f"{name}(")

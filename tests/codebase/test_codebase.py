@@ -27,12 +27,12 @@ FORBIDDEN = {
 HYPOT = r"\bhypotf?\("
 
 
-def code() -> dict[str, str]:
+def code():
     scripts = {path: text(path) for path in paths() if path.startswith(SCRIPTS)}
     return sources(*CODE) | scripts
 
 
-def offences(files: dict[str, str], pattern: str) -> list[str]:
+def offences(files, pattern):
     return [
         f"{path}:{number}: {line.strip()}"
         for path, source in files.items()
@@ -124,7 +124,7 @@ def test_notebooks_hold_no_outputs():
     assert kept == []
 
 
-def broken_links(path: str, source: str) -> list[str]:
+def broken_links(path, source):
     """Targets of relative links and pictures that are not there."""
     folder = (ROOT / path).parent
     targets = re.findall(r"\]\(([^)\s]+)[^)]*\)|(?:src|href)=\"([^\"]+)\"", source)

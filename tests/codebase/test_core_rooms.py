@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 import types
-from collections.abc import Iterator
 
 import pytest
 
@@ -21,7 +20,7 @@ MODULES = (CORE, TESTING)
 STUBS = "python/viscache/_core/"
 
 
-def bound(module: types.ModuleType, prefix: str) -> Iterator[str]:
+def bound(module, prefix):
     """Dotted names that a C++ module binds."""
     for name, value in vars(module).items():
         if isinstance(value, types.ModuleType):
@@ -30,14 +29,14 @@ def bound(module: types.ModuleType, prefix: str) -> Iterator[str]:
             yield f"{prefix}.{name}"
 
 
-def used(source: str) -> set[str]:
+def used(source):
     """Dotted names of the C++ modules that a Python file reads."""
     if not re.search(r"_core\b|\bcore\b", source):
         return set()
     tree = ast.parse(source)
-    names: dict[str, str] = {}
+    names = {}
 
-    def dotted(node: ast.expr) -> str | None:
+    def dotted(node):
         if isinstance(node, ast.Attribute) and (owner := dotted(node.value)):
             return f"{owner}.{node.attr}"
         return names.get(node.id) if isinstance(node, ast.Name) else None
@@ -60,11 +59,11 @@ def used(source: str) -> set[str]:
     return read | set(names.values())
 
 
-def used_under(folder: str) -> set[str]:
+def used_under(folder):
     return set().union(*map(used, sources(".py", under=folder).values()))
 
 
-def in_signatures(stub: str) -> set[str]:
+def in_signatures(stub):
     """Names in the annotations of a stub: classes that bindings take or give."""
     return {
         word

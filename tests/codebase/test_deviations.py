@@ -2,7 +2,6 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable
 
 from codebase.repository import sources, text
 
@@ -11,12 +10,12 @@ ROW = re.compile(r"^\| ([AVM]\d+) \|", re.M)
 MARK = re.compile(r"// Differs\b(?: \((\w+)\))?")
 
 
-def unknown_marks(marks: Iterable[tuple[str, str]], rows: set[str]) -> list[str]:
+def unknown_marks(marks, rows):
     """`file: what is wrong` of comments without a row's name, or with one that is not there."""
     return [f"{path}: Differs ({row})" for path, row in marks if row not in rows]
 
 
-def marks() -> list[tuple[str, str]]:
+def marks():
     code = sources(".h", ".cpp", under="cpp/")
     return [(path, row) for path, content in code.items() for row in MARK.findall(content)]
 

@@ -1,7 +1,6 @@
 """The layer rule of docs/design.md, checked by scanning #include lines."""
 
 import re
-from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 
 import pytest
@@ -41,7 +40,7 @@ BINDINGS = ("cpp/bindings/", "tests/core/")
 INCLUDE = re.compile(r"""^\s*#\s*include\s*(["<])([^">]+)[">]""", re.M)
 
 
-def violations(files: Mapping[str, str]) -> Iterator[str]:
+def violations(files):
     for path, text in files.items():
         parts = PurePosixPath(path).parts
         folder = parts[2] if parts[:2] == ("cpp", "viscache") else None
@@ -100,29 +99,21 @@ def test_the_core_keeps_its_layers():
         ("tests/cpp/a.cpp", "#include <pybind11/numpy.h>", "only cpp/bindings"),
         ("tests/cpp/a.cpp", "#include <embree4/rtcore.h>", "includes Embree"),
         ("cpp/viscache/math/a.h", '#include "viscache/utils/b.h"', "there is no folder utils"),
+        # Allowed
+        ("cpp/viscache/render/a.cpp", '#include "viscache/aqvc/b.h"', None),
+        ("cpp/viscache/aqvc/a.cpp", '#include "viscache/aqvc/b.h"', None),
+        ("cpp/viscache/aqvc/a.cpp", '#include "viscache/oracles/b.h"', None),
+        ("cpp/bindings/bind_a.cpp", '#include "viscache/formats/b.h"', None),
+        (EMBREE_HOME, '#include "viscache/casters/embree_packets.h"', None),
+        (EMBREE_PACKETS, '#include "viscache/casters/embree.h"', None),
+        (EMBREE_BOXES, '#include "viscache/casters/embree.h"', None),
+        (EMBREE_VERSIONS, "#include <embree4/rtcore.h>", None),
+        ("cpp/bindings/bind_a.cpp", "#include <pybind11/pybind11.h>", None),
+        ("tests/core/bind_a.cpp", "#include <pybind11/pybind11.h>", None),
+        ("cpp/viscache/math/a.h", "#include <vector>", None),
     ],
 )
-def test_a_broken_rule_is_found(path, line, expected):
+def test_a_broken_rule_is_found_and_nothing_else(path, line, expected):
     found = list(violations({path: line + "\n"}))
-    assert len(found) == 1
-    assert expected in found[0]
-
-
-@pytest.mark.parametrize(
-    ("path", "line"),
-    [
-        ("cpp/viscache/render/a.cpp", '#include "viscache/aqvc/b.h"'),
-        ("cpp/viscache/aqvc/a.cpp", '#include "viscache/aqvc/b.h"'),
-        ("cpp/viscache/aqvc/a.cpp", '#include "viscache/oracles/b.h"'),
-        ("cpp/bindings/bind_a.cpp", '#include "viscache/formats/b.h"'),
-        (EMBREE_HOME, '#include "viscache/casters/embree_packets.h"'),
-        (EMBREE_PACKETS, '#include "viscache/casters/embree.h"'),
-        (EMBREE_BOXES, '#include "viscache/casters/embree.h"'),
-        (EMBREE_VERSIONS, "#include <embree4/rtcore.h>"),
-        ("cpp/bindings/bind_a.cpp", "#include <pybind11/pybind11.h>"),
-        ("tests/core/bind_a.cpp", "#include <pybind11/pybind11.h>"),
-        ("cpp/viscache/math/a.h", "#include <vector>"),
-    ],
-)
-def test_what_the_rule_allows_is_not_reported(path, line):
-    assert list(violations({path: line + "\n"})) == []
+    assert len(found) == (expected is not None)
+    assert all(expected in says for says in found)

@@ -14,9 +14,9 @@ FUNCTION = re.compile(
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{|^\}  // namespace ([\w:]+)", re.M)
 
 
-def enclosing(source: str, position: int) -> str:
+def enclosing(source, position):
     """Namespaces open at a position; their ends are marked in every file."""
-    names: list[str] = []
+    names = []
     for match in NAMESPACE.finditer(source, 0, position):
         if match[1]:
             names.append(match[1])
@@ -25,7 +25,7 @@ def enclosing(source: str, position: int) -> str:
     return "::".join(names)
 
 
-def signature(parameters: str) -> str:
+def signature(parameters):
     """Types of the parameters: their names and defaults say nothing to the linker."""
     types = []
     for parameter in re.sub(r"<[^<>]*>", "<>", parameters).split(","):
@@ -34,8 +34,8 @@ def signature(parameters: str) -> str:
     return ", ".join(types)
 
 
-def repeated(files: dict[str, str]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
+def repeated(files):
+    found = {}
     for path, source in files.items():
         for match in FUNCTION.finditer(source):
             name = f"{enclosing(source, match.start())}::{match[1]}({signature(match[2])})"

@@ -2,7 +2,6 @@
 
 import pkgutil
 import re
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import pytest
@@ -39,9 +38,9 @@ class Row:
     state: str
 
 
-def rows(table: str) -> list[Row]:
+def rows(table):
     """Rows of the tables of docs/papers.md; an item is written as its tag, `AQVC Eq. 8`."""
-    found: list[Row] = []
+    found = []
     for line in table.splitlines():
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
         if line.startswith("|") and re.match(r"(AQVC|VLF|VisMap) ", cells[0]):
@@ -54,9 +53,9 @@ def rows(table: str) -> list[Row]:
     return found
 
 
-def homes(files: Mapping[str, str]) -> dict[str, list[str]]:
+def homes(files):
     """The place of each tag, `path:line`."""
-    found: dict[str, list[str]] = {}
+    found = {}
     for path, source in files.items():
         for number, line in enumerate(source.splitlines(), 1):
             for tag in TAG.findall(line):
@@ -64,7 +63,7 @@ def homes(files: Mapping[str, str]) -> dict[str, list[str]]:
     return found
 
 
-def disagreements(table: list[Row], files: Mapping[str, str]) -> Iterator[str]:
+def disagreements(table, files):
     tagged = homes(files)
     items = {row.item: row for row in table}
     for tag, places in tagged.items():
@@ -114,7 +113,7 @@ def test_tags_open_the_doc_comment_of_their_home():
     assert stray == []
 
 
-def built_rows() -> list[Row]:
+def built_rows():
     return [row for row in rows(text("docs/papers.md")) if row.state == "here"]
 
 
@@ -145,7 +144,7 @@ def test_what_is_built_names_an_existing_python_object():
     assert missing == []
 
 
-def figures_without_their_run(table: list[Row], functions: Mapping[str, str]) -> Iterator[str]:
+def figures_without_their_run(table, functions):
     """Rows whose test is not the quick run of their figure; `functions`: Python name to figure."""
     for row in table:
         if row.python.startswith("viscache_lab.figures."):

@@ -3,7 +3,6 @@
 import ast
 import posixpath
 import re
-from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import PurePosixPath
 
@@ -14,7 +13,7 @@ from codebase.repository import sources
 #: Rooms from the ground up: folders of python/viscache, and its single files. A room may import
 #: itself, rooms of its own floor and of lower ones. `viscache` stands for the package's own names
 #: (`import viscache as vc`).
-FLOORS: tuple[tuple[str, ...], ...] = (
+FLOORS = (
     ("_core",),
     ("base",),
     ("settings",),
@@ -43,7 +42,7 @@ PACKAGE = "python/viscache/"
 #: The experiments: beside the library, which knows nothing of them.
 LAB = "python/viscache_lab/"
 #: Its rooms.
-LAB_FLOORS: tuple[tuple[str, ...], ...] = (
+LAB_FLOORS = (
     ("viscache_lab",),
     ("experiment",),
     ("cases", "extremes", "parity"),
@@ -61,7 +60,7 @@ BY_NAME = (f"{PACKAGE}__init__.py", f"{PACKAGE}cli.py", f"{LAB}experiment/regist
 parsed = cache(ast.parse)
 
 
-def room_of(path: str) -> str:
+def room_of(path):
     package = LAB if path.startswith(LAB) else PACKAGE
     first = PurePosixPath(path).relative_to(package).parts[0]
     return (
@@ -69,7 +68,7 @@ def room_of(path: str) -> str:
     )
 
 
-def imported(tree: ast.Module) -> Iterator[tuple[int, str, str]]:
+def imported(tree):
     """Line, package and room of every import of ours, also in functions and under TYPE_CHECKING.
 
     An import for annotations is a dependency, too.
@@ -89,13 +88,13 @@ def imported(tree: ast.Module) -> Iterator[tuple[int, str, str]]:
                 yield node.lineno, package, parts[0] if known else package
 
 
-def allowed(ranks: Mapping[str, int], room: str, target: str) -> bool:
+def allowed(ranks, room, target):
     if ranks is RANKS and RANKS[room] == RANKS[target]:
         return target not in SINGLE or room == target
     return room == target or ranks[target] < ranks[room] or (room, target) in BACK_UP
 
 
-def pairs(files: Mapping[str, str]) -> set[tuple[str, str]]:
+def pairs(files):
     """(room, room that it imports), without the single ones."""
     return {
         (room, target)
@@ -106,7 +105,7 @@ def pairs(files: Mapping[str, str]) -> set[tuple[str, str]]:
     }
 
 
-def circles(arrows: set[tuple[str, str]]) -> set[str]:
+def circles(arrows):
     """Rooms from which arrows lead back to themselves."""
     left = set(arrows)
     while ends := {b for _, b in left} - {a for a, _ in left} | {a for a, _ in left} - {
@@ -116,7 +115,7 @@ def circles(arrows: set[tuple[str, str]]) -> set[str]:
     return {a for a, _ in left}
 
 
-def private(tree: ast.Module) -> Iterator[tuple[int, str]]:
+def private(tree):
     """Line and name of what a file takes of viscache though it begins with an underscore."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -130,7 +129,7 @@ def private(tree: ast.Module) -> Iterator[tuple[int, str]]:
                 yield node.lineno, name
 
 
-def violations(files: Mapping[str, str]) -> Iterator[str]:
+def violations(files):
     for path, text in files.items():
         here = PurePosixPath(path).parts[1]
         ranks = ROOMS.get(here, {})
@@ -222,27 +221,19 @@ BENCH = "../viscache_lab/bench/rays.py"
             "import statements name rooms",
         ),
         ("shelf.py", "", "shelf has no place among the floors"),
+        # Allowed
+        ("shot/render.py", "from viscache.scene import Scene", None),
+        ("scene/scene.py", "from viscache.scene.coplanar import coplanar_share", None),
+        ("commands/render.py", "import viscache as vc", None),
+        ("cli.py", 'importlib.import_module(f"viscache.commands.{name}")', None),
+        ("metrics/__init__.py", 'importlib.import_module("flip_evaluator")', None),
+        ("settings/rays.py", "from viscache import _core", None),
+        (BENCH, "import viscache as vc", None),
+        (BENCH, "from viscache.shot.render import render", None),
+        ("scene/scene.py", "from viscache.oracles.oracle import Oracle", None),
     ],
 )
-def test_an_import_that_climbs_is_found(path, line, expected):
+def test_an_import_that_climbs_is_found_and_no_other(path, line, expected):
     found = list(violations({posixpath.normpath(PACKAGE + path): line + "\n"}))
-    assert len(found) == 1
-    assert expected in found[0]
-
-
-@pytest.mark.parametrize(
-    ("path", "line"),
-    [
-        ("shot/render.py", "from viscache.scene import Scene"),
-        ("scene/scene.py", "from viscache.scene.coplanar import coplanar_share"),
-        ("commands/render.py", "import viscache as vc"),
-        ("cli.py", 'importlib.import_module(f"viscache.commands.{name}")'),
-        ("metrics/__init__.py", 'importlib.import_module("flip_evaluator")'),
-        ("settings/rays.py", "from viscache import _core"),
-        (BENCH, "import viscache as vc"),
-        (BENCH, "from viscache.shot.render import render"),
-        ("scene/scene.py", "from viscache.oracles.oracle import Oracle"),
-    ],
-)
-def test_an_import_that_goes_down_is_not_reported(path, line):
-    assert list(violations({posixpath.normpath(PACKAGE + path): line + "\n"})) == []
+    assert len(found) == (expected is not None)
+    assert all(expected in says for says in found)

@@ -7,7 +7,7 @@ from codebase.repository import paths, text
 COMPILED = (*paths(".cpp", under="cpp/"), *paths(".cpp", under="tests/core/"))
 
 
-def units() -> dict[str, tuple[float, float, list[str]]]:
+def units():
     """Seconds, megabytes and files of each unit, in the order of the table."""
     rows = [line.split() for line in text("cpp/units.txt").splitlines() if line[:1].isalpha()]
     return {

@@ -1,7 +1,6 @@
 """Points, normals and rows of bits for the tests of pairs."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +25,7 @@ class Points:
         object.__setattr__(self, "bits", reference.packed(self.visible))
 
     @property
-    def arguments(self) -> tuple[Any, ...]:
+    def arguments(self):
         return self.bits, self.visible.shape[1], self.positions, self.normals, self.group
 
 

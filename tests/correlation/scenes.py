@@ -12,7 +12,7 @@ from viscache.scenes.shapes import Indices
 Array = npt.NDArray[Any]
 
 
-def convex(radius: float = 1.0, at: Any = (0.0, 0.0, 0.0), vertices: int = 500) -> vc.Scene:
+def convex(radius: float = 1.0, at=(0.0, 0.0, 0.0), vertices: int = 500) -> vc.Scene:
     """A body that hides the upper hemisphere of none of its points, facing outwards."""
     v = np.random.default_rng(6).normal(size=(vertices, 3))
     v *= radius / np.linalg.norm(v, axis=1, keepdims=True)

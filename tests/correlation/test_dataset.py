@@ -23,7 +23,7 @@ def measured():
     return measure("bumpy_spheres?triangles=3000", n_points=400, map_size=16)
 
 
-def made_up(mean: list[list[float]], n: list[list[int]] | int = 1000) -> xarray.Dataset:
+def made_up(mean, n=1000):
     """A table over d = 0.5, 1.5, … and θ = 5°, 15°, … with σ = 0.1."""
     values = np.array(mean, dtype=float)
     d, theta = np.arange(values.shape[0]) + 0.5, 10.0 * np.arange(values.shape[1]) + 5

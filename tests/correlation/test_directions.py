@@ -1,9 +1,6 @@
 """Direction sets: equal solid angles, compact patches, Lloyd's iteration in its cells."""
 
-from typing import Any, Literal
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -11,12 +8,11 @@ from sampling.chi_square import p_value
 from viscache import _core
 from viscache.correlation.directions import patch_order
 
-Kind = Literal["centres", "jittered", "lloyd"]
-KINDS: tuple[Kind, ...] = ("centres", "jittered", "lloyd")
+KINDS = ("centres", "jittered", "lloyd")
 SIZES = [1, 2, 3, 7, 16, 31, 32, 33, 48, 96, 100]
 
 
-def cells(directions: npt.NDArray[np.float32], map_size: int) -> npt.NDArray[np.int64]:
+def cells(directions, map_size):
     x, y = np.floor(_core.sampling.direction_to_equal_area(directions) * map_size).T.astype(int)
     return np.asarray(y * map_size + x)
 
@@ -76,7 +72,7 @@ def test_centres_are_those_of_the_map():
     np.testing.assert_array_equal(vc.correlation.DirectionSet().directions, expected)
 
 
-def nearest_squared(directions: Any) -> float:
+def nearest_squared(directions):
     """Mean squared distance of uniform directions to the nearest of a set, in cells."""
     from scipy.spatial import cKDTree
 

@@ -10,7 +10,7 @@ from viscache.correlation.pairs import SCALE
 from viscache.correlation.statistics import Sums, jackknife, statistics
 
 
-def sums_of(rho: np.ndarray, group: np.ndarray) -> Sums:
+def sums_of(rho, group):
     """Sums of a symmetric matrix of ρ in one bin; NaN is undefined."""
     i, j = np.triu_indices(len(rho), 1)
     q = np.rint(np.nan_to_num(rho[i, j]) * SCALE).astype(np.int64)
@@ -19,7 +19,7 @@ def sums_of(rho: np.ndarray, group: np.ndarray) -> Sums:
     a, b = np.minimum(group[i], group[j]), np.maximum(group[i], group[j])
     own = [(a == g) & (b == h) for g, h in labels]
 
-    def cells(values: np.ndarray) -> np.ndarray:
+    def cells(values):
         return np.array([values[pairs].sum() for pairs in own])[:, None, None]
 
     return Sums(
@@ -32,7 +32,7 @@ def sums_of(rho: np.ndarray, group: np.ndarray) -> Sums:
     )
 
 
-def draw(rng: np.random.Generator, groups: int = 16, points: int = 10) -> tuple[Sums, float]:
+def draw(rng, groups=16, points=10):
     """Pairs whose points share a point effect, a group effect, and noise; their true mean."""
     group = np.repeat(np.arange(groups), points)
     shared = rng.normal(0, 0.05, groups)[group] + rng.normal(0, 0.05, len(group))

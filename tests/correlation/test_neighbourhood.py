@@ -1,18 +1,17 @@
 """Pairs near each other: exhaustive, and means per point."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from correlation.points import SUMS, Points, random_points
+from correlation.points import SUMS, random_points
 from correlation.test_pair_bins import assert_sums, expected
 from reference.isas import AVAILABLE
 from viscache.correlation import pairs
 
 
-def clustered(n: int, seed: int) -> Points:
+def clustered(n, seed):
     """Points on two planes and in clusters, some of them alike, far from the origin."""
     points = random_points(n, 200, seed=seed)
     positions = points.positions.copy()
@@ -69,7 +68,7 @@ def test_a_scene_much_larger_than_the_distance_bins_exactly():
     assert_sums(table, expected(points, [0, 0.1], [0, 180]))
 
 
-def brute_force_map(points: Points, d_max: float, theta_max_deg: float) -> Any:
+def brute_force_map(points, d_max, theta_max_deg):
     rho = pairs.phi(points.bits, points.bits, points.visible.shape[1]).astype(np.float64)
     apart = points.positions[:, None] - points.positions[None]
     near = np.linalg.norm(apart, axis=2) < d_max

@@ -1,7 +1,6 @@
 """ρ, its bin and its sums against the transcription of Section 4."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +14,7 @@ D_EDGES = np.linspace(0.1, 1.3, 25)
 ANGLES = np.arange(0, 180.5, 2.0)
 
 
-def expected(
-    points: Points,
-    d_edges: Any = D_EDGES,
-    angles: Any = ANGLES,
-    domain: str = "sphere",
-    **rules: Any,
-) -> dict[str, Any]:
+def expected(points, d_edges=D_EDGES, angles=ANGLES, domain="sphere", **rules):
     found = reference.all_pairs(
         points.visible,
         points.positions,
@@ -35,7 +28,7 @@ def expected(
     )
 
 
-def assert_sums(table: pairs.PairTable, sums: dict[str, Any]) -> None:
+def assert_sums(table, sums):
     for name in SUMS:
         np.testing.assert_array_equal(getattr(table, name), sums[name], err_msg=name)
     np.testing.assert_array_equal(table.sum_q2(), sums["sum_q2"])

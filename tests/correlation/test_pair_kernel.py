@@ -9,7 +9,7 @@ from viscache import _core
 from viscache.correlation import pairs
 
 
-def brute_force(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def brute_force(a, b):
     return a.astype(np.int64) @ b.astype(np.int64).T
 
 

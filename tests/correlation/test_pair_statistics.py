@@ -1,11 +1,9 @@
 """Tiles, threads, tables: the same bytes however the pairs are split."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from correlation.points import SUMS, Points, random_points
+from correlation.points import SUMS, random_points
 from reference.isas import AVAILABLE
 from viscache.correlation import pairs
 from viscache.correlation.pair_table import MAX_PAIRS
@@ -14,11 +12,11 @@ D_EDGES = np.linspace(0, 1.3, 14)
 ANGLES = np.arange(0, 181, 10.0)
 
 
-def table_of(points: Points, **options: Any) -> pairs.PairTable:
+def table_of(points, **options):
     return pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, **options)
 
 
-def assert_same(a: pairs.PairTable, b: pairs.PairTable) -> None:
+def assert_same(a, b):
     for name in (*SUMS, "sum_q2_high", "sum_q2_low"):
         assert getattr(a, name).tobytes() == getattr(b, name).tobytes(), name
 
@@ -139,7 +137,7 @@ def test_no_points_have_no_pairs():
     assert len(pairs.choose_tiles(np.zeros(0, np.int32), 10)) == 0
 
 
-def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
+def wrong(points):
     """Keyword: its wrong value, and what the error says."""
     bits = points.bits.copy()
     bits[5, -1] |= np.uint64(1) << np.uint64(63)
@@ -199,7 +197,7 @@ def test_wrong_arguments_are_refused(case):
 def test_progress_counts_pairs_and_may_stop_the_call():
     points = random_points(n=2000, n_directions=9000, groups=1)
     calls = []
-    some: dict[str, Any] = {"tile": 100, "tiles": np.arange(20), "threads": 1, "isa": "portable"}
+    some = {"tile": 100, "tiles": np.arange(20), "threads": 1, "isa": "portable"}
     some["progress"] = lambda *c: calls.append(c)
     pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, **some)
     tiles = pairs.tile_list(points.group, 100)

@@ -1,27 +1,22 @@
 """Rows whose columns are points: the bits of single rays, from both engines."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from correlation.scenes import clutter, unpacked
 from correlation.test_rows import spawned
 
-Array = npt.NDArray[Any]
 
-
-def points_of(scene: vc.Scene, n: int, seed: int = 1) -> Any:
+def points_of(scene, n, seed=1):
     return vc.correlation.surface_points(scene, n, points="area", seed=seed)
 
 
-def lamps(scene: vc.Scene, n: int) -> Array:
+def lamps(scene, n):
     return np.random.default_rng(4).uniform(*scene.bounds, (n, 3)).astype(np.float32)
 
 
-def lie_above(points: Any, targets: Array) -> Array:
+def lie_above(points, targets):
     d = targets[None] - points.positions[:, None]
     n = points.normals[:, None]
     # In the order of the core, so that planes through a target are no matter
@@ -97,7 +92,7 @@ def test_progress_counts_points_to_the_end():
         (vc.correlation.point_rows, lamps(scene, 70)),
         (vc.correlation.visibility_rows, sky),
     ):
-        seen: list[tuple[int, int]] = []
+        seen = []
         call(scene, points, ends, progress=lambda *a, seen=seen: seen.append(a))
         assert seen[-1] == (9000, 9000) and seen == sorted(seen)
 

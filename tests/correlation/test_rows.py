@@ -1,9 +1,6 @@
 """Rows of visibility: the right bits, the rays they cost, the same for any threads and packets."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -12,16 +9,15 @@ from render.test_interrupt import LIMIT, quickest_stop
 from viscache import _core
 from viscache.correlation.rows import trace_rows
 
-Array = npt.NDArray[Any]
 SKY = vc.correlation.DirectionSet(map_size=24)
 
 
-def rows_of(scene: vc.Scene, n: int = 200, sky: Any = SKY, where: Any = "camera") -> Any:
+def rows_of(scene, n=200, sky=SKY, where="camera"):
     points = vc.correlation.surface_points(scene, n, points=where, seed=1)
     return points, vc.correlation.visibility_rows(scene, points, sky)
 
 
-def spawned(scene: vc.Scene, points: Any) -> Array:
+def spawned(scene, points):
     """Where rays start (visibility/query.h): 8 units in the last place off the surface."""
     extent = np.float32(scene._core.offset_extent)
     size = np.maximum(np.abs(points.positions).max(1), extent)
@@ -88,7 +84,7 @@ def test_rays_pass_holes_and_are_stopped_by_what_is_solid():
     assert 100 < solid[up].sum() < 0.5 * up.sum()
 
 
-def squares_hide(scale: float, t_max: float = np.inf) -> Array:
+def squares_hide(scale, t_max=np.inf):
     """Directions from below the middle of a horizontal square, one above, that it stops."""
     d = SKY.directions.astype(float)
     up = d[:, 2] > 1e-6

@@ -1,9 +1,6 @@
 """Points on surfaces: right places, requested number, equal for any blocks and threads."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy import stats
 
@@ -12,7 +9,6 @@ from correlation.scenes import clutter, convex, masked, squares
 from sampling.chi_square import p_value
 from viscache.correlation.rows import spatial_groups
 
-Array = npt.NDArray[Any]
 points = vc.correlation.surface_points
 
 
@@ -34,9 +30,6 @@ def test_threads_change_nothing_and_the_seed_everything():
     for name in one.__slots__:
         np.testing.assert_array_equal(getattr(one, name), getattr(many, name), err_msg=name)
     assert np.isin(one.positions[:, 0], other.positions[:, 0]).mean() < 0.01
-
-
-# By a camera
 
 
 @pytest.mark.parametrize("horizontal", [False, True])
@@ -97,9 +90,6 @@ def test_a_scene_without_a_camera_is_seen_whole():
     assert (np.einsum("nc,nc->n", corner - found.positions, found.normals) > 0).all()
 
 
-# By area
-
-
 def test_every_triangle_gets_its_share_by_area():
     """Strata along the surfaces: counts are off by less than 2, however the sizes differ."""
     vertices, triangles = squares()
@@ -158,9 +148,6 @@ def test_shading_normals_are_for_the_angle_alone():
         np.testing.assert_array_equal(plain.theta_normals, plain.normals)
 
 
-# What is not a surface
-
-
 @pytest.mark.parametrize("where", ["camera", "area"])
 def test_holes_of_alpha_masks_hold_no_points(where):
     found = points(masked(0.25), 4000, points=where)
@@ -197,14 +184,11 @@ def test_a_scene_without_area_is_refused():
         points(vc.Scene.from_arrays(np.zeros((3, 3)), [[0, 1, 2]]), 100, points="area")
 
 
-# Groups
-
-
-def halved(p: Array) -> Array:
+def halved(p):
     """spatial_groups, transcribed."""
     group = np.zeros(len(p), np.int32)
 
-    def halve(members: Array, first: int, count: int) -> None:
+    def halve(members, first, count):
         group[members] = first
         if count > 1:
             axis = np.ptp(p[members], axis=0).argmax()
@@ -241,9 +225,6 @@ def test_points_of_a_group_come_in_random_order():
     by_pixel = np.sort(found.stratum.reshape(16, 800), axis=1)  # negative control
     r = [stats.spearmanr(np.arange(800), v).statistic for v in by_pixel]
     assert abs(np.sqrt(799 / 16) * np.sum(r)) > 50
-
-
-# Bad input
 
 
 @pytest.mark.parametrize(

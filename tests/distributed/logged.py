@@ -2,13 +2,11 @@
 
 import os
 import time
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any
 
 
-def logged(log: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def logged(log: str, function, arguments):
     _line(log, f"begin {os.getpid()}")
     time.sleep(0.03)  # so that a worker can be killed within a task
     result = function(*arguments)
@@ -25,11 +23,11 @@ def _line(log: str, text: str) -> None:
 class Logged(Executor):
     """Another executor, whose workers log their tasks."""
 
-    def __init__(self, executor: Any, log: Path) -> None:
+    def __init__(self, executor, log: Path) -> None:
         self._executor, self._client, self.log = executor, executor._client, log
         self.submitted = 0
 
-    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+    def submit(self, function, /, *arguments):
         self.submitted += 1
         return self._executor.submit(logged, str(self.log), function, arguments)
 

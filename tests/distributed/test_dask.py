@@ -7,11 +7,9 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import pytest
 import xarray
@@ -42,10 +40,10 @@ class Cluster:
     workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     @property
-    def address(self) -> str:
+    def address(self):
         return str(json.loads((self.folder / "scheduler.json").read_text())["address"])
 
-    def wait_for_address(self) -> None:
+    def wait_for_address(self):
         file = self.folder / "scheduler.json"
         for _ in range(1200):  # it is there before it is written
             if file.exists() and file.read_text().rstrip().endswith("}"):
@@ -53,15 +51,15 @@ class Cluster:
             time.sleep(0.05)
         raise AssertionError((self.folder / "scheduler.log").read_text())
 
-    def add_worker(self) -> None:
+    def add_worker(self):
         words = shlex.split("worker --no-nanny --nthreads 1 --host 127.0.0.1")
         words += ["--name", str(len(self.workers)), "--local-directory", str(self.folder)]
         self.workers.append(_dask(self.folder, *words))
 
     @contextmanager
-    def losing_a_worker(self, run: Logged, after: int) -> Iterator[list[int]]:
+    def losing_a_worker(self, run, after):
         """Kill a worker while the block runs; afterwards the list has its process."""
-        killed: list[int] = []
+        killed = []
         killer = threading.Thread(
             target=lambda: killed.append(self._kill_within_a_task(run, after)),
             daemon=True,  # a block that fails does not wait for it
@@ -71,7 +69,7 @@ class Cluster:
         killer.join()
         assert killed, "a worker must have been killed within a task"
 
-    def _kill_within_a_task(self, run: Logged, after: int) -> int:
+    def _kill_within_a_task(self, run, after):
         """Kill a worker that is in a task, once `after` tasks were finished; its process."""
         until = time.monotonic() + SLOWEST_START_S
         while time.monotonic() < until:
@@ -87,7 +85,7 @@ class Cluster:
         raise AssertionError("no worker was within a task")
 
 
-def _dask(folder: Path, *words: str) -> subprocess.Popen[bytes]:
+def _dask(folder, *words):
     here = [str(Path(__file__).parent), *(p for p in sys.path if p)]
     environment = {
         **os.environ,
@@ -124,7 +122,7 @@ def run(cluster, tmp_path):
 def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     cluster, run, tmp_path
 ):
-    arguments: dict[str, Any] = {
+    arguments = {
         "over": {"c_e": [4, 6, 8, 10, 12, 16]},
         "repeats": 3,
         "size": (48, 32),
@@ -133,7 +131,7 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     }
     whitted = vc.Whitted(n_vpls=32)
     here = sweep(SCENE, whitted, **arguments)
-    steps: list[int] = []
+    steps = []
     with cluster.losing_a_worker(run, after=6) as killed:
         there = sweep(
             SCENE,

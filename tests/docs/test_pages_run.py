@@ -8,7 +8,6 @@ import shlex
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,12 +57,12 @@ class Block:
     line: int
 
 
-def blocks(source: str) -> Iterator[Block]:
+def blocks(source):
     for match in BLOCK.finditer(source):
         yield Block(match[1], match[2], source[: match.start()].count("\n") + 2)
 
 
-def alike(said: str, printed: str, tolerance: float = TOLERANCE) -> bool:
+def alike(said, printed, tolerance=TOLERANCE):
     """Equal text; numbers with a decimal point, or from 10 on, may differ a little."""
     if re.sub(r"\s", "", NUMBER.sub("#", said)) != re.sub(r"\s", "", NUMBER.sub("#", printed)):
         return False
@@ -78,9 +77,9 @@ def alike(said: str, printed: str, tolerance: float = TOLERANCE) -> bool:
     )
 
 
-def run(source: str, name: str) -> int:
+def run(source, name):
     """Run a page's Python in one namespace and compare its outputs; return the number of blocks."""
-    space: dict[str, object] = {"__name__": "page"}
+    space = {"__name__": "page"}
     printed, ran = "", 0
     for block in blocks(source):
         if block.kind == "python":
@@ -150,7 +149,7 @@ def test_a_page_that_says_something_else_is_found():
             run(page.format(wrong), "page")
 
 
-def commands(source: str) -> Iterator[list[str]]:
+def commands(source):
     """Command lines of viscache in shell blocks; a comment ends one."""
     for block in blocks(source):
         for line in re.sub(r"\\\n", " ", block.text).splitlines() if block.kind == "sh" else ():

@@ -4,7 +4,6 @@ import io
 import json
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ SCRIPT = module("scripts/doc_pictures.py")
 SHOWN = re.compile(r"!\[(.*?)\]\((\S+?)\)", re.S)
 
 
-def stale(folder: Path, recipe: Callable[[str], str] = SCRIPT.recipe) -> list[str]:
+def stale(folder, recipe=SCRIPT.recipe):
     """Pictures that are missing, changed by hand, or made by another text of the script."""
     made = json.loads((folder / SCRIPT.MANIFEST).read_text("utf-8"))
     fresh = [
@@ -36,7 +35,7 @@ def stale(folder: Path, recipe: Callable[[str], str] = SCRIPT.recipe) -> list[st
     return sorted({*SCRIPT.PICTURES, *made} - {*fresh})
 
 
-def difference(one: bytes, other: bytes) -> float:
+def difference(one, other):
     """Mean absolute difference of two pictures in [0, 1]; 1 if their sizes differ."""
     a, b = (np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float) for data in (one, other))
     return float(np.abs(a - b).mean() / 255) if a.shape == b.shape else 1.0

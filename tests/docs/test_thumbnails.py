@@ -2,7 +2,6 @@
 
 import io
 import json
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,18 +19,17 @@ SAME = 0.25
 CHEAP = ("aqvc-fig2", "vlf-fig1", "vlf-fig2", "vlf-fig3")
 
 
-def kept() -> dict[str, Any]:
-    made: dict[str, Any] = json.loads((FOLDER / SCRIPT.MANIFEST).read_text("utf-8"))
-    return made
+def kept():
+    return json.loads((FOLDER / SCRIPT.MANIFEST).read_text("utf-8"))
 
 
-def stale(made: dict[str, Any]) -> list[str]:
+def stale(made):
     """Figures without an entry, entries without a figure, and entries of an older script."""
     fresh = {n for n in figures.FIGURES if made.get(n, {}).get("recipe") == SCRIPT.recipe(n)}
     return sorted({*figures.FIGURES, *made} - fresh)
 
 
-def pixels(data: bytes) -> np.ndarray[Any, Any]:
+def pixels(data):
     return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), float) / 255
 
 

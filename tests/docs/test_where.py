@@ -2,7 +2,6 @@
 
 import re
 import shlex
-from collections.abc import Callable
 from functools import cache
 
 import pytest
@@ -18,10 +17,9 @@ from viscache_lab.figures.aqvc_setups import SETUPS
 PAGE, TOLERANCE = "docs/performance/where.md", 0.05
 COLUMNS = 6
 HEADINGS = ("README", "Which cache when", "Limits")
-Cells = list[str]
 
 
-def rows(page: str, heading: str) -> list[Cells]:
+def rows(page, heading):
     section = re.split(r"^## ", page, flags=re.M)
     (found,) = [part for part in section if part.partition("\n")[0] == heading]
     lines = [line for line in found.splitlines() if line.startswith("|")]
@@ -31,11 +29,11 @@ def rows(page: str, heading: str) -> list[Cells]:
     return [row for n, row in enumerate(cells) if n not in heads]
 
 
-def labels(page: str, heading: str) -> list[str]:
+def labels(page, heading):
     return [row[0] for row in rows(page, heading)]
 
 
-def bare(words: str) -> str:
+def bare(words):
     """Without line ends and the marks of links and code."""
     return " ".join(re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", words).replace("`", "").split())
 
@@ -49,7 +47,7 @@ def test_every_row_is_complete_and_its_command_exists(heading):
         assert command.startswith("none: ") or all(map(exists, command.split("; ")))
 
 
-def exists(command: str) -> bool:
+def exists(command):
     """Whether a command of the page is one of viscache, or a script of the repository."""
     words = shlex.split(command.strip("`"))
     if words[0] != "viscache":
@@ -90,10 +88,10 @@ def test_a_page_without_a_row_is_noticed():
 
 
 @cache
-def counted(scene: str) -> dict[str, float]:
+def counted(scene):
     """Percent of the connections: blocked, left out, and the rays of both caches."""
     size = (320, 200)
-    shots: dict[str, Callable[[], Shot]] = {
+    shots = {
         "apartment": lambda: SETUPS["delta"].shot(False, size),
         "conference": lambda: SETUPS["conference"].shot(False, size),
         "room": lambda: Shot(scene=scenes.room(), integrator=Whitted(n_vpls=256), size=size),
@@ -109,7 +107,7 @@ def counted(scene: str) -> dict[str, float]:
     }
 
 
-def close(said: str, measured: float) -> bool:
+def close(said, measured):
     """Whether a percentage that a page says is the measured one, within 5 %."""
     return float(said.removesuffix(" %")) == pytest.approx(measured, rel=TOLERANCE)
 

@@ -1,7 +1,6 @@
 """Counters are one list: frames have its names, the help its texts, and parts add up."""
 
 import inspect
-from typing import Any
 
 import pytest
 
@@ -16,7 +15,7 @@ BESIDE = {
     *("records", "records_inserted", "records_rays", "shadow_map_rays", "tile_sums"),
     *("discarded", "learning_rays", "voxel_bytes", "pairs_tested"),
 }
-FRAMES: dict[str, dict[str, Any]] = {
+FRAMES = {
     "waves": {"visibility": vc.Aqvc(c_e=8)},
     "pairs": {"visibility": vc.Aqvc(preset="paper", c_e=8)},
     "corrected": {"visibility": vc.Aqvc(c_e=8, exact_groups=()), "use": "correct"},

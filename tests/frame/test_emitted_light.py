@@ -1,7 +1,5 @@
 """The error over light on surfaces: emitted light that the camera sees is left out."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,17 +11,17 @@ from viscache.frame.emitted_light import light_on_surfaces, seen_emitters
 SIZE = (48, 32)
 
 
-def lit(mirror: bool = False) -> vc.Scene:
+def lit(mirror=False):
     """A floor under a lamp: in view, or only in view in a mirror."""
     d = vc.SceneDescription()
     grey, z = d.add_material(base_color=(0.5, 0.5, 0.5)), 3 if mirror else -1
 
-    def add(*corners: Any, **given: Any) -> None:
+    def add(*corners, **given):
         faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
         d.add_mesh(np.array(corners, float), faces, **{"material": grey, **given})
 
     add((-4, 0, -4), (-4, 0, 4), (4, 0, 4), (4, 0, -4))
-    lamp: dict[str, Any] = {"emission": (20, 20, 20), "emits_two_sided": True}
+    lamp = {"emission": (20, 20, 20), "emits_two_sided": True}
     add((-1, 1, z), (1, 1, z), (1, 2, z), (-1, 2, z), **lamp)
     add((-0.5, 0.3, 0), (0.5, 0.3, 0), (0.5, 0.3, 1), (-0.5, 0.3, 1))
     if mirror:
@@ -33,7 +31,7 @@ def lit(mirror: bool = False) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def pair(scene: vc.Scene) -> tuple[Frame, Frame]:
+def pair(scene):
     whitted = vc.Whitted(n_vpls=0, n_area=4)
     exact = vc.render(scene, whitted, size=SIZE)
     return vc.render(scene, whitted, visibility=vc.Aqvc(c_e=16, exact_groups=()), size=SIZE), exact
@@ -85,7 +83,7 @@ def test_a_picture_of_nothing_but_a_lamp_has_no_light_on_surfaces():
 
 @pytest.mark.usefixtures("without_netcdf")
 def test_sweeps_have_it_by_default_and_reports_can_plot_it(tmp_path):
-    given: dict[str, Any] = {"visibility": vc.Aqvc(exact_groups=()), "over": {"c_e": [4, 16]}}
+    given = {"visibility": vc.Aqvc(exact_groups=()), "over": {"c_e": [4, 16]}}
     table = vc.sweep(lit(), vc.Direct(n_area=4), size=SIZE, directory=tmp_path / "s", **given)
     ratio = (table.rel_l1_reflected / table.rel_l1).values.ravel()
     assert ratio == pytest.approx(np.full(2, ratio[0]), rel=1e-3) and ratio[0] > 1.1

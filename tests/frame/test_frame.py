@@ -11,7 +11,7 @@ from viscache.base.tonemap import auto_exposure, difference8, srgb_curve, to_srg
 from viscache.frame import Frame
 
 
-def make(height: int = 6, width: int = 9) -> Frame:
+def make(height=6, width=9):
     rng = np.random.default_rng(1)
     color = rng.random((height, width, 3), np.float32)
     color[0, 0] = (np.nan, np.inf, -np.inf)

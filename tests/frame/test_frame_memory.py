@@ -2,14 +2,13 @@
 
 import subprocess
 import sys
-from typing import Any
 
 import pytest
 
 import viscache as vc
 from viscache.frame import memory as frame_memory
 
-CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
+CASES = {
     "direct": ("cornell_box", vc.Direct(n_area=1), {}),
     "corrected": ("cube_on_plane", vc.Direct(), {"use": "correct", "visibility": vc.Aqvc()}),
     "whitted": ("room?triangles=3000", vc.Whitted(n_vpls=8), {}),

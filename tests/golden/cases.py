@@ -6,7 +6,6 @@ the instruction set; the BSP's do not.
 
 import hashlib
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -20,16 +19,14 @@ SIZE = (48, 32)
 ROOM = "room?triangles=2000"
 
 
-def digest(*arrays: Any) -> str:
+def digest(*arrays) -> str:
     total = hashlib.sha256()
     for array in arrays:
         total.update(np.ascontiguousarray(array).tobytes())
     return total.hexdigest()[:24]
 
 
-def frame(
-    scene: str, integrator: Any, *, size: tuple[int, int] = SIZE, **options: Any
-) -> Callable[[], str]:
+def frame(scene: str, integrator, *, size: tuple[int, int] = SIZE, **options) -> Callable[[], str]:
     """A frame's colour, counted rays and queries."""
 
     def make() -> str:
@@ -98,7 +95,7 @@ def swept() -> str:
 
 def lobes() -> str:
     """Samples of lobes beside shared directions of the sky, a frame of each material."""
-    given: dict[str, Any] = {"rays": vc.Bsp()}
+    given = {"rays": vc.Bsp()}
     made = (test_sky_lobes.frame_of(test_sky_lobes.shared(2), look=look, **given) for look in LOOKS)
     return digest(*(frame.image for frame in made))
 
@@ -119,7 +116,7 @@ def corrected_passes() -> str:
     return digest(picture.passes(4).image)
 
 
-def cached(c_e: float, **given: Any) -> vc.Aqvc:
+def cached(c_e: float, **given) -> vc.Aqvc:
     """The quantized cache for all light groups."""
     return vc.Aqvc(c_e=c_e, exact_groups=(), **given)
 

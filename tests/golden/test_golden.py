@@ -11,7 +11,7 @@ from reference.built import built
 
 #: Content hash of the conference room as NumPy before 2.5 makes it; 2.5 rounds it otherwise.
 CONFERENCE = "39949906cdb436f85b68fe70c5149184"
-DIGESTS: dict[str, str] = json.loads(Path(__file__).with_name("digests.json").read_text())
+DIGESTS = json.loads(Path(__file__).with_name("digests.json").read_text())
 CASES = cases()
 
 

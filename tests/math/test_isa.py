@@ -16,7 +16,7 @@ NEEDED = {
 }
 
 
-def chosen(name: str) -> subprocess.CompletedProcess[str]:
+def chosen(name):
     """A fresh process with VISCACHE_ISA set, since the choice is made once."""
     return subprocess.run(
         [sys.executable, "-c", "from viscache import _core; print(_core.active_isa())"],

@@ -1,7 +1,6 @@
 """scene/latlong_batch.h: places in a lat-long image, along rows of the equal-area map."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
@@ -10,12 +9,12 @@ from reference.isas import AVAILABLE
 N = 1000
 
 
-def turned() -> npt.NDArray[np.float64]:
+def turned():
     q, _ = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))
     return 7 * q * np.sign(np.linalg.det(q))
 
 
-def exact(to_world: npt.NDArray[np.float64], y: float) -> npt.NDArray[np.float64]:
+def exact(to_world, y):
     """The same in double: equal-area map (Clarberg 2008), turned back, then as in description.h."""
     a, b = 2 * (np.arange(N) + 0.5) / N - 1, 2 * y - 1
     distance = 1 - abs(a) - abs(b)
@@ -51,7 +50,7 @@ def test_poles_and_the_seam_are_places():
     assert np.isfinite(up).all() and np.isfinite(corner).all()
 
 
-def places(width: int, height: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def places(width, height):
     """Anywhere in the image, and on and beside its borders and centres of pixels."""
     rng = np.random.default_rng(3)
     u, v = rng.random((2, 400)).astype(np.float32)

@@ -1,7 +1,6 @@
 """math/octahedral.h: octahedral maps of the sphere."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
@@ -10,13 +9,12 @@ from sampling.chi_square import p_value
 from viscache import _core
 
 maps = _core.sampling
-Array = npt.NDArray[np.float64]
 EQUAL_AREA = (maps.direction_to_equal_area, maps.equal_area_to_direction)
 OCTAHEDRAL = (testing.direction_to_octahedral, testing.octahedral_to_direction)
 BOTH = pytest.mark.parametrize("pair", [OCTAHEDRAL, EQUAL_AREA], ids=["octahedral", "equal area"])
 
 
-def directions(n: int) -> Array:
+def directions(n):
     """Random directions, and those where the maps fold: poles, axes, z = ±0, near both."""
     rng = np.random.default_rng(1)
     d = rng.normal(size=(n, 3))
@@ -30,7 +28,7 @@ def directions(n: int) -> Array:
     return d / np.linalg.norm(d, axis=1)[:, None]
 
 
-def octahedral_transcription(d: Array) -> Array:
+def octahedral_transcription(d):
     u, v = d[:, :2].T / np.abs(d).sum(1)
     sign_u, sign_v = np.where(u >= 0, 1, -1), np.where(v >= 0, 1, -1)
     below = d[:, 2] < 0
@@ -78,7 +76,7 @@ def test_the_border_of_the_square_is_folded_onto_itself(pair):  # type: ignore[n
     )
 
 
-def equal_area_there(d: Array) -> Array:
+def equal_area_there(d):
     """The equal-area octahedral map in double."""
     x, y, z = np.abs(d).T
     r = np.sqrt((x * x + y * y) / (1 + z))
@@ -89,7 +87,7 @@ def equal_area_there(d: Array) -> Array:
     return (np.copysign(np.stack([u, v], 1), d[:, :2]) + 1) / 2
 
 
-def equal_area_back(p: Array) -> Array:
+def equal_area_back(p):
     u, v = (2 * p - 1).T
     delta = 1 - np.abs(u) - np.abs(v)
     r = 1 - np.abs(delta)
@@ -127,14 +125,14 @@ def test_a_batch_is_whole_vectors():
         testing.equal_area_round_trip(np.zeros((3, 2)))
 
 
-def spherical_triangles(a: Array, b: Array, c: Array) -> Array:
+def spherical_triangles(a, b, c):
     """Solid angles (Van Oosterom and Strackee 1983)."""
     numerator = np.abs(np.einsum("...i,...i", a, np.cross(b, c)))
     dots = [np.einsum("...i,...i", *pair) for pair in ((a, b), (b, c), (c, a))]
     return 2 * np.arctan2(numerator, 1 + sum(dots))
 
 
-def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-untyped-def]
+def cell_solid_angles(back, cells, sub):  # type: ignore[no-untyped-def]
     """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold."""
     n = cells * sub
     t = np.arange(n + 1) / n

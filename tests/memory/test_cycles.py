@@ -13,7 +13,7 @@ MOST = CYCLES << 10
 CONTROL = "leak of 2 kB"
 
 
-def growth(structure: str) -> int:
+def growth(structure):
     """In a process of its own, so that other structures do not blur it."""
     script = Path(__file__).with_name("cycles.py")
     done = subprocess.run(

@@ -38,7 +38,7 @@ AS = {"viscache": " as vc", "mitsuba": " as mi"}
 THERE = [name for name in WORK if importlib.util.find_spec(name) is not None]
 
 
-def run(names: tuple[str, ...]) -> None:
+def run(names):
     lines = [f"import {name}{AS.get(name, '')}" for name in names]
     code = "\n".join([*lines, *(WORK[name] for name in names), "print('all of them')"])
     done = subprocess.run(

@@ -173,7 +173,7 @@ def test_a_change_of_one_percent_is_seen_by_every_metric():
 
 
 def test_progress_counts_the_metrics_of_all_pairs():
-    told: list[tuple[int, int]] = []
+    told = []
     image = np.ones((8, 8, 3))
     compare([image] * 2, image, metrics=["rmse", "rel_l1"], progress=lambda *at: told.append(at))
     assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]

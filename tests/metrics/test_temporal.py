@@ -7,7 +7,7 @@ from viscache.frame import Frame
 from viscache.metrics import temporal
 
 
-def frames(*values: float) -> list[Frame]:
+def frames(*values):
     return [Frame(layers={"color": np.full((2, 3, 3), v, np.float32)}) for v in values]
 
 

@@ -1,16 +1,13 @@
 """Ratios of variances: exact in a closed form, intervals that cover, refusals."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from viscache.base.tonemap import luminance
 from viscache.metrics.variance import variance_ratio
 
-Images = list[npt.NDArray[np.float64]]
 
-
-def renders(n: int, sigma: float, seed: int, *, size: tuple[int, int] = (6, 8)) -> Images:
+def renders(n, sigma, seed, *, size=(6, 8)):
     """Grey images of mean 1 with independent Gaussian pixels."""
     rng = np.random.default_rng(seed)
     return [np.repeat(1 + sigma * rng.normal(size=(*size, 1)), 3, axis=2) for _ in range(n)]

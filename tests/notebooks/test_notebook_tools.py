@@ -17,10 +17,10 @@ pytest.importorskip("ipywidgets", reason="ipywidgets comes with the test extra")
 class Handle:
     """Stands in for a cell's output."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.shown: list[bytes] = []
 
-    def update(self, picture: Any) -> None:
+    def update(self, picture):
         self.shown.append(picture.data)
 
 
@@ -68,7 +68,7 @@ def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort():
 
 
 def test_a_slider_that_moves_renders_again():
-    asked: list[tuple[int, str]] = []
+    asked = []
 
     def render(level, kind):
         asked.append((level, kind))
@@ -83,7 +83,7 @@ def test_a_slider_that_moves_renders_again():
 
 
 def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook():
-    asked: list[int] = []
+    asked = []
     begun, go_on = threading.Event(), threading.Event()
 
     def render(level):

@@ -1,7 +1,5 @@
 """A floor below lamps and slats that cells do not resolve."""
 
-from typing import Any
-
 import numpy as np
 
 import viscache as vc
@@ -11,13 +9,13 @@ FLOOR = [[-2.0, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]
 
 
 def slats(
-    lamps: Any,
+    lamps,
     *,
     count: int = 23,
     height: float = 0.5,
     width: float = 0.09,
     kind: _core.MaterialKind = _core.MaterialKind.DIFFUSE,
-    **look: Any,
+    **look,
 ) -> vc.Scene:
     """Lamps are places and intensities."""
     low, high = [0, -2, height], [width, 2, height]

@@ -1,9 +1,6 @@
 """Corrections by class: expectations, what is learnt, and the layer of their variance."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -33,27 +30,27 @@ def hall():
     return slats([(place, 1) for place in lamps], base_color=(0.5, 0.5, 0.5))
 
 
-def shot(scene: vc.Scene, size: tuple[int, int], use: vc.Correct) -> BareShot:
+def shot(scene, size, use):
     """Pixels' centres."""
     return BareShot(scene, vc.Direct(centred=True), size=size, visibility=CACHE, use=use)
 
 
-def frames(scene: vc.Scene, memory: list[PassMemory], size: tuple[int, int], **use: Any) -> Any:
+def frames(scene, memory, size, **use):
     """Frames of samples 0, 1, ..., all at the pixels' centres."""
     asked = shot(scene, size, use=vc.Correct(**use))
     return [render_part(asked, first_sample=n, memory=m) for n, m in enumerate(memory)]
 
 
-def memory(octaves: list[list[int]], epoch: int = 3) -> PassMemory:
+def memory(octaves, epoch=3):
     return PassMemory(_core.KeptLights(), octaves, epoch)
 
 
-def mixed(seed: int) -> list[list[int]]:
+def mixed(seed):
     """Octaves that differ between classes."""
     return np.random.default_rng(seed).integers(0, 5, (len(LIGHT_GROUPS), N_CLASSES)).tolist()
 
 
-def mean_of(found: list[vc.Frame]) -> npt.NDArray[np.float64]:
+def mean_of(found):
     return np.mean([f.image.astype(np.float64) for f in found], axis=0)
 
 
@@ -97,7 +94,7 @@ def test_counters_by_class_add_up(hall):
 
 
 def test_answers_that_the_cache_doubts_are_wrong_more_often():
-    given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=10), "use": vc.Correct(certain=1 / 64)}
+    given = {"visibility": vc.Aqvc(c_e=10), "use": vc.Correct(certain=1 / 64)}
     frame = vc.render("room?triangles=3000", vc.Whitted(n_vpls=256), size=(64, 64), **given)
     classes = frame.counters["share_by_class"]["vpl"].items()
     sums = {
@@ -147,7 +144,7 @@ def test_exact_and_replaced_frames_have_no_variance(hall):
 
 def test_later_passes_use_what_the_first_ones_found():
     """Same bytes for any threads; with "same", passes differ from the third on."""
-    options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
+    options = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
     scene, light = built("room?triangles=3000"), vc.Whitted(n_vpls=128)
     one, two = (vc.Progressive(scene, light, threads=n, **options) for n in (1, 3))
     same = vc.Progressive(scene, light, use=vc.Correct(classes="same"), **options)
@@ -157,9 +154,7 @@ def test_later_passes_use_what_the_first_ones_found():
     assert same._sums.shares.octaves is None
 
 
-def scale_of(
-    others: float, of_corrections: float, *, rows_are_kept: bool = False, **counters: Any
-) -> float:
+def scale_of(others, of_corrections, *, rows_are_kept=False, **counters):
     """The scale for pictures of ones with such noise."""
     ones = np.ones((10, 10, 3))
     given = {"queries": 1000, "rays": 30, "corrections": 20, "groups": {}} | counters
@@ -198,9 +193,9 @@ def test_passes_that_cannot_win_become_exact_and_say_so(height, learning, tmp_pa
     """Slats finer than cells: a cache is hardly right there."""
     rng = np.random.default_rng(4)
     lamps = np.column_stack([rng.uniform(-1, 1, (64, 2)), rng.uniform(1, 2, 64)])
-    given: dict[str, Any] = {"count": 200, "height": height, "width": 0.01}
+    given = {"count": 200, "height": height, "width": 0.01}
     scene = slats([(place, 1) for place in lamps], base_color=(0.5, 0.5, 0.5), **given)
-    options: dict[str, Any] = {"size": (48, 48), "visibility": CACHE}
+    options = {"size": (48, 48), "visibility": CACHE}
     picture = vc.Progressive(scene, vc.Direct(), **options)
     first = picture.passes(learning)
     assert first.counters["corrections"] > 0

@@ -2,7 +2,6 @@
 
 import warnings
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,12 +66,12 @@ class Own(Base):
 '''
 
 
-def digest_of(source: str, folder: Path) -> str:
+def digest_of(source, folder):
     """Of a class in a file, and of the same one in a console, which has no file."""
     found = []
     (folder / "own.py").write_text(source)
     for where in (str(folder / "own.py"), "<console>"):
-        space: dict[str, Any] = {"__name__": "own"}
+        space = {"__name__": "own"}
         exec(compile(source, where, "exec", dont_inherit=True), space)
         found.append(code_digest(space["Own"]))
     assert found[0] == found[1]
@@ -139,7 +138,7 @@ class AllRays:
 
     table: Any = None
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return eyes.trace(lamps, wanted)
 
 
@@ -147,12 +146,12 @@ class AllRays:
 class NoRays(AllRays):
     """Everything is visible."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return np.ones((len(eyes), len(lamps)), dtype=bool)
 
 
 def test_a_sweep_renders_anew_when_the_class_changes(tmp_path, monkeypatch):
-    given: dict[str, Any] = {"visibility": AllRays(), "size": (24, 16), "metrics": ["rel_l1"]}
+    given = {"visibility": AllRays(), "size": (24, 16), "metrics": ["rel_l1"]}
     tables, frames = [], []
     for n in range(3):
         if n == 2:  # the first two have the same code

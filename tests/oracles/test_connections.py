@@ -1,7 +1,5 @@
 """The renderer's connections: answers to its queries give its frames."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ SIZE = (72, 40)
 ROOM = "room?triangles=3000"
 
 
-def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) -> tuple[Any, Any]:
+def frames(scene, integrator, visibility, **options):
     """The frame from answers, and the renderer's."""
     use = options.pop("use", None)
     conn = vc.connections(scene, integrator, size=SIZE, **options)
@@ -24,7 +22,7 @@ def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) ->
 
 FAST, OWN = vc.Aqvc(preset="fast", c_e=8), {"spp": 4, "env": (0.5, 0.6, 0.7)}
 AMBIENT = vc.AmbientOcclusion(n_samples=9, max_distance=1.0)
-SHOTS: dict[str, tuple[str, Any, Any, dict[str, Any]]] = {
+SHOTS = {
     "exact": (ROOM, vc.Whitted(n_vpls=80), vc.Exact(), {"seed": 3}),
     "aqvc": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=8), {"spp": 4}),
     "paper": (ROOM, vc.Whitted(n_vpls=80), vc.Aqvc(c_e=6, preset="paper"), {}),

@@ -1,7 +1,5 @@
 """use="correct": any cache as a control variate."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -36,7 +34,7 @@ ROOM = "room?triangles=3000"
 )
 def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator, visibility):
     scene = built(ROOM)
-    given: dict[str, Any] = {"size": SIZE, "spp": 2}
+    given = {"size": SIZE, "spp": 2}
     exact = vc.render(scene, integrator, **given)
     given["visibility"] = visibility
     right = vc.render(scene, integrator, use=vc.Correct(share=1), **given)
@@ -51,7 +49,7 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator, visibility)
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors():
     scene, light = built(ROOM), vc.Whitted(n_vpls=64)
     cache = vc.Aqvc(c_e=12, exact_groups=("area", "environment"))
-    given: dict[str, Any] = {"visibility": cache, "rays": vc.Bsp(), "use": vc.Correct(share=0.2)}
+    given = {"visibility": cache, "rays": vc.Bsp(), "use": vc.Correct(share=0.2)}
     frames = [vc.render(scene, light, size=SIZE, threads=n, **given) for n in (1, 3)]
     assert frames[0].sha256 == frames[1].sha256
     use = {"name": "correct", "share": 0.2, "certain": "auto", "classes": "learned"}
@@ -72,7 +70,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors():
 
 def test_correct_is_the_default_share():
     scene = built(ROOM)
-    options: dict[str, Any] = {"size": SIZE, "visibility": vc.Aqvc(c_e=12)}
+    options = {"size": SIZE, "visibility": vc.Aqvc(c_e=12)}
     word = vc.render(scene, vc.Direct(), use="correct", **options)
     assert word.sha256 == vc.render(scene, vc.Direct(), use=Correct(), **options).sha256
 

@@ -14,7 +14,7 @@ def points(room):
     return area_points(room, 3000)
 
 
-def area_points(scene: vc.Scene, count: int, seed: int = 1) -> vc.EyePoints:
+def area_points(scene, count, seed=1):
     """Uniform points on the triangles of a scene."""
     random = np.random.default_rng(seed)
     corners = np.concatenate(
@@ -31,7 +31,7 @@ def area_points(scene: vc.Scene, count: int, seed: int = 1) -> vc.EyePoints:
     return vc.EyePoints(places, cross[chosen])
 
 
-def lamps(scene: vc.Scene, count: int = 64, seed: int = 2) -> vc.FarEnds:
+def lamps(scene, count=64, seed=2):
     low, high = np.asarray(scene.bounds, dtype=np.float64)
     share = np.random.default_rng(seed).uniform(0.2, 0.8, (count, 3))
     return vc.FarEnds.points(low + share * (high - low))

@@ -8,7 +8,7 @@ import viscache as vc
 from reference.built import built
 
 
-def connections_of(size: tuple[int, int]) -> vc.Connections:
+def connections_of(size):
     return vc.connections(built("room?triangles=3000"), vc.Whitted(n_vpls=20), size=size)
 
 

@@ -1,7 +1,6 @@
 """A frame's corrections, one by one: they sum to the frame, and wrong rules show a bias."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from viscache.oracles.points import unpack
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-OPTIONS: dict[str, Any] = {"size": (64, 40)}
+OPTIONS = {"size": (64, 40)}
 LIGHTS = vc.Whitted(n_vpls=128, n_area=0)
 CACHE = vc.Aqvc(c_e=16, exact_groups=("point",))
 #: The same cells without finer ones.
@@ -34,17 +33,17 @@ class Record:
     wanted: Bools  #: connections that the frame asks for
 
     @property
-    def changed(self) -> Bools:
+    def changed(self):
         """Answers that a check found wrong."""
         return np.asarray(self.wanted & (self.weight != self.cached))
 
     @property
-    def inverse_share(self) -> Floats:
+    def inverse_share(self):
         """1/q where an answer was changed, else 1."""
         change = (self.weight - self.cached) / np.where(self.changed, self.v - self.cached, 1)
         return np.where(self.changed, change, 1)
 
-    def z(self, weight: Floats) -> float:
+    def z(self, weight):
         """How many standard errors Σ c·weight is from Σ c·V.
 
         The variance is Σ c²·(1 - q)/q over all wrong answers, by those found: each counts 1/q.
@@ -55,10 +54,10 @@ class Record:
         return float(away / np.sqrt(variance))
 
 
-def recorded(scene: vc.Scene, cache: vc.Aqvc) -> Record:
+def recorded(scene, cache):
     asked = vc.connections(scene, LIGHTS, **OPTIONS)
     exact, cached = (np.asarray(asked.answers(v)["vpl"], float) for v in (vc.Exact(), cache))
-    corrected: Any = asked.answers(cache, use=vc.Correct(certain=CERTAIN))["vpl"]
+    corrected = asked.answers(cache, use=vc.Correct(certain=CERTAIN))["vpl"]
     weight = np.where(corrected.visible, corrected.weights, 0).astype(np.float64)
     light = asked.contributions("vpl").astype(np.float64).sum(axis=2)
     wanted = unpack(asked.wanted("vpl"), len(asked.groups["vpl"]))

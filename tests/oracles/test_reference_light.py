@@ -1,9 +1,6 @@
 """Shares of corrections follow what a wrong answer would do to the picture."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -15,24 +12,22 @@ CACHE = vc.Aqvc(c_e=16, exact_groups=())
 #: The mean over the picture comes from a smaller one.
 NEAR = 1.15
 
-Floats = npt.NDArray[np.float64]
 
-
-def hall(roughness: float | None) -> vc.Scene:
+def hall(roughness):
     """A grey floor, diffuse or with a lobe, below lamps of very different power."""
     rng = np.random.default_rng(7)
     lamps = [
         ((rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5), rng.uniform(0.8, 2.5)), 4.0 ** (k % 4))
         for k in range(64)
     ]
-    look: dict[str, Any] = {"base_color": (0.2, 0.2, 0.2)}
+    look = {"base_color": (0.2, 0.2, 0.2)}
     if roughness is not None:
         lobe = {"specular": (0.3,) * 3, "roughness": roughness}
         look |= {"kind": _core.MaterialKind.GLOSSY, **lobe}
     return slats(lamps, **look)
 
 
-def checked(scene: vc.Scene) -> tuple[Floats, Floats, Floats]:
+def checked(scene):
     """Contributions (N, M), what the cache answers, and 1/q where a check changed it, else 0."""
     asked = vc.connections(scene, vc.Direct(), size=SIZE)
     c = asked.contributions("point").astype(np.float64).mean(axis=2)

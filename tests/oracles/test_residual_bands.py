@@ -1,10 +1,8 @@
 """Correction by contribution: who is drawn, and with which weight."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -20,18 +18,10 @@ SHARES = [0.5, 0.25, 0.12, 0.06, 0.04, 0.015, 0.008, 0.004, 0.0015, 0.001, 0.000
 def wall():
     """A large plane between all eye points (below) and all lights (above)."""
     corners = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0]]
-    scene: vc.Scene = vc.Scene.from_arrays(
-        np.array(corners, np.float32), np.array([[0, 1, 2], [0, 2, 3]])
-    )
-    return scene
+    return vc.Scene.from_arrays(np.array(corners, np.float32), np.array([[0, 1, 2], [0, 2, 3]]))
 
 
-def weights_of(
-    scene: vc.Scene,
-    contributions: npt.NDArray[np.float32] | None,
-    seed: int,
-    shape: tuple[int, int] = (0, 0),
-) -> npt.NDArray[np.float32]:
+def weights_of(scene, contributions, seed, shape=(0, 0)):
     """Weights of answers that are all wrong: 1, or 1 - 1/q where a query was drawn."""
     rng = np.random.default_rng(seed)
     n, m = shape if contributions is None else contributions.shape
@@ -44,7 +34,7 @@ def weights_of(
     return np.where(answer.visible, answer.weights, 0)
 
 
-def lights(n: int, seed: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float64]]:
+def lights(n, seed):
     """Contributions (n, 1024), and those over the reference where all is seen, in means."""
     rng = np.random.default_rng(seed)
     c = rng.choice(BANDS, (n, 1024), p=SHARES)
@@ -53,15 +43,12 @@ def lights(n: int, seed: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.f
     return c, over_reference(c, np.ones(1024, bool))
 
 
-def over_reference(
-    c: npt.NDArray[np.float32], seen: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.float64]:
+def over_reference(c, seen):
     """Contributions over min(√(a·(b + m/20)), m), times their number (reference_light.h)."""
     a = c.sum(axis=1, dtype=np.float64)
     b = c[:, seen].sum(axis=1, dtype=np.float64)
     reference = np.minimum(np.sqrt(a * (b + a.mean() / 20)), a.mean())
-    relative: npt.NDArray[np.float64] = c.shape[1] * c / reference[:, None]
-    return relative
+    return c.shape[1] * c / reference[:, None]
 
 
 @pytest.mark.stat
@@ -95,11 +82,11 @@ def test_without_contributions_a_tenth_is_drawn(wall):
 class Stripes:
     """An oracle with answers of both kinds, and neighbours that agree or differ."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    def block(self, eyes, lamps, wanted):
         return np.broadcast_to(stripes(len(lamps)), wanted.shape)
 
 
-def stripes(n: int) -> npt.NDArray[np.bool_]:
+def stripes(n):
     k = np.arange(n)
     return np.where(k < n // 2, k % 2 == 0, k // 8 % 2 == 0)
 

@@ -2,10 +2,8 @@
 
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -46,7 +44,7 @@ def test_frames_are_those_of_the_bsp(name):
 @pytest.mark.parametrize("visibility", [Rays(), vc.Unoccluded()], ids=["own", "unoccluded"])
 @pytest.mark.parametrize("integrator", [vc.Direct(), vc.Bdpt(), vc.AmbientOcclusion()])
 def test_other_oracles_and_integrators_are_those_of_the_bsp(integrator, visibility):
-    given: dict[str, Any] = {"size": (16, 12), "visibility": visibility, "threads": 1}
+    given = {"size": (16, 12), "visibility": visibility, "threads": 1}
     ours, bsp = (
         vc.render(scenes.lit_box(), integrator, rays=rays, **given)
         for rays in (WATERTIGHT, vc.Bsp())
@@ -55,7 +53,7 @@ def test_other_oracles_and_integrators_are_those_of_the_bsp(integrator, visibili
 
 
 #: Settings that answer arrays of points.
-SETTINGS: dict[str, Any] = {
+SETTINGS = {
     "exact": vc.Exact(),
     "quantized": vc.Aqvc(c_e=6, exact_groups=()),
     "quantized pairs": vc.Aqvc(c_e=6, exact_groups=(), paper=vc.PaperForm(form="pairs")),
@@ -83,14 +81,14 @@ def test_answers_for_points_are_those_of_the_bsp(name, use):
 
 
 @cache
-def closed() -> tuple[vc.Scene, npt.NDArray[Any]]:
+def closed():
     """A flat sphere at an angle, and its vertices."""
     vertices, triangles = SHAPES["sphere 1/1000 as high"][0]()
     vertices = vertices @ turn(0).T
     return vc.Scene.from_arrays(vertices, triangles), vertices
 
 
-def leaks(visibility: Any, rays: Any) -> tuple[int, int]:
+def leaks(visibility, rays):
     """Rays from inside of the sphere through its vertices that get out: of blocks, of pairs."""
     scene, vertices = closed()
     rng = np.random.default_rng(1)

@@ -1,7 +1,6 @@
 """Oracles written in Python: rendered, swept, corrected; wrong ones are refused."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ WHITTED = vc.Whitted(n_vpls=40)
 class Rays:
     """Every wanted ray."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return eyes.trace(lamps, wanted)
 
 
@@ -25,12 +24,12 @@ class Rays:
 class AsBits:
     """The same as rows of bits."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         seen = np.zeros((len(eyes), -(-len(lamps) // 64) * 64), dtype=bool)
         seen[:, : len(lamps)] = eyes.trace(lamps, wanted)
         return np.packbits(seen, axis=1, bitorder="little").view(np.uint64)
 
-    def pairs(self, eyes: Any, index: Any, ends: Any) -> Any:
+    def pairs(self, eyes, index, ends):
         return np.array([eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)])
 
 
@@ -41,7 +40,7 @@ class Half:
     seed: int = 0
     weight: float = 2.0
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         random = np.random.default_rng([self.seed, len(lamps), int(wanted.sum())])
         kept = wanted & (random.random(wanted.shape) < 0.5)
         return eyes.trace(lamps, kept), np.full(wanted.shape, self.weight)
@@ -53,7 +52,7 @@ class Grid:
 
     cell: float = 0.25
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         facing = np.argmax(np.abs(eyes.normals), axis=1)
         key = np.column_stack([np.floor(eyes.positions / self.cell), facing])
         _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
@@ -88,7 +87,7 @@ def test_sweeps_go_over_its_fields_and_correct_it(room, tmp_path):
     cells = [0.1, 0.4]
 
     def swept(name, **use):
-        given: dict[str, Any] = {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"], **use}
+        given = {"visibility": Grid(), "size": SIZE, "metrics": ["rel_l1"], **use}
         over = {"visibility.cell": cells}
         return vc.sweep(room, WHITTED, over=over, directory=tmp_path / name, **given)
 
@@ -116,7 +115,7 @@ def test_weights_count(room):
 
 
 def test_it_may_be_told_of_frames_and_tiles(room):
-    told: list[tuple[str, int]] = []
+    told = []
 
     class Told:
         def block(self, eyes, lamps, wanted):
@@ -153,9 +152,9 @@ def test_state_of_a_tile_is_each_threads_own(room):
     assert frame.sha256 == vc.render(room, WHITTED, size=(300, 200)).sha256
 
 
-def broken(answer: Any) -> Any:
+def broken(answer):
     class Broken:
-        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        def block(self, eyes, lamps, wanted):
             return answer(eyes, lamps, wanted)
 
     return Broken()

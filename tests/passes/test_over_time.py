@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,11 +14,6 @@ from viscache.passes.over_time import gain
 SIZE = (48, 32)
 WHITTED = vc.Whitted(n_vpls=48)
 CACHE = vc.Aqvc(c_e=40, exact_groups=())
-
-
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
 
 
 def test_errors_are_those_of_the_mean_of_the_passes(room):
@@ -55,7 +49,7 @@ def test_squares_against_two_references_have_the_noise_of_neither():
 
 
 def test_a_biased_setting_stalls_where_unbiased_ones_go_on(room):
-    settings: dict[str, Any] = {
+    settings = {
         "exact": "exact",
         "biased": {"visibility": CACHE, "use": "replace"},
         "corrected": CACHE,
@@ -87,8 +81,8 @@ def test_a_gain_is_error_times_time_over_that_of_another(room):
 
 
 def test_progress_counts_passes(room):
-    seen: list[tuple[int, int]] = []
-    given: dict[str, Any] = {"passes": 2, "reference": 1, "size": SIZE}
+    seen = []
+    given = {"passes": 2, "reference": 1, "size": SIZE}
     vc.passes_over_time(room, WHITTED, **given, progress=lambda *at: seen.append(at))
     assert seen == [(n, 8) for n in range(1, 9)]
 

@@ -3,8 +3,6 @@
 import io
 import re
 import zlib
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -91,7 +89,7 @@ def test_pairs_show_every_two_parameters_of_a_design(tmp_path):
         )
 
 
-def grid() -> Any:
+def grid():
     return sweep(
         "room",
         "whitted",
@@ -101,7 +99,7 @@ def grid() -> Any:
     )
 
 
-def pdf_text(file: Path) -> str:
+def pdf_text(file):
     """The strings that a PDF shows, of one byte or two a letter, without spaces."""
     streams = re.findall(rb"stream\r?\n(.*?)endstream", file.read_bytes(), re.S)
     shown = []

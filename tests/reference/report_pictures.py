@@ -4,12 +4,11 @@ import base64
 import json
 import re
 import zlib
-from typing import Any
 
 import numpy as np
 
 
-def model(page: str) -> dict[str, Any]:
+def model(page: str):
     """The data that a page carries."""
     return dict(json.loads(re.search(r'application/json">(.*?)</script>', page, re.S)[1]))
 
@@ -29,26 +28,26 @@ def values(codes: np.ndarray) -> np.ndarray:
     return np.sign(codes) * np.where(codes == 0, 0.0, bits.view(np.float16).astype(np.float64))
 
 
-def reference(data: dict[str, Any], key: str) -> np.ndarray:
+def reference(data, key: str) -> np.ndarray:
     """Codes of a reference."""
     steps = unpack(data["pictures"][key], data["frame"]["width"])
     return np.cumsum(steps, axis=1, dtype=np.int64).astype(np.int16)
 
 
-def picture(data: dict[str, Any], setting: dict[str, Any]) -> np.ndarray:
+def picture(data, setting) -> np.ndarray:
     """Codes of a setting's picture."""
     steps = unpack(setting["difference"], data["frame"]["width"]).astype(np.int64)
     base = reference(data, setting["reference"]).astype(np.int64)
     return (base + data["step"] * steps).astype(np.int16)
 
 
-def flip(data: dict[str, Any], setting: dict[str, Any]) -> np.ndarray:
+def flip(data, setting) -> np.ndarray:
     """(H, W) FLIP map in [0, 1]."""
     raw = zlib.decompress(base64.b64decode(setting["flip"]["map"]))
     return np.frombuffer(raw, np.uint8).reshape(-1, data["frame"]["width"]) / 255
 
 
-def colors(data: dict[str, Any], scale: str) -> np.ndarray:
+def colors(data, scale: str) -> np.ndarray:
     """(256, 3) colours of a scale."""
     raw = base64.b64decode(data["colors"][scale])
     return np.frombuffer(raw, np.uint8).reshape(256, 3).astype(int)

@@ -37,8 +37,7 @@ def equal_area_directions(edge: int) -> Floats:
 
 
 def _squared(v: Floats) -> Floats:
-    square: Floats = (v[..., 0] * v[..., 0] + v[..., 1] * v[..., 1]) + v[..., 2] * v[..., 2]
-    return square
+    return (v[..., 0] * v[..., 0] + v[..., 1] * v[..., 1]) + v[..., 2] * v[..., 2]
 
 
 def distance_bins(d2: Floats, edges: npt.NDArray[np.float64]) -> Ints:
@@ -96,8 +95,7 @@ def all_pairs(
 
 def _facing(normals: Floats, directions: Floats) -> Bools:
     n, w = normals[:, None], directions[None]
-    found: Bools = (n[..., 0] * w[..., 0] + n[..., 1] * w[..., 1]) + n[..., 2] * w[..., 2] > 0
-    return found
+    return (n[..., 0] * w[..., 0] + n[..., 1] * w[..., 1]) + n[..., 2] * w[..., 2] > 0
 
 
 def quantized_rho(

@@ -27,8 +27,7 @@ def corners(scene: vc.Scene) -> Array:
         return np.zeros((0, 3, 3), f32)
     all_of_them = np.concatenate(parts)
     a, b, c = (all_of_them[:, i].astype(float) for i in range(3))
-    kept: Array = all_of_them[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0]
-    return kept
+    return all_of_them[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0]
 
 
 def origins(scene: vc.Scene, points: Array, normals: Array) -> Array:
@@ -49,8 +48,7 @@ def placement(triangles: Array) -> tuple[Array, np.float32]:
 
 def along(row: Array, p: Array) -> Array:
     """row·p, term by term."""
-    out: Array = row[0] * p[..., 0] + row[1] * p[..., 1] + row[2] * p[..., 2]
-    return out
+    return row[0] * p[..., 0] + row[1] * p[..., 1] + row[2] * p[..., 2]
 
 
 def free_along(
@@ -86,7 +84,7 @@ def functions(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     return edge, det, edge[:, 0] * z[:, 0] + edge[:, 1] * z[:, 1] + edge[:, 2] * z[:, 2]
 
 
-def decided(edge: Array, det: Array, t: Array, up: bool, reach: Any) -> Array:
+def decided(edge: Array, det: Array, t: Array, up: bool, reach) -> Array:
     left, right = (edge >= 0).all(1), (edge <= 0).all(1)
     farther = np.where(left == up, t > 0, t < 0)
     hit: Array = (left != right) & farther

@@ -1,7 +1,5 @@
 """Stacks of frames of independent seeds, by Mitsuba 3 and by viscache."""
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
@@ -14,14 +12,7 @@ Images = npt.NDArray[np.float64]
 
 
 def theirs(
-    mi: Any,
-    scene: Any,
-    *,
-    depth: int = 2,
-    spp: int = 16,
-    seeds: int = 64,
-    first: int = 100,
-    **kwargs: Any,
+    mi, scene, *, depth: int = 2, spp: int = 16, seeds: int = 64, first: int = 100, **kwargs
 ) -> Images:
     """Mitsuba's `path`; a `max_depth` of 2 is direct light."""
     path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
@@ -34,7 +25,7 @@ def theirs(
 
 def ours(
     scene: vc.Scene,
-    integrator: Any = None,
+    integrator=None,
     *,
     spp: int = 16,
     seeds: int = 48,
@@ -43,7 +34,7 @@ def ours(
     layer: str = "color",
 ) -> Images:
     """Frames of seeds `first`, `first` + 1, …, or one layer of them; 0 where it is not there."""
-    given: dict[str, Any] = {"size": size, "spp": spp}
+    given = {"size": size, "spp": spp}
     lights = integrator or vc.Direct()
     frames = [vc.render(scene, lights, seed=first + i, **given) for i in range(seeds)]
     assert all(f.counters["non_finite"] == 0 for f in frames)
@@ -66,7 +57,7 @@ def assert_same(
     assert not less.same, f"the test has no power to see {power:.0%} of the energy"
 
 
-def area_layers(scene: vc.Scene, integrator: Any, **options: Any) -> Images:
+def area_layers(scene: vc.Scene, integrator, **options) -> Images:
     """Light of area lights alone, without what is seen directly."""
-    given: dict[str, Any] = {"spp": 4, "seeds": 6, "size": (24, 16)} | options
+    given = {"spp": 4, "seeds": 6, "size": (24, 16)} | options
     return ours(scene, integrator, layer="area", **given)

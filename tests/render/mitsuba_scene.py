@@ -89,10 +89,10 @@ class Model:
         d.add_camera(self.origin, self.target, up=self.up, fov_deg=self.fov_deg)
         return vc.Scene.from_description(d)
 
-    def to_mitsuba(self, mi: Any, size: tuple[int, int], folder: Path) -> Any:
+    def to_mitsuba(self, mi, size: tuple[int, int], folder: Path):
         look_at = mi.ScalarTransform4f().look_at
         view = look_at(origin=self.origin, target=self.target, up=self.up)
-        made: list[dict[str, Any]] = [sensor(view, size, fov=self.fov_deg, fov_axis="y")]
+        made = [sensor(view, size, fov=self.fov_deg, fov_axis="y")]
         for i, part in enumerate(self.parts):
             file = write_ply(folder / f"{i}.ply", part)
             made.append({"type": "ply", "filename": file, "bsdf": _bsdf(mi, part.look)})
@@ -122,7 +122,7 @@ class Model:
         return mi.load_dict({"type": "scene", **scene}, optimize=False)
 
 
-def sensor(to_world: Any, size: tuple[int, int], *, fov: float, fov_axis: str) -> dict[str, Any]:
+def sensor(to_world, size: tuple[int, int], *, fov: float, fov_axis: str):
     """A pinhole camera with a box filter."""
     film = {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}}
     film |= {"pixel_format": "rgb", "component_format": "float32"}
@@ -130,18 +130,18 @@ def sensor(to_world: Any, size: tuple[int, int], *, fov: float, fov_axis: str) -
     return camera | {"to_world": to_world, "film": film, "sampler": {"type": "independent"}}
 
 
-def _rgb(value: Color) -> dict[str, Any]:
+def _rgb(value: Color):
     return {"type": "rgb", "value": list(value)}
 
 
-def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
+def _bsdf(mi, look: Look):
     match look.kind:
         case "diffuse":
-            reflectance: Any = _rgb(look.base_color)
+            reflectance = _rgb(look.base_color)
             if look.texture is not None:
                 image = mi.Bitmap(look.texture * np.float32(look.base_color))
                 reflectance = {"type": "bitmap", "bitmap": image, "raw": True}
-            inner: dict[str, Any] = {"type": "diffuse", "reflectance": reflectance}
+            inner = {"type": "diffuse", "reflectance": reflectance}
         case "glossy":
             assert max(look.base_color) == 0 and min(look.specular) == 1
             assert look.coat == CoatKind.NONE
@@ -180,7 +180,7 @@ def write_ply(path: Path, part: Part) -> str:
 # Shapes; their fronts look outwards
 
 
-def quad(corner: Color, a: Color, b: Color, **kwargs: Any) -> Part:
+def quad(corner: Color, a: Color, b: Color, **kwargs) -> Part:
     """Parallelogram; its front looks along a × b."""
     o, u, v = (np.asarray(x, np.float32) for x in (corner, a, b))
     uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
@@ -189,7 +189,7 @@ def quad(corner: Color, a: Color, b: Color, **kwargs: Any) -> Part:
     )
 
 
-def box(low: Color, high: Color, **kwargs: Any) -> Part:
+def box(low: Color, high: Color, **kwargs) -> Part:
     """Axis-parallel box."""
     lo, hi = np.asarray(low, np.float32), np.asarray(high, np.float32)
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
@@ -198,9 +198,7 @@ def box(low: Color, high: Color, **kwargs: Any) -> Part:
     return Part(lo + corners * (hi - lo), np.array(triangles), **kwargs)
 
 
-def ball(
-    center: Color, radius: float, rings: int = 12, *, smooth: bool = False, **kwargs: Any
-) -> Part:
+def ball(center: Color, radius: float, rings: int = 12, *, smooth: bool = False, **kwargs) -> Part:
     """Sphere of latitudes and longitudes."""
     columns = 2 * rings + 1
     theta, phi = np.meshgrid(

@@ -1,7 +1,6 @@
 """Frames with the quantized cache and with a ray per query, for the tests beside this file."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +16,7 @@ Image = npt.NDArray[np.float32]
 
 SIZE = (80, 50)
 #: Every way of answering the groups of shared lights.
-FORMS: dict[str, dict[str, Any]] = {
+FORMS = {
     "waves": {"form": "waves"},
     "pairs-table": {"form": "pairs", "storage": "table", "table_bytes": 64 << 20},
     "pairs-exact": {"form": "pairs", "storage": "exact"},
@@ -38,9 +37,7 @@ def energy(image: Image, reference: Image) -> float:
     return float((a - b).sum() / b.sum())
 
 
-def render(
-    scene: vc.Scene, integrator: Any = None, *, size: tuple[int, int] = SIZE, **aqvc: Any
-) -> vc.Frame:
+def render(scene: vc.Scene, integrator=None, *, size: tuple[int, int] = SIZE, **aqvc) -> vc.Frame:
     """A frame with these parameters of `Aqvc` and of its `paper`; every light group is cached.
 
     `spp`, `seed`, `threads`, `camera` go to `vc.render`.
@@ -51,14 +48,12 @@ def render(
 
 
 @cache
-def exact(
-    scene: vc.Scene, integrator: Any = SHARED, size: tuple[int, int] = SIZE, **passed: Any
-) -> vc.Frame:
+def exact(scene: vc.Scene, integrator=SHARED, size: tuple[int, int] = SIZE, **passed) -> vc.Frame:
     """The same frame with a ray per query; made once."""
     return vc.render(scene, integrator, visibility=vc.Exact(), size=size, **passed)
 
 
 @cache
-def scene(name: str, **parameters: Any) -> vc.Scene:
+def scene(name: str, **parameters) -> vc.Scene:
     """A built-in scene; made once."""
     return getattr(vc.scenes, name)(**parameters)

@@ -1,13 +1,11 @@
 """A sky for the tests of shared directions, and its light in a frame."""
 
-from typing import Any
-
 import numpy as np
 
 import viscache as vc
 
 
-def gradient() -> Any:
+def gradient():
     """Brighter on one side, with one bright patch that few samples meet."""
     rows, columns = np.mgrid[0:32, 0:64]
     sky = np.stack([1 + columns / 16, 2 - rows / 32, 0 * rows + 0.5], -1).astype(np.float32)
@@ -15,10 +13,10 @@ def gradient() -> Any:
     return sky
 
 
-def light(frame: vc.Frame) -> Any:
+def light(frame: vc.Frame):
     return np.asarray(frame.layers["environment"], np.float64)
 
 
-def with_sets(n: int, sets: int, **more: Any) -> vc.Direct:
+def with_sets(n: int, sets: int, **more) -> vc.Direct:
     """Directions in sets that the eye points of a pixel ask in turns."""
     return vc.Direct(environment="shared", n_environment=n, interleave=sets, n_area=0, **more)

@@ -1,9 +1,6 @@
 """Ambient occlusion along shared directions: the right shares, whoever traces them."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -12,11 +9,10 @@ from correlation.scenes import clutter, convex
 from render.test_interrupt import LIMIT, quickest_stop
 from vlf.aligned_scenes import surface, unpacked
 
-Array = npt.NDArray[Any]
 SHARED = vc.AmbientOcclusion(n_samples=129, max_distance=None, directions="shared")
 
 
-def shared(n: int = 129, **more: Any) -> vc.AmbientOcclusion:
+def shared(n=129, **more):
     return vc.AmbientOcclusion(n_samples=n, directions="shared", **{"max_distance": None, **more})
 
 
@@ -52,7 +48,7 @@ def test_it_agrees_with_directions_of_each_points_own():
 @pytest.mark.parametrize("max_distance", [None, 0.2])
 def test_engines_agree(max_distance):
     scene = vc.scenes.bumpy_spheres(triangles=5000)
-    engines: tuple[Any, ...] = ("batch", "embree")
+    engines = ("batch", "embree")
     batch, embree = (
         vc.render(scene, shared(engine=e, max_distance=max_distance), size=(80, 60), spp=2)
         for e in engines

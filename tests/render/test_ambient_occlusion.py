@@ -1,7 +1,6 @@
 """AmbientOcclusion: uniform or cosine directions, a distance at which looking ends."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ CORNER = Model((PLANE, WALL), origin=(2, 1.5, 3), target=(0.5, 0, 0))
 FIRST_HITS = ("depth", "normal", "albedo", "coverage")
 
 
-def ambient(model: Model, size: tuple[int, int] = (32, 24), spp: int = 1, **kwargs: Any) -> Any:
+def ambient(model, size=(32, 24), spp=1, **kwargs):
     """A frame without a limit of distance; of several `seeds`, a stack of images."""
     scene, seeds = model.to_viscache(), kwargs.pop("seeds", 1)
     integrator = vc.AmbientOcclusion(**{"max_distance": None, **kwargs})
@@ -87,7 +86,7 @@ def test_each_sample_is_one_query_of_the_ambient_group():
 @pytest.mark.parametrize("own", [True, False], ids=["own directions", "shared directions"])
 def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at(own):
     scene = vc.scenes.room(triangles=5000)
-    given: dict[str, Any] = {} if own else {"n_samples": 129, "directions": "shared"}
+    given = {} if own else {"n_samples": 129, "directions": "shared"}
 
     def frame(**more):
         return vc.render(scene, vc.AmbientOcclusion(**given, **more), size=(24, 16))

@@ -8,14 +8,14 @@ import pytest
 import viscache as vc
 from core import testing
 from render.mitsuba_frames import area_layers, assert_same, ours, theirs
-from render.mitsuba_scene import Look, Model, Part, box, quad
+from render.mitsuba_scene import Look, Model, box, quad
 from render.ztest import compare
 from viscache import _core
 
 SIZE = (48, 32)
 
 
-def plate(y: float, z: float, tilt_deg: float, roughness: float) -> Part:
+def plate(y, z, tilt_deg, roughness):
     """A wide plate that reflects the lamps above into the camera."""
     c, s = 0.55 * np.cos(np.radians(tilt_deg)), 0.55 * np.sin(np.radians(tilt_deg))
     metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
@@ -82,7 +82,7 @@ def test_both_techniques_and_light_samples_alone_have_the_same_mean():
     assert not compare(0.98 * both, light).same
 
 
-def variance(scene: vc.Scene, integrator: vc.Direct) -> float:
+def variance(scene, integrator):
     return float(np.var(area_layers(scene, integrator, spp=1, size=SIZE), axis=0, ddof=1).mean())
 
 
@@ -118,7 +118,7 @@ def test_a_lamp_in_a_mirror_counts_once():
     np.testing.assert_array_equal(*(f.layers["emitted"] for f in frames))
 
 
-def holed_lamp(alpha: float) -> vc.Scene:
+def holed_lamp(alpha):
     """A lamp with holes before another one, over a glossy floor."""
     checks = np.full((8, 8, 4), 1, np.float32)
     checks[::2, ::2, 3] = alpha

@@ -2,7 +2,6 @@
 
 import functools
 import json
-from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ ALL = vc.AuditQueries(share=1)
 class Own:
     """An oracle that takes every second light as visible."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         seen = eyes.trace(lamps, wanted)
         return seen | (unpack(wanted, len(lamps)) & (np.arange(len(lamps)) % 2 == 0))
 
@@ -37,7 +36,7 @@ def room():
     return vc.scenes.room(triangles=2000)
 
 
-def picture(width: int, height: int) -> Any:
+def picture(width, height):
     """Some light, a bright spot, and pixels without."""
     light = np.random.default_rng(3).random((height, width)).astype(np.float32)
     light[5:8, 9:13] = 40
@@ -85,7 +84,7 @@ def test_weighted_pixels_estimate_sums_without_bias():
     assert counts.min() > 0 and counts.mean() / seeds == pytest.approx(1, abs=0.01)
 
 
-AUDITED: dict[str, tuple[Any, Any]] = {
+AUDITED = {
     "aqvc": (CACHE, LIGHTS),
     "picks": (CACHE, vc.Whitted(n_vpls=24, pick=5)),
     "paper": (vc.Aqvc(preset="paper", c_e=16), LIGHTS),
@@ -100,7 +99,7 @@ AUDITED: dict[str, tuple[Any, Any]] = {
 @pytest.mark.parametrize("name", AUDITED)
 def test_an_audit_of_all_pixels_is_the_comparison_with_the_exact_frame(room, name):
     visibility, integrator = AUDITED[name]
-    given: dict[str, Any] = {"size": (40, 30), "spp": 2}
+    given = {"size": (40, 30), "spp": 2}
     exact = vc.render(room, integrator, **given)
     given["visibility"] = visibility
     frame = vc.render(room, integrator, audit=WHOLE, **given)
@@ -158,7 +157,7 @@ def test_queries_that_exact_rays_answer_count_as_right(room):
 
 def test_parts_of_a_frame_audit_their_own_pixels_and_all_queries(room):
     for audit in ("pixels", vc.AuditQueries(share=0.1)):
-        options: dict[str, Any] = {"visibility": CACHE, "size": (150, 140), "audit": audit}
+        options = {"visibility": CACHE, "size": (150, 140), "audit": audit}
         whole = vc.render(room, LIGHTS, **options)
         parts = vc.tiles.render(room, LIGHTS, parts=3, **options)
         assert "audit_found" not in parts.counters and parts.sha256 == whole.sha256
@@ -173,10 +172,10 @@ def test_parts_of_a_frame_audit_their_own_pixels_and_all_queries(room):
 class Errs:
     """Hides the lowest lamp near it, and turns a random share of the other answers."""
 
-    def __init__(self, reach: float, share: float) -> None:
+    def __init__(self, reach, share):
         self.reach, self.share = reach, share
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         seen = np.array(eyes.trace(lamps, wanted))
         place, lowest = eyes.positions.astype(float), int(np.argmin(lamps.positions[:, 1]))
         noise = np.abs(np.sin(place @ [12.98, 78.2, 37.7] * 4375))[:, None] * 1e3
@@ -189,7 +188,7 @@ class Errs:
 
 
 @functools.cache
-def low_lamp() -> vc.Scene:
+def low_lamp():
     """Twelve lamps, and a weak one that lights a few pixels brightly."""
     d, rng = vc.SceneDescription(), np.random.default_rng(4)
     grey = d.add_material(base_color=(0.6, 0.6, 0.6))
@@ -206,7 +205,7 @@ def low_lamp() -> vc.Scene:
 
 
 #: Caches whose errors are spread, hide a lamp, and are rare and bright: scene, lights, cache, size.
-CACHES: dict[str, tuple[Any, Any, Any, tuple[int, int]]] = {
+CACHES = {
     "spread": (lambda: built("room?triangles=5000"), vc.Whitted(n_vpls=64), CACHE, (160, 100)),
     "hides a lamp": (low_lamp, vc.Direct(), Errs(9.0, 0.01), (128, 64)),
     "rare and bright": (low_lamp, vc.Direct(), Errs(0.3, 0.01), (128, 64)),
@@ -290,7 +289,7 @@ def test_no_interval_where_none_was_shown_to_hold(room):
 
 
 def test_frames_files_pages_and_the_command_line_show_it(room, tmp_path, capsys):
-    given: dict[str, Any] = {"visibility": CACHE, "size": (128, 128)}
+    given = {"visibility": CACHE, "size": (128, 128)}
     frame = vc.render(room, LIGHTS, audit="pixels", **given)
     frame.save(tmp_path / "frame.exr")
     assert vc.Frame.load(tmp_path / "frame.exr").audit == frame.audit is not None

@@ -1,7 +1,6 @@
 """Bidirectional path tracing: against `Direct`, closed forms, and at its edges."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from render.ztest import compare
 SIZE = (24, 16)
 
 
-def images(scene: vc.Scene, integrator: Any, spp: int, seeds: int, first: int = 0) -> Any:
+def images(scene, integrator, spp, seeds, first=0):
     return ours(scene, integrator, spp=spp, seeds=seeds, first=first, size=SIZE)
 
 
@@ -102,12 +101,12 @@ def test_a_lamp_in_a_mirror_and_behind_glass_is_seen():
         assert want.max() > 1 and compare(got, want).same
 
 
-LIT: dict[str, Any] = {"points": (((0, 4, 0), (9, 9, 9)),), "env": (0.2, 0.3, 0.4)}
+LIT = {"points": (((0, 4, 0), (9, 9, 9)),), "env": (0.2, 0.3, 0.4)}
 AROUND = ball((0, 1.5, 3), 1, 16, smooth=True, look=Look(kind="dielectric"))
 MIRROR, BLACK = (
     replace(scenes.FLOOR, look=look) for look in (Look(kind="mirror"), Look(base_color=(0, 0, 0)))
 )
-EDGES: dict[str, Model] = {
+EDGES = {
     "no light": scenes.OUTSIDE,
     "nothing but mirrors": Model((MIRROR,), **LIT),
     "the camera in glass": Model((scenes.FLOOR, AROUND), origin=(0, 1.5, 3), **LIT),

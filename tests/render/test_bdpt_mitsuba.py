@@ -1,15 +1,13 @@
 """Bidirectional path tracing against Mitsuba 3's `path`: z-tests, each with its power."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
 from render import bdpt_scenes as scenes
-from render.mitsuba_frames import Images, assert_same, theirs
-from render.mitsuba_scene import Model
+from render.mitsuba_frames import assert_same, theirs
 from render.test_mitsuba import smooth_map
 from render.ztest import compare
 
@@ -18,14 +16,14 @@ pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
 SIZE = (24, 16)
 
 
-def frames(model: Model, depth: int, spp: int, seeds: int, **kwargs: Any) -> list[vc.Frame]:
+def frames(model, depth, spp, seeds, **kwargs):
     scene, integrator = model.to_viscache(), vc.Bdpt(max_depth=depth, **kwargs)
     made = [vc.render(scene, integrator, size=SIZE, spp=spp, seed=i) for i in range(seeds)]
     assert all(f.counters["non_finite"] == 0 for f in made)
     return made
 
 
-def stack(made: list[vc.Frame], without: str = "") -> Images:
+def stack(made, without=""):
     """Images, or images that lack one kind of strategy."""
     lack = [f.layers[without] if without else np.float32(0) for f in made]
     return np.stack([f.image - x for f, x in zip(made, lack, strict=True)]).astype(np.float64)

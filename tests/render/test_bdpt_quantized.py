@@ -1,7 +1,6 @@
 """Bidirectional path tracing through the quantized cache: one table for the frame, Eq. 6."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,25 +17,18 @@ PLAIN = vc.Bdpt(max_depth=5, camera_connections="off")
 
 
 @cache
-def room() -> vc.Scene:
+def room():
     return scenes.ROOM.to_viscache()
 
 
-def cached(
-    integrator: Any = PLAIN,
-    scene: vc.Scene | None = None,
-    spp: int = 4,
-    seed: int = 0,
-    threads: int | None = None,
-    **aqvc: Any,
-) -> vc.Frame:
+def cached(integrator=PLAIN, scene=None, spp=4, seed=0, threads=None, **aqvc):
     visibility = replaced(vc.Aqvc(table_bytes=16 * MIB), aqvc, "visibility")
-    given: dict[str, Any] = {"size": SIZE, "spp": spp, "seed": seed, "threads": threads}
+    given = {"size": SIZE, "spp": spp, "seed": seed, "threads": threads}
     return vc.render(scene or room(), integrator, visibility=visibility, **given)
 
 
 @cache
-def exact(integrator: Any = PLAIN, spp: int = 4, seed: int = 0) -> vc.Frame:
+def exact(integrator=PLAIN, spp=4, seed=0):
     return vc.render(room(), integrator, size=SIZE, spp=spp, seed=seed)
 
 
@@ -122,7 +114,7 @@ def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer():
 def test_clusters_of_12_trace_a_sixth_of_the_rays(name):
     """The paper's figure for this renderer (Sec. 5), with the defaults."""
     scene = room() if name == "the closed room" else vc.scenes.cornell_box()
-    options: dict[str, Any] = {"size": (96, 96), "spp": 64}
+    options = {"size": (96, 96), "spp": 64}
     reference = vc.render(scene, vc.Bdpt(), **options)
     frame = vc.render(scene, vc.Bdpt(), visibility=vc.Aqvc(c_e=12), **options)
     assert frame.counters["ray_reduction"] > 6

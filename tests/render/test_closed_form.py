@@ -1,34 +1,32 @@
 """Exact frames of scenes whose answer can be written down."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.mitsuba_scene import Look, Model, Part, ball, box, quad
+from render.mitsuba_scene import Look, Model, ball, box, quad
 
 WHITE = Look(base_color=(0.8, 0.5, 0.25))
 RHO = np.array([0.8, 0.5, 0.25])
 PLANE = quad((-20, 0, -20), (0, 0, 40), (40, 0, 0), look=WHITE)
 #: Seen from straight above: the depth of a pixel's one sample tells how far from the axis it is.
-ABOVE: dict[str, Any] = {"origin": (0, 3, 0), "target": (0, 0, 0), "up": (0, 0, 1), "fov_deg": 60}
+ABOVE = {"origin": (0, 3, 0), "target": (0, 0, 0), "up": (0, 0, 1), "fov_deg": 60}
 SIZE = (33, 21)
 
 
-def rendered(model: Model, integrator: Any = None, **options: Any) -> vc.Frame:
+def rendered(model, integrator=None, **options):
     return vc.render(model.to_viscache(), integrator or vc.Direct(), **{"size": SIZE} | options)
 
 
-def below(scene: vc.Scene, integrator: Any, x: float, spp: int, height: float = 0.02) -> Any:
+def below(scene, integrator, x, spp, height=0.02):
     """The light that leaves the plane at (x, 0, 0), seen from straight above."""
     view = vc.look_at((x, height, 0), (x, 0, 0), (0, 0, 1), 0.5)
     return vc.render(scene, integrator, size=(1, 1), spp=spp, camera=view).image[0, 0]
 
 
-def group(frame: vc.Frame, name: str) -> npt.NDArray[np.float64]:
+def group(frame, name):
     return frame.layers[name].astype(np.float64)
 
 
@@ -41,7 +39,7 @@ def test_a_point_light_over_a_plane_follows_the_inverse_square_law():
     assert frame.counters["queries"] == frame.counters["rays"] == SIZE[0] * SIZE[1]
 
 
-def everywhere(image: Any, color: Any, rtol: float) -> None:
+def everywhere(image, color, rtol):
     np.testing.assert_allclose(image, np.broadcast_to(color, image.shape), rtol=rtol)
 
 
@@ -56,7 +54,7 @@ def test_contributions_of_zero_cost_no_ray():
     """Black surfaces, dark lights, lights behind, below or along; samples below the horizon."""
     black = replace(PLANE, look=Look(base_color=(0, 0, 0)))
     lamp = quad((-1, 2, -1), (2, 0, 0), (0, 0, 2), emission=(1, 1, 1), look=black.look)
-    lit: dict[str, Any] = {"points": (((0, 2, 0), (1, 1, 1)),), "env": (1, 1, 1)}
+    lit = {"points": (((0, 2, 0), (1, 1, 1)),), "env": (1, 1, 1)}
     suns = tuple((direction, (1.0, 1.0, 1.0)) for direction in ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0)))
     for model in (
         Model((black, lamp), **lit, **ABOVE),
@@ -120,7 +118,7 @@ def test_a_ball_over_a_plane_under_a_constant_sky_casts_its_form_factor():
         np.testing.assert_allclose(below(scene, ambient, px, 256), free, rtol=0.01)
 
 
-def corner_form_factor(a: Any, b: Any, h: float) -> Any:
+def corner_form_factor(a, b, h):
     """From a point to a parallel a × b rectangle with one corner above the point, at distance h."""
     x, y = a / h, b / h
     return (
@@ -152,7 +150,7 @@ def test_a_sphere_light_shines_like_its_form_factor():
 
 def test_a_sphere_light_reflects_nothing():
     """It has no material: the scene's first is a mirror, and a point light shines at the sphere."""
-    view: dict[str, Any] = {"target": (0, 1, 0), "fov_deg": 1}
+    view = {"target": (0, 1, 0), "fov_deg": 1}
     view |= {"points": (((0, 3, 3), (100, 100, 100)),), "spheres": (((0, 1, 0), 0.5, (1, 1, 1)),)}
     model = Model((replace(PLANE, look=Look(kind="mirror")),), **view)
     np.testing.assert_array_equal(rendered(model, vc.Whitted(n_vpls=16), size=(1, 1)).image, 1)
@@ -177,7 +175,7 @@ GLASSES = {
 }
 
 
-def furnace(parts: tuple[Part, ...], max_depth: int, **kwargs: Any) -> vc.Frame:
+def furnace(parts, max_depth, **kwargs):
     model = Model(parts, env=(1, 1, 1), origin=(0.3, 3, 0.2), target=(0, 0, 0))
     return rendered(model, vc.Whitted(n_vpls=0, max_depth=max_depth), **kwargs)
 

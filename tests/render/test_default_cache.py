@@ -2,8 +2,6 @@
 
 import math
 import warnings
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -20,7 +18,7 @@ LIGHTS = {"own": vc.Direct(), "1024 virtual": vc.Whitted(n_vpls=1024)}
 SCATTERED = 4.0
 
 
-def cost(cached: vc.Frame, exact: vc.Frame) -> float:
+def cost(cached, exact):
     """The cost of visibility over that of exact visibility, by the counted rays."""
     counters, total = cached.counters, 0.0
     of_cache = sum(counters["rays_per_level"]) + counters["leftover_rays"]
@@ -35,14 +33,14 @@ def cost(cached: vc.Frame, exact: vc.Frame) -> float:
     return total / max(1, exact.counters["rays"])
 
 
-def held(cached: vc.Frame, exact: vc.Frame) -> tuple[bool, bool]:
+def held(cached, exact):
     """Whether it is fast enough, and whether its error is small or warned of."""
     error = vc.metrics.compare(cached, exact, metrics=["rel_l1_reflected"])["rel_l1_reflected"]
     said = any("errs by about" in text for text in cached.warnings)
     return cost(cached, exact) <= 1.03, error <= LARGE_ERROR or said
 
 
-def load(folder: Path, name: str) -> vc.Scene:
+def load(folder, name):
     found = [folder / name / f"scene.{kind}" for kind in ("xml", "pbrt")]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -75,7 +73,7 @@ def test_a_cache_that_is_slower_or_wrong_does_not_hold(shared_scenes):
     assert not held(coarse, exact)[1]
 
 
-BUILT_IN: dict[str, Any] = {
+BUILT_IN = {
     "room?triangles=5000": vc.Whitted(n_vpls=64),
     "conference?triangles=5000": vc.Whitted(n_vpls=64),
     "apartment?triangles=5000": vc.Whitted(n_vpls=64, n_environment=0, n_brdf=0),
@@ -102,7 +100,7 @@ def test_the_audit_tells_the_error(spec):
 
 def test_the_audit_depends_on_the_frame_alone():
     scene, whitted, size = vc.scenes.room(triangles=2000), vc.Whitted(n_vpls=24), (96, 64)
-    given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "size": size, "spp": 4}
+    given = {"visibility": vc.Aqvc(c_e=16), "size": size, "spp": 4}
     audit = vc.render(scene, whitted, **given).counters["audit"]
     assert audit["pixels"] == 24 and audit["rel_l1"]["value"] > 0
     # Another seed audits other pixels; exact answers and those of the paper's form need no audit

@@ -1,7 +1,6 @@
 """The same bytes for any number of threads, and other bytes where they should be others."""
 
 import hashlib
-from typing import Any
 
 import numpy as np
 import pytest
@@ -37,7 +36,7 @@ def room():
     return ROOM.to_viscache()
 
 
-def signature(frame: vc.Frame) -> dict[str, Any]:
+def signature(frame):
     layers = {n: hashlib.sha256(p.tobytes()).hexdigest() for n, p in frame.layers.items()}
     engine = frame.parameters.get("engine", {})
     return {
@@ -51,7 +50,7 @@ SKY = vc.Direct(environment="shared", n_environment=128, n_area=0)
 AMBIENT = vc.AmbientOcclusion(n_samples=129, directions="shared", engine="batch", max_distance=0.5)
 EVERY = vc.Aqvc(c_e=16, exact_groups=())
 KEYED = vc.Bdpt(max_depth=4, camera_connections="keyed")
-SHOTS: dict[str, tuple[Any, dict[str, Any]]] = {
+SHOTS = {
     **{type(i).__name__: (i, {}) for i in INTEGRATORS},
     "picks": (vc.Whitted(pick=2, n_vpls=24, n_area=0), {}),
     "cache by the BSP": (INTEGRATORS[1], {"visibility": vc.Aqvc(c_e=8), "rays": vc.Bsp()}),
@@ -110,7 +109,7 @@ def test_the_parts_add_up_to_the_image(integrator, groups, room):
 def test_pixels_of_one_seed_share_no_samples():
     """Neighbours under one constant light differ, as do frames of other seeds."""
     plane = quad((-50, 0, -50), (0, 0, 100), (100, 0, 0))
-    above: dict[str, Any] = {"origin": (0, 5, 0), "target": (0, 0, 0), "up": (0, 0, 1)}
+    above = {"origin": (0, 5, 0), "target": (0, 0, 0), "up": (0, 0, 1)}
     scene = Model((plane,), env=(1, 1, 1), **above).to_viscache()
     frames = [
         vc.render(scene, vc.Direct(n_brdf=0), size=(32, 32), seed=s).image[..., 0] for s in (0, 1)

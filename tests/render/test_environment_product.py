@@ -2,10 +2,8 @@
 
 import dataclasses
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -18,7 +16,6 @@ from viscache.shot.shot import frame_settings
 from vismap.worlds import dilations
 
 SIZE = (20, 12)
-Images = npt.NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +23,7 @@ def scene():
     return vc.scenes.cube_on_plane().with_environment(sky())
 
 
-def sky() -> npt.NDArray[np.float32]:
+def sky():
     """A sun of a few texels in a dim sky, as a lat-long image."""
     image = np.full((32, 64, 3), [0.2, 0.3, 0.5], np.float32)
     image[16:] = 0.05
@@ -34,18 +31,16 @@ def sky() -> npt.NDArray[np.float32]:
     return image
 
 
-def direct(**given: Any) -> vc.Direct:
+def direct(**given):
     return vc.Direct(**{"n_environment": 8, "environment": "product", "n_area": 2} | given)
 
 
-def shown(scene: vc.Scene, integrator: Any = None, maps: Any = None, **more: Any) -> vc.Frame:
-    given: dict[str, Any] = {"size": SIZE} | more
+def shown(scene, integrator=None, maps=None, **more):
+    given = {"size": SIZE} | more
     return vc.render(scene, integrator or direct(), visibility=maps, **given)
 
 
-def images(
-    n: int, scene: vc.Scene, integrator: Any = None, maps: Any = None, *, seed: int = 0
-) -> Images:
+def images(n, scene, integrator=None, maps=None, *, seed=0):
     frames = (shown(scene, integrator, maps, seed=seed + i) for i in range(n))
     return np.stack([f.layers["environment"] for f in frames]).astype(np.float64)
 
@@ -98,7 +93,7 @@ def test_whatever_the_maps_hold_the_mean_stays(scene, usual, kind):
     assert result.same, str(result)
 
 
-def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
+def given_maps(scene, maps, seed):
     caster, estimate = scene.caster(), vc.VisMaps(sampling="guided").estimate()
     given = testing.given_maps(estimate, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
     settings = eye_settings(direct(passes=2)), frame_settings(SIZE, 1, seed, 1)
@@ -128,7 +123,7 @@ def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene):
 
 @pytest.mark.parametrize("first", ["pilot", "one"])
 def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene, first):
-    given: dict[str, Any] = {"n_startup": 60, "sampling": "product"}
+    given = {"n_startup": 60, "sampling": "product"}
     frame = shown(scene, maps=vc.VisMaps(first_alpha=first, **given))
     pilot = frame.counters["pilot_alpha"] if first == "pilot" else None
     for alpha, same in ((pilot or "one", True), (0.3, False)):
@@ -165,7 +160,7 @@ def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene):
 
 def test_replacing_traces_no_ray_and_comes_near(scene):
     cache, size = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6)), (48, 32)
-    given: dict[str, Any] = {"maps": vc.VisMaps(cache=cache, update=True), "size": size}
+    given = {"maps": vc.VisMaps(cache=cache, update=True), "size": size}
     frame = shown(scene, use="replace", **given)
     assert frame.counters["groups"]["environment"]["rays"] == 0
     assert frame.counters["records"] == len(cache) > 100
@@ -173,7 +168,7 @@ def test_replacing_traces_no_ray_and_comes_near(scene):
     again = shown(scene, use="replace", seed=9, **given)
     assert again.counters["records_inserted"] == 0
     # Another light, no ray: the records know nothing of it
-    turned: dict[str, Any] = {"env": np.roll(sky(), 16, axis=1)}
+    turned = {"env": np.roll(sky(), 16, axis=1)}
     other = shown(scene, use="replace", **given, **turned)
     assert cache.rays == before
     light = []
@@ -284,7 +279,7 @@ def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean(guide
 
 BARE = vc.scenes.cube_on_plane()
 ANOTHER = vc.VisibilityMapCache(BARE, vc.MapSettings(n_startup=10))
-BAD: list[tuple[dict[str, Any], str]] = [
+BAD = [
     ({"scene": BARE, "integrator": vc.Direct()}, "scene must have an environment light"),
     (
         {"scene": vc.scenes.room(triangles=5000), "env": 1.0, "maps": vc.VisMaps(cache=ANOTHER)},

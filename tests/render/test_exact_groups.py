@@ -1,7 +1,6 @@
 """Light groups of the quantized cache that exact rays answer."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from render import quantized as q
 SIZE = (64, 40)
 MIXED = vc.Whitted(n_vpls=12, n_area=4, n_environment=3, n_brdf=3)
 GROUPS = ("point", "directional", "area", "environment", "vpl")
-FORMS: dict[str, vc.Aqvc] = {
+FORMS = {
     "waves": vc.Aqvc(c_e=8),
     "by contribution": vc.Aqvc(preset="fast", c_e=8),
     "pairs": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs")),
@@ -28,7 +27,7 @@ def scene():
     return q.lit_box().with_environment(0.5)
 
 
-def render(scene: vc.Scene, visibility: Any, integrator: Any = MIXED, **options: Any) -> vc.Frame:
+def render(scene, visibility, integrator=MIXED, **options):
     return vc.render(scene, integrator, visibility=visibility, size=SIZE, **options)
 
 
@@ -148,7 +147,7 @@ def test_a_kept_table_holds_no_bits_of_named_groups(scene):
 
 def test_bidirectional_paths_fill_the_table_unless_a_group_is_named():
     scene, bdpt = q.scene("cornell_box"), vc.Bdpt(max_depth=4)
-    options: dict[str, Any] = {"integrator": bdpt, "spp": 2}
+    options = {"integrator": bdpt, "spp": 2}
     exact = render(scene, vc.Exact(), **options)
     default = render(scene, vc.Aqvc(c_e=8), **options)
     assert default.sha256 == render(scene, vc.Aqvc(c_e=8, exact_groups=()), **options).sha256

@@ -53,9 +53,7 @@ QUICK = """
 BUILD = "begun.set(); scene.caster(vc.Vlf(n_directions=2049, n_tiles=512))"
 
 
-def run(
-    body: str, *, n: int = 1, pause: float = 0, before: str = "", daemon: bool = True
-) -> subprocess.CompletedProcess[str]:
+def run(body, *, n=1, pause=0, before="", daemon=True):
     program = before + PROGRAM.replace("daemon=True", f"daemon={daemon}").format(
         tests=str(Path(__file__).parents[1]), body=body, n=n, pause=pause
     )

@@ -1,7 +1,6 @@
 """Eye points and their density D_e, cameras, and scenes at the edge of what there is to see."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,17 +12,15 @@ from viscache.settings.integrators import eye_settings
 from viscache.shot.shot import frame_settings
 
 FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0))
-VIEW: dict[str, Any] = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
+VIEW = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
 
 
-def eye_points(
-    scene: vc.Scene, integrator: Any, size: tuple[int, int], spp: int = 1
-) -> dict[str, Any]:
+def eye_points(scene, integrator, size, spp=1):
     core, settings = eye_settings(integrator), frame_settings(size, spp, 3, 1)
     return _core.trace_eye_points(scene._core, scene.caster(), scene.cameras[0], core, settings)
 
 
-def rendered(model: Model, integrator: Any = None, edge: int = 8) -> vc.Frame:
+def rendered(model, integrator=None, edge=8):
     return vc.render(model.to_viscache(), integrator or vc.Direct(), size=(edge, edge))
 
 
@@ -46,7 +43,7 @@ def test_one_over_the_density_adds_up_to_the_area_in_view(spp):
     assert np.sum(1 / found["density"]) == pytest.approx(area, rel=0.01)
 
 
-def density_from(camera: Any, eye: Any, axis: Any, found: dict[str, Any], size: Any) -> Any:
+def density_from(camera, eye, axis, found, size):
     """NumPy: one sample per pixel of a pinhole at `eye`, spread over the surface around a point."""
     width, height = size
     way = found["position"] - eye
@@ -230,7 +227,7 @@ def test_a_scene_without_light_is_black_and_says_so():
 
 
 def test_a_camera_inside_a_body_sees_its_inner_side():
-    view: dict[str, Any] = {"origin": (0, 0, 0.1), "target": (0, 0, -1)}
+    view = {"origin": (0, 0, 0.1), "target": (0, 0, -1)}
     inside = Model((ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), **view)
     assert (rendered(inside).image > 0).all()
     part = replace(inside.parts[0], look=Look(two_sided=False))
@@ -247,7 +244,7 @@ def test_direct_shows_light_after_one_bounce_only():
     np.testing.assert_allclose(rendered(steep, edge=4).image, 0.5, rtol=1e-5)
 
 
-def lit_by(power: float) -> vc.Frame:
+def lit_by(power):
     d = vc.SceneDescription()
     d.add_material()
     d.add_mesh([[-4, 0, 4], [4, 0, 4], [4, 0, -4], [-4, 0, -4]], [[0, 1, 2], [0, 2, 3]])

@@ -8,7 +8,6 @@ an idle machine; tests share their cores with others, so the best of three count
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -54,7 +53,7 @@ print(min(took))
 LIMIT = 0.5  # seconds from Ctrl-C to KeyboardInterrupt
 
 
-def quickest_stop(call: str, delay: float = 0.6) -> float:
+def quickest_stop(call, delay=0.6):
     """The best of at most three tries: other work on the machine only ever makes a try slower."""
     best = float("inf")
     tests = str(Path(__file__).parents[1])
@@ -99,8 +98,8 @@ def test_ctrl_c_stops_a_long_query_soon():
 
 
 def test_progress_counts_tiles_to_the_end():
-    seen: list[tuple[int, int]] = []
-    given: dict[str, Any] = {"size": (64, 64), "spp": 16, "progress": lambda *at: seen.append(at)}
+    seen = []
+    given = {"size": (64, 64), "spp": 16, "progress": lambda *at: seen.append(at)}
     vc.render(busy_scene(), vc.Direct(n_area=1), **given)
     done, total = zip(*seen, strict=True)
     assert done[-1] == total[-1] > 1 and list(done) == sorted(done)

@@ -1,10 +1,8 @@
 """Area lights are chosen by what they can contribute, and the picture's mean stays the same."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -15,16 +13,13 @@ from render.test_mitsuba import BODIES
 from render.ztest import compare
 from viscache.testing.student import blocks
 
-Array = npt.NDArray[Any]
 WAYS = ("each", "tree")
 
 
 class Lights:
     """Random triangles, some of them two-sided, and spheres: the scene and its shapes."""
 
-    def __init__(
-        self, seed: int, triangles: int = 24, spheres: int = 5, largest: float = 2.0
-    ) -> None:
+    def __init__(self, seed, triangles=24, spheres=5, largest=2.0):
         random = np.random.default_rng(seed)
         spread = 10 ** random.uniform(-1, 1)
         centers = random.normal(size=(triangles, 1, 3)) * spread
@@ -56,7 +51,7 @@ class Lights:
         normals[::4] = np.eye(3)[random.integers(0, 3, len(normals[::4]))]
         self.n = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
 
-    def light(self, samples: int = 400) -> Array:
+    def light(self, samples=400):
         """Brute-force irradiance (points, lights): means over points of each light's surface."""
         random = np.random.default_rng(1)
         bary = random.dirichlet((1, 1, 1), samples)
@@ -76,7 +71,7 @@ class Lights:
         outside = np.linalg.norm(self.x[:, None] - self.center, axis=-1) > self.radius
         return np.concatenate([triangles, spheres * outside], axis=1)
 
-    def _irradiance(self, on: Array, normal: Array, two_sided: Array) -> Array:
+    def _irradiance(self, on, normal, two_sided):
         """Mean over points (lights, samples, 3) of cos·cos/d²; (receivers, lights)."""
         out = []
         for x, n in zip(self.x.astype(float), self.n.astype(float), strict=True):
@@ -89,7 +84,7 @@ class Lights:
         return np.array(out)
 
 
-def chosen(lights: Lights, way: str, i: int, u: Array) -> tuple[Array, Array]:
+def chosen(lights, way, i, u):
     """Lights and probabilities at point i for numbers u, a multiple of 50."""
     rows = u.reshape(-1, 50)
     points, normals = (np.broadcast_to(v[i], (len(rows), 3)) for v in (lights.x, lights.n))
@@ -97,7 +92,7 @@ def chosen(lights: Lights, way: str, i: int, u: Array) -> tuple[Array, Array]:
     return light.ravel(), pmf.ravel()
 
 
-def told(lights: Lights, way: str, i: int, n: Array | None = None) -> Array:
+def told(lights, way, i, n=None):
     """Probabilities at point i, or with another normal there."""
     normal = lights.n[i] if n is None else n
     pmf = testing.light_probabilities(lights.scene._core, way, lights.x[i][None], normal[None])
@@ -124,7 +119,7 @@ def test_every_light_that_contributes_can_be_chosen(way, seed):
 @pytest.mark.parametrize(("way", "largest", "share"), [("each", 2.0, 0.02), ("tree", 0.05, 0.5)])
 def test_estimates_follow_the_light(way, largest, share):
     """Variance of one sample without shadows, against that of a choice by power."""
-    spread: dict[str, list[float]] = {"power": [], way: []}
+    spread = {"power": [], way: []}
     for seed in range(5):
         lights = Lights(seed, largest=largest)
         light = lights.light()
@@ -158,7 +153,7 @@ def test_probabilities_are_those_of_the_numbers(way, seed):
     assert told_apart > 5
 
 
-def lamps(count: int) -> Model:
+def lamps(count):
     """Small quads of many powers around the bodies, some turned, and a sphere."""
     random = np.random.default_rng(count)
     parts = []

@@ -1,9 +1,6 @@
 """render/light_pick.h: eye points pick some of the shared lights, and the mean stays the same."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,12 +11,10 @@ from render.mitsuba_scene import Look, Model, ball, box
 from viscache.shot.render import render_part
 from viscache.shot.shot import BareShot
 
-Array = npt.NDArray[Any]
-
 OFFSETS = (np.arange(4096) + 0.5) / 4096
 
 
-def weights(contributions: Any, most: int, u: Any = OFFSETS) -> Array:
+def weights(contributions, most, u=OFFSETS):
     """Weights (offsets, lights)."""
     c = np.asarray(contributions, np.float32)
     return np.asarray(testing.pick_columns(c, most, np.atleast_1d(u)), np.float64)
@@ -80,7 +75,7 @@ SHINY = Look(kind="glossy", base_color=(0.2, 0.3, 0.2), specular=(0.4, 0.4, 0.4)
 MIRROR = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
 
 
-def lamps(count: int) -> Model:
+def lamps(count):
     """Point lights, spots and suns of many powers over a floor, a block and a mirror."""
     random = np.random.default_rng(count)
     places = random.uniform((-2, 0.4, -2), (2, 2.6, 2), (2 * count, 3))
@@ -88,7 +83,7 @@ def lamps(count: int) -> Model:
     suns = random.normal((0, 2, 0), 1, (count, 3))
     suns /= np.linalg.norm(suns, axis=1, keepdims=True)
 
-    def rows(*columns: Array) -> Any:
+    def rows(*columns):
         return [tuple(tuple(map(float, a)) for a in row) for row in zip(*columns, strict=False)]
 
     spots = rows(places[count:], 5 * power[count:])
@@ -112,14 +107,14 @@ def scene():
     return lamps(14).to_viscache()
 
 
-DIRECT: dict[str, Any] = {"n_area": 0, "environment": "shared", "n_environment": 24}
+DIRECT = {"n_area": 0, "environment": "shared", "n_environment": 24}
 
 
-def direct(pick: int) -> vc.Direct:
+def direct(pick):
     return vc.Direct(pick=pick, **DIRECT)
 
 
-def whitted(pick: int) -> vc.Whitted:
+def whitted(pick):
     return vc.Whitted(pick=pick, n_vpls=64, **DIRECT)
 
 
@@ -138,7 +133,7 @@ def test_as_many_picks_as_lights_give_the_same_bytes(make, scene):
 
 
 def test_any_number_of_parts_gives_the_same_bytes(scene):
-    options: dict[str, Any] = {"size": (70, 66), "spp": 4, "seed": 3}
+    options = {"size": (70, 66), "spp": 4, "seed": 3}
     whole = vc.render(scene, whitted(4), **options).image
     parts = [render_part(BareShot(scene, whitted(4), **options), (i, 3)).image for i in range(3)]
     np.testing.assert_array_equal(np.sum(parts, axis=0), whole)

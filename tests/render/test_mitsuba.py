@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -55,7 +54,7 @@ GLOBE = ball((0.6, 0.5, 0.2), 0.5, look=Look(base_color=(0.8, 0.3, 0.2)))
 BODIES = (FLOOR, BLOCK, GLOBE)
 
 
-def smooth_map(width: int = 1024) -> npt.NDArray[np.float32]:
+def smooth_map(width=1024):
     """A sky with a soft sun to one side; no two axes alike.
 
     Mitsuba puts the first and the last row at the poles, and so the sun up to half a row higher:
@@ -88,8 +87,8 @@ class Case:
 
 
 #: Of seeds, on both sides, where one percent of the light shows in single blocks and pixels.
-FEW: dict[str, Any] = {"seeds": 24}
-BOTH: dict[str, Any] = {"theirs": FEW, "ours": FEW}
+FEW = {"seeds": 24}
+BOTH = {"theirs": FEW, "ours": FEW}
 POINTS = Model(
     BODIES,
     points=(
@@ -113,7 +112,7 @@ SPHERES = Model(
 AREA = vc.Direct(n_area=32)
 
 
-def metal(roughness: float) -> Model:
+def metal(roughness):
     look = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
     parts = tuple(replace(part, look=look) for part in (FLOOR, GLOBE))
     return Model(parts, points=(((0.5, 2.5, 0.5), (4, 4, 4)),), env=(0.4, 0.5, 0.6))
@@ -123,20 +122,20 @@ def metal(roughness: float) -> Model:
 PATTERN = np.random.default_rng(3).uniform(0.1, 0.9, (5, 7, 3)).astype(np.float32)
 
 
-def textured(pattern: Any) -> Model:
+def textured(pattern):
     look = Look(base_color=(1, 0.8, 0.6), texture=np.ascontiguousarray(pattern))
     floor = replace(FLOOR, look=look)
     return Model((floor, BLOCK), points=(((0.5, 2.5, 1.5), (8, 8, 8)),))
 
 
-def cards(two_sided: bool) -> Model:
+def cards(two_sided):
     look = Look(base_color=(0.7, 0.6, 0.5), two_sided=two_sided)
     front = quad((-1.5, 0.2, 0), (1.2, 0, 0), (0, 1.2, 0), look=look)
     back = quad((0.3, 0.2, 0), (1.2, 0, 0), (0, 1.2, 0), look=look).reversed()
     return Model((FLOOR, front, back), points=(((0, 2.0, 2.0), (8, 8, 8)),), env=(0.2, 0.2, 0.2))
 
 
-def bulb(rings: int, smooth: bool) -> Model:
+def bulb(rings, smooth):
     """Finely divided: a normal that looks away from the eye is bent by us, black in Mitsuba."""
     globe = ball((0, 0.7, 0), 0.7, rings, smooth=smooth, look=GREY)
     return Model((FLOOR, globe), points=(((1.5, 2.5, 2.5), (9, 9, 9)),), target=(0, 0.5, 0))
@@ -148,7 +147,7 @@ DIM = Look(base_color=(1e-3, 1e-3, 8e-4))
 DARK = replace(FLOOR, look=DIM)
 BARE = vc.Whitted(n_vpls=0, n_area=32)
 MIRROR = Look(kind="mirror", specular=(0.9, 0.7, 0.5))
-LIT: dict[str, Any] = {"points": (((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),), "env": (0.3, 0.6, 0.9)}
+LIT = {"points": (((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),), "env": (0.3, 0.6, 0.9)}
 MIRRORS = Model(
     (
         DARK,
@@ -161,13 +160,13 @@ MIRRORS = Model(
 )
 
 
-def glass(eta: float) -> Model:
+def glass(eta):
     look = Look(kind="dielectric", eta=eta)
     block = box((-0.4, 0.05, -0.4), (0.5, 0.9, 0.3), look=look)
     return Model((DARK, block, ball((-0.9, 0.5, -0.1), 0.4, 20, smooth=True, look=look)), **LIT)
 
 
-def plates(eta: float = 1.7, thin: bool = True) -> Model:
+def plates(eta=1.7, thin=True):
     """Two plates behind each other, and a box of them, from both sides."""
     look = Look(kind="dielectric", eta=eta, thin=thin)
     first = quad((-1.5, 0, -0.6), (3, 0, 0.4), (0, 1.6, 0), look=look)
@@ -176,8 +175,8 @@ def plates(eta: float = 1.7, thin: bool = True) -> Model:
 
 
 #: Depth of eye paths, ours and Mitsuba's.
-SHORT: dict[str, Any] = {"right": (replace(BARE, max_depth=4),), "theirs": {"depth": 6, "spp": 24}}
-LONG: dict[str, Any] = {"right": (replace(BARE, max_depth=12),), "theirs": {"depth": 14, "spp": 24}}
+SHORT = {"right": (replace(BARE, max_depth=4),), "theirs": {"depth": 6, "spp": 24}}
+LONG = {"right": (replace(BARE, max_depth=12),), "theirs": {"depth": 14, "spp": 24}}
 SHORT["tolerance"] = LONG["tolerance"] = 5e-4
 #: The weakest light is dropped, or the sun; a part is black from outside, or absent.
 FEWER = (replace(POINTS, points=POINTS.points[:2]), replace(POINTS, directions=()))

@@ -1,23 +1,18 @@
 """C_E is a knob: with a larger one rays fall and the error rises, and neither turns back."""
 
-from collections.abc import Callable, Sequence
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy import stats
 
 import viscache as vc
 from render import quantized as q
 
-Logs = npt.NDArray[np.float64]
-
 LAMPS = vc.Direct()
 VPLS = vc.Whitted(n_vpls=24)
 #: Scene, its parameters, and an integrator whose lights all pixels share.
-CASES: dict[str, tuple[str, dict[str, Any], Any]] = {
+CASES = {
     "room": ("room", {"triangles": 4000, "lights": 8}, LAMPS),
     "apartment": ("apartment", {"triangles": 10000}, VPLS),
     "conference": ("conference", {"triangles": 10000}, VPLS),
@@ -26,32 +21,24 @@ FEW = (2.0, 4.0, 6.0, 7.0, 8.0, 16.0, 28.0, 32.0, 64.0)
 MANY = tuple(float(c) for c in np.geomspace(2, 64, 13))
 
 
-def list_ends_at_c_finest(c_e: float) -> dict[str, Any]:
+def list_ends_at_c_finest(c_e):
     """The default."""
     return {"c_e": c_e}
 
 
-def list_ends_where_division_ends(c_e: float) -> dict[str, Any]:
+def list_ends_where_division_ends(c_e):
     """The rule until version 0.1: below 2·c_finest there is one level, below 32 there are two."""
     if c_e < 8:
         return {"c_e": c_e, "refinement": "off"}
     return {"c_e": c_e, "c_finest": max(4.0, c_e / 4)}
 
 
-def coarse_alone_below_a_pixel(c_e: float) -> dict[str, Any]:
+def coarse_alone_below_a_pixel(c_e):
     """The rule for 64 samples per pixel until version 0.1: no refinement if C_E² <= 64."""
     return {"c_e": c_e, "refinement": "off" if c_e <= 8 else "on"}
 
 
-def trade(
-    name: str,
-    rule: Callable[[float], dict[str, Any]],
-    c_es: Sequence[float],
-    seeds: int,
-    size: tuple[int, int] = (96, 96),
-    spp: int = 1,
-    **aqvc: Any,
-) -> tuple[Logs, Logs]:
+def trade(name, rule, c_es, seeds, size=(96, 96), spp=1, **aqvc):
     """Logarithms of error and of queries per ray, by C_E and seed of samples and grid."""
     scene, parameters, integrator = CASES[name]
     made = q.scene(scene, **parameters)
@@ -66,7 +53,7 @@ def trade(
     return found[0], found[1]
 
 
-def turned_back(logs: Logs, c_es: Sequence[float], confidence: float = 0.99) -> list[str]:
+def turned_back(logs, c_es, confidence=0.99):
     """Pairs of C_E whose larger one has the smaller mean, beyond the noise over seeds.
 
     The noise is what remains of the logarithms after the means by C_E and by seed. The confidence
@@ -86,7 +73,7 @@ def turned_back(logs: Logs, c_es: Sequence[float], confidence: float = 0.99) -> 
     ]
 
 
-def assert_monotone(name: str, c_es: Sequence[float], seeds: int, **options: Any) -> None:
+def assert_monotone(name, c_es, seeds, **options):
     """Neither error nor reduction turns back, and over the whole range both rise."""
     for logs in trade(name, list_ends_at_c_finest, c_es, seeds, **options):
         assert turned_back(logs, c_es) == []
@@ -107,7 +94,7 @@ def test_a_list_that_ends_where_division_ends_turns_back():
 def test_clusters_smaller_than_a_pixel_do_not_turn_it_back():
     """C_E = 8 is a pixel here. The control refines larger clusters only."""
     c_es = (6.0, 8.0, 8.1)
-    many: dict[str, Any] = {"size": (20, 20), "spp": 64}
+    many = {"size": (20, 20), "spp": 64}
     for logs in trade("room", list_ends_at_c_finest, c_es, 4, **many):
         assert turned_back(logs, c_es) == []
     for logs in trade("room", coarse_alone_below_a_pixel, c_es, 4, **many):

@@ -1,7 +1,6 @@
 """A table per thread, kept over the tiles of 32² pixels that the thread works on."""
 
 import itertools
-from typing import Any
 
 import pytest
 
@@ -10,14 +9,14 @@ from render.quantized import exact, rel_l1, render, scene
 
 SIZE = (96, 80)
 LAMPS = vc.Whitted(n_vpls=16, n_area=0, n_environment=0, n_brdf=0)
-PAIRS: dict[str, Any] = {"form": "pairs", "table_bytes": 16 << 20, "size": SIZE}
+PAIRS = {"form": "pairs", "table_bytes": 16 << 20, "size": SIZE}
 
 
-def room() -> vc.Scene:
+def room():
     return scene("room", triangles=3000)
 
 
-def kept(threads: int, **given: Any) -> vc.Frame:
+def kept(threads, **given):
     return render(room(), LAMPS, storage="paper_tiles", threads=threads, **{**PAIRS, **given})
 
 
@@ -31,7 +30,7 @@ def test_a_frame_is_the_same_for_the_same_number_of_threads():
 
 def test_one_kept_table_traces_a_key_once_in_all_tiles():
     """Without refinement a key costs a ray. Tables that are cleared trace some keys in several."""
-    options: dict[str, Any] = {"c_e": 8, "refinement": "off"}
+    options = {"c_e": 8, "refinement": "off"}
     cleared = render(room(), LAMPS, storage="exact", **{**PAIRS, **options})
     assert cleared.parameters["tile_edge_px"] == 32  # as in the paper
     counters = kept(1, **options).counters

@@ -3,7 +3,6 @@
 import math
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from viscache.shot.shot import BareShot
 
 SCENE = "room?triangles=3000"
 #: 16 samples: tiles of 64 × 64 pixels, 3 × 2 of them.
-SIZE: dict[str, Any] = {"size": (140, 70), "spp": 16, "seed": 3}
+SIZE = {"size": (140, 70), "spp": 16, "seed": 3}
 
 
 @pytest.fixture(scope="module")
@@ -24,11 +23,11 @@ def scene():
 
 
 @cache
-def in_one_piece(scene: vc.Scene, integrator: Any, visibility: Any) -> vc.Frame:
+def in_one_piece(scene, integrator, visibility):
     return vc.render(scene, integrator, visibility=visibility, **SIZE)
 
 
-def assert_same(a: vc.Frame, b: vc.Frame) -> None:
+def assert_same(a, b):
     assert {n: p.tobytes() for n, p in a.layers.items()} == {
         n: p.tobytes() for n, p in b.layers.items()
     }
@@ -57,7 +56,7 @@ def test_any_number_of_parts_gives_the_same_bytes(scene, visibility, parts):
 def test_parts_join_where_only_some_processes_have_the_tree_of_shafts():
     scenes = [vc.scenes.build(SCENE) for _ in range(2)]
     scenes[1].shafts().memory_bytes()  # builds the tree
-    small: dict[str, Any] = {"size": (300, 40), "seed": 3}  # at least two tiles
+    small = {"size": (300, 40), "seed": 3}  # at least two tiles
     whitted = vc.Whitted(n_vpls=40)
     for first in (0, 1):
         cut = [
@@ -104,7 +103,7 @@ def test_boxes_of_all_parts_cover_every_pixel_once():
 
 
 def test_a_live_view_sees_the_frame_grow(scene):
-    seen: list[tuple[float, int, int]] = []
+    seen = []
 
     def show(frame, done, total):
         seen.append((float((frame.layers["coverage"] > 0).mean()), done, total))
@@ -135,7 +134,7 @@ def cube():
     return vc.scenes.build("cube_on_plane").with_environment(1.0)
 
 
-def edge(cube: vc.Scene, size: tuple[int, int], spp: int = 1, **options: Any) -> int:
+def edge(cube, size, spp=1, **options):
     frame = vc.render(cube, options.pop("integrator", OWN_SKY), size=size, spp=spp, **options)
     return int(frame.parameters["tile_edge_px"])
 

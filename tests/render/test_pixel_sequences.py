@@ -1,7 +1,6 @@
 """The eye points of a pixel share the sequences of their samples and picks, over all passes."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ SMALL = (16, 12)
 SPP = 8
 
 
-def lamps() -> vc.Scene:
+def lamps():
     """The cube on its plane under 200 point lights."""
     description = vc.SceneDescription()
     grey = description.add_material(base_color=(0.6,) * 3)
@@ -30,7 +29,7 @@ def lamps() -> vc.Scene:
 
 
 @cache
-def made(kind: str) -> tuple[vc.Scene, Any, Any]:
+def made(kind):
     """A scene, its camera, and an integrator with samples of each eye point's own."""
     if kind == "lobes":
         scene = lobes_on(PLASTIC)
@@ -57,14 +56,14 @@ def made(kind: str) -> tuple[vc.Scene, Any, Any]:
 KINDS = ("ambient", "sky", "even sky", "product", "area", "picks")
 
 
-def picture(kind: str, spp: int, seed: int, first_sample: int = 0) -> Any:
+def picture(kind, spp, seed, first_sample=0):
     scene, camera, integrator = made(kind)
     options = {"size": SMALL if kind == "product" else SIZE, "spp": spp, "camera": camera}
     frame = vc.render(scene, integrator, seed=seed, first_sample=first_sample, **options)
     return np.asarray(frame.image, np.float64)
 
 
-def passes(kind: str, seed: int) -> Any:
+def passes(kind, seed):
     """The mean of SPP frames of one sample that go on from each other."""
     return np.mean([picture(kind, 1, seed, first) for first in range(SPP)], axis=0)
 

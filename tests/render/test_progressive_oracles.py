@@ -2,7 +2,6 @@
 
 import functools
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ class HalfBlind:
 
     n: int = 3
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         seen = wanted.copy()
         seen[:, :: self.n] = False
         return seen
@@ -35,13 +34,13 @@ def window():
     return vc.scenes.window_room()
 
 
-def picture(scene: vc.Scene, visibility: Any, use: Any = None, **options: Any) -> vc.Progressive:
+def picture(scene, visibility, use=None, **options):
     maps = isinstance(visibility, vc.VisMaps) or options.pop("sky", False)
-    given: dict[str, Any] = {"visibility": visibility, "use": use, "size": SIZE} | options
+    given = {"visibility": visibility, "use": use, "size": SIZE} | options
     return vc.Progressive(scene, SKY if maps else LIGHTS, **given)
 
 
-CASES: list[tuple[Any, Any]] = [
+CASES = [
     *((vc.Aqvc(c_e=12), use) for use in ("correct", "replace")),
     (vc.Aqvc(c_e=4, exact_groups=("area",)), "correct"),
     (vc.VisMaps(), None),
@@ -53,7 +52,7 @@ CASES: list[tuple[Any, Any]] = [
     (vc.Unoccluded(), "correct"),
 ]
 #: The same tiles keep their rows, whoever comes first; what has no room is traced.
-LITTLE_ROOM: dict[str, Any] = {"size": (256, 160), "max_bytes": 1 << 20}
+LITTLE_ROOM = {"size": (256, 160), "max_bytes": 1 << 20}
 
 
 @pytest.mark.parametrize(
@@ -196,7 +195,7 @@ def test_a_state_that_lacks_something_is_refused_and_changes_nothing(
     assert (other.n_passes, other.frame.sha256) == (1, want)
 
 
-def passes(p: vc.Progressive, n: int = 36) -> Any:
+def passes(p, n=36):
     """The picture of each pass, (n, H, W, 3)."""
     sums = [p.passes(1).image.astype(np.float64) * (i + 1) for i in range(n)]
     return np.diff(sums, axis=0, prepend=np.zeros((1, *sums[0].shape)))
@@ -228,7 +227,7 @@ def test_passes_converge_to_exact_visibility(room, exact, visibility, use):
 
 #: Numbers of passes for a mean over them, and with a bias that shows soon.
 MANY, FEW = 24, 12
-COARSE: dict[str, Any] = {"m": 4, "n_startup": 1, "d_max": 1000.0}
+COARSE = {"m": 4, "n_startup": 1, "d_max": 1000.0}
 
 
 @pytest.fixture(scope="module")

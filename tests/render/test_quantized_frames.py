@@ -1,7 +1,6 @@
 """Whole frames with the quantized cache: the properties that AQVC promises."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -48,7 +47,7 @@ PATH_GROUPS = ("point", "area", "environment", "connection", "camera")
 TILES, SMALL = {"form": "pairs", "storage": "paper_tiles"}, {"table_bytes": 16 << 20}
 PATHS = {c: vc.Bdpt(max_depth=4, camera_connections=c) for c in ("bypass", "keyed")}
 #: Integrator, the groups that it must light, C_E, and settings of the cache.
-LIMIT: dict[str, tuple[Any, tuple[str, ...], float, dict[str, Any]]] = {
+LIMIT = {
     name: (q.SHARED, SHARED_GROUPS, 1e-3, given)
     for name, given in (
         q.FORMS | {f"tables of {n} threads": TILES | {"threads": n} for n in (1, 3)}

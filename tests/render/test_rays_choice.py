@@ -1,7 +1,5 @@
 """`rays=` reaches every integrator, oracle and query; images are Embree's but for edges."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -11,12 +9,12 @@ SIZE = (48, 32)
 BSP = vc.Bsp()
 
 
-def share_unlike(a: vc.Frame, b: vc.Frame) -> float:
+def share_unlike(a, b):
     """Share of pixels that differ by more than 1 % of the brightest."""
     return float((np.abs(a.image - b.image).max(axis=-1) > 0.01 * b.image.max()).mean())
 
 
-STACKS: list[tuple[Any, dict[str, Any]]] = [
+STACKS = [
     (vc.Direct(), {}),
     (vc.Whitted(n_vpls=32), {}),
     (vc.Bdpt(max_depth=4), {}),
@@ -39,7 +37,7 @@ def test_every_stack_gives_embrees_image(integrator, options):
 @pytest.mark.parametrize("use", ["replace", "correct"])
 def test_records_of_visibility_maps_are_traced_by_the_same_caster(use, monkeypatch):
     def rendered(scene, rays):
-        given: dict[str, Any] = {"use": use, "size": SIZE, "env": (1, 1, 1)}
+        given = {"use": use, "size": SIZE, "env": (1, 1, 1)}
         product = vc.Direct(environment="product")
         return vc.render(scene, product, rays=rays, visibility=vc.VisMaps(), **given)
 

@@ -1,7 +1,5 @@
 """Pictures of different seeds have nothing in common, however close the seeds are."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ SIZE = (24, 16)
 ROOM, LIGHTS = "room?triangles=3000", vc.Whitted(n_vpls=64)
 HALF = {"visibility": HalfBlind(), "use": vc.Correct(share=0.25), "renew": 1}
 VOXELS = {"visibility": vc.NeePlusPlus(n_voxels=4), "use": "replace", "renew": 1}
-CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
+CASES = {
     "direct": (ROOM, vc.Direct(n_area=1), {}),
     "whitted": (ROOM, LIGHTS, {}),
     "renewed lights": (ROOM, LIGHTS, {"renew": 1}),
@@ -25,7 +23,7 @@ CASES: dict[str, tuple[str, Any, dict[str, Any]]] = {
 }
 
 
-def correlation_of_neighbours(pictures: list[Any]) -> float:
+def correlation_of_neighbours(pictures):
     """The mean correlation of the noise of one picture with that of the next.
 
     Each pixel counts by its standard deviation, so that a few bright ones do not decide. Residuals
@@ -41,7 +39,7 @@ def correlation_of_neighbours(pictures: list[Any]) -> float:
 @pytest.mark.parametrize("name", CASES)
 def test_pictures_of_neighbouring_seeds_are_uncorrelated(name):
     spec, integrator, more = CASES[name]
-    options: dict[str, Any] = {"visibility": "exact", "size": SIZE, "threads": 1} | more
+    options = {"visibility": "exact", "size": SIZE, "threads": 1} | more
     scene = vc.scenes.build(spec)
     frames = [
         vc.Progressive(scene, integrator, seed=seed, **options).passes(PASSES).image
@@ -56,7 +54,7 @@ def test_pictures_of_neighbouring_seeds_are_uncorrelated(name):
 def test_the_first_pass_is_a_frame_of_the_seed(name):
     spec, integrator, more = CASES[name]
     options = {n: v for n, v in more.items() if n != "renew"}
-    given: dict[str, Any] = {"visibility": "exact", "size": SIZE, "seed": 5} | more
+    given = {"visibility": "exact", "size": SIZE, "seed": 5} | more
     first = vc.Progressive(spec, integrator, **given).passes(1)
     assert first.sha256 == vc.render(spec, integrator, size=SIZE, seed=5, **options).sha256
     assert first.parameters["seed"] == 5
@@ -66,6 +64,6 @@ def test_seeds_of_later_passes_are_seeds():
     made = [seed_of(s, p, n) for s in range(64) for p in ("pass", "lights") for n in range(1, 64)]
     assert len(set(made)) == len(made) and all(0 <= seed < 1 << 64 for seed in made)
     assert {seed_of(7, purpose, 0) for purpose in ("pass", "lights")} == {7}
-    given: dict[str, Any] = {"visibility": "exact", "size": (8, 8), "seed": (1 << 64) - 1}
+    given = {"visibility": "exact", "size": (8, 8), "seed": (1 << 64) - 1}
     last = vc.Progressive("cornell_box", vc.Bdpt(max_depth=2), **given)
     assert last.passes(2).parameters["seed"] == (1 << 64) - 1

@@ -1,7 +1,6 @@
 """Directions that all eye points share, or those of a pixel in turns: the light of any engine."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,21 +13,19 @@ SETS = 8
 WHOLE, SKY = with_sets(128, 1), with_sets(128, SETS)
 SPHERES = vc.scenes.bumpy_spheres(triangles=2000).with_environment(gradient())
 #: The same for means over many seeds.
-SMALL: dict[str, Any] = {"size": (24, 18)}
+SMALL = {"size": (24, 18)}
 
 
-def frame_of(
-    integrator: Any = SKY, visibility: Any = None, scene: vc.Scene = SPHERES, **more: Any
-) -> vc.Frame:
-    given: dict[str, Any] = {"size": (40, 30), "spp": SETS} | more
+def frame_of(integrator=SKY, visibility=None, scene=SPHERES, **more):
+    given = {"size": (40, 30), "spp": SETS} | more
     return vc.render(scene, integrator, visibility=visibility, **given)
 
 
-def by(engine: Any) -> vc.Exact:
+def by(engine):
     return vc.Exact(sky_engine=engine)
 
 
-def queries(frame: vc.Frame) -> int:
+def queries(frame):
     return int(frame.counters["groups"]["environment"]["queries"])
 
 
@@ -66,7 +63,7 @@ def test_a_pixel_with_as_many_samples_as_sets_asks_all_directions_once():
     camera = _core.look_at((0, 4, 0), (0, 0, 0.1), (0, 0, 1), 40)
 
     def values(sets, spp):
-        at: dict[str, Any] = {"size": (8, 8), "spp": spp, "camera": camera}
+        at = {"size": (8, 8), "spp": spp, "camera": camera}
         return light(vc.render(scene, with_sets(128, sets), **at))[..., 0]
 
     whole = values(1, 1)
@@ -93,7 +90,7 @@ def test_unequal_sets_are_each_asked_by_one_eye_point_of_a_pixel(n, sets):
     assert asked(with_sets(n, sets), 1) < asked(with_sets(n, 1), 1) / 2
 
 
-def squared_error(integrator: vc.Direct, truth: Any) -> float:
+def squared_error(integrator, truth):
     frames = [light(frame_of(integrator, seed=s)) for s in range(1, 5)]
     return float(np.mean([np.square(f - truth).mean() for f in frames]))
 
@@ -137,7 +134,7 @@ def test_the_cache_answers_them_with_fewer_rays_at_a_small_error(integrator):
     ids=["spheres", "sets", "masks"],
 )
 def test_engines_agree_but_for_rounding(scene, integrator):
-    given: dict[str, Any] = {"scene": scene, "size": (64, 48), "spp": 2, "env": gradient()}
+    given = {"scene": scene, "size": (64, 48), "spp": 2, "env": gradient()}
     base, batch = (frame_of(integrator, by(engine), **given) for engine in ("embree", "batch"))
     assert "engine" not in base.parameters
     engine = batch.parameters["engine"]
@@ -155,7 +152,7 @@ def test_the_engine_is_chosen_by_predicted_cost():
 
     def asked(triangles, edge):
         scene = vc.scenes.bumpy_spheres(triangles=triangles)
-        given: dict[str, Any] = {"size": (edge, edge), "spp": 1, "env": gradient()}
+        given = {"size": (edge, edge), "spp": 1, "env": gradient()}
         return frame_of(WHOLE, by("auto"), scene, **given).parameters["engine"]
 
     few = asked(100_000, 40)
@@ -175,7 +172,7 @@ def test_directional_lights_and_whitted_go_the_same_way():
         d.add_directional_light(tuple(w), (1.0, 1.0, 1.0))
     scene = vc.Scene.from_description(d)
     both = vc.Whitted(environment="shared", n_vpls=16, n_environment=64)
-    given: dict[str, Any] = {"scene": scene, "size": (64, 48), "spp": 1, "env": gradient()}
+    given = {"scene": scene, "size": (64, 48), "spp": 1, "env": gradient()}
     base, batch = (frame_of(both, by(e), **given) for e in ("embree", "batch"))
     for group in ("directional", "environment"):
         assert (base.layers[group] != batch.layers[group]).any(-1).mean() < 5e-3

@@ -1,7 +1,6 @@
 """Samples of lobes beside shared directions of the sky, by the balance heuristic."""
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ LOOKS = {
 
 
 @cache
-def scene(look: Look) -> vc.Scene:
+def scene(look):
     """Two boxes on a floor, all of one material."""
     parts = (
         quad((-4, 0, 4), (8, 0, 0), (0, 0, -8), look=look),
@@ -36,26 +35,24 @@ def scene(look: Look) -> vc.Scene:
     return model.to_viscache().with_environment(gradient())
 
 
-def shared(lobes: int, sets: int = SETS, n: int = 64, **more: Any) -> vc.Direct:
+def shared(lobes, sets=SETS, n=64, **more):
     """Directions and samples of lobes in sets; as many samples of each eye point's as given."""
-    given: dict[str, Any] = {"environment": "shared", "n_environment": n, "n_area": 0} | more
+    given = {"environment": "shared", "n_environment": n, "n_area": 0} | more
     return vc.Direct(**{"interleave": sets, "n_brdf": lobes * sets} | given)
 
 
-def frame_of(
-    integrator: Any, visibility: Any = None, look: Look = PLASTIC, **more: Any
-) -> vc.Frame:
-    given: dict[str, Any] = {"size": SIZE, "spp": SETS} | more
+def frame_of(integrator, visibility=None, look=PLASTIC, **more):
+    given = {"size": SIZE, "spp": SETS} | more
     return vc.render(scene(look), integrator, visibility=visibility, **given)
 
 
 @cache
-def truth(look: Look) -> Any:
+def truth(look):
     """Own samples, many of them."""
     return light(frame_of(vc.Direct(n_environment=64, n_brdf=64, n_area=0), look=look, spp=64))
 
 
-def blocks(image: Any) -> Any:
+def blocks(image):
     """Means of blocks of 6×6 pixels: a wrong weight may move light from one place to another."""
     return image.mean(-1).reshape(3, 6, 4, 6).mean((1, 3)).ravel()
 
@@ -88,7 +85,7 @@ def test_means_over_seeds_are_those_of_own_samples(name, look):
     assert np.abs(z).max() < 4
 
 
-def squared_error(n_brdf: int, look: Look, n: int = 64) -> float:
+def squared_error(n_brdf, look, n=64):
     frames = [light(frame_of(shared(n_brdf, n=n), look=look, seed=s)) for s in range(1, 7)]
     return float(np.mean([np.square(f - truth(look)).mean() for f in frames]))
 
@@ -126,7 +123,7 @@ def test_every_way_to_the_exact_answer_gives_the_same_bytes():
 
 def test_the_cache_answers_lobes_and_corrections_undo_its_errors():
     """Means over seeds of corrected frames are those of exact ones, where the cache's are not."""
-    common: dict[str, Any] = {"size": (48, 36), "spp": 2}
+    common = {"size": (48, 36), "spp": 2}
     coarse = vc.Aqvc(c_e=20, c_finest=20, refinement="off", exact_groups=())
 
     def means(**given):

@@ -1,22 +1,18 @@
 """Virtual point lights: their expectation is the indirect light, whatever their number."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from core import testing
 from render.mitsuba_frames import assert_same, ours, theirs
-from render.mitsuba_scene import Look, Model, Part, ball, quad
+from render.mitsuba_scene import Look, Model, ball, quad
 from render.ztest import compare
 from viscache._core import CoatKind, MaterialKind
 from viscache._core.sampling import ShadingPoint
 
-Images = npt.NDArray[np.float64]
 #: Small, with many samples a pixel: an edge that crosses a pixel must be seen in every frame.
 SIZE = (16, 12)
 
@@ -26,7 +22,7 @@ FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=WHITE)
 RED = quad((-1.6, 0.3, -2), (0, 0, 3.5), (0, 2, 0), look=Look(base_color=(0.9, 0.2, 0.1)))
 BLUE = quad((-1.2, 0.3, -2), (3, 0, 0), (0, 2, 0), look=Look(base_color=(0.2, 0.3, 0.9)))
 GLOBE = ball((0.7, 0.7, -0.2), 0.4, look=Look(base_color=(0.5, 0.8, 0.4)))
-LIGHTS: dict[str, dict[str, Any]] = {
+LIGHTS = {
     "point": {"points": (((0.3, 2.2, 1.0), (8, 8, 8)),)},
     "spot": {"spots": (((0.6, 2.4, 1.0), (20, 18, 15), (-0.3, -1, -0.4), (15.0, 35.0)),)},
     "directional": {"directions": (((0.3, 0.8, 0.52), (3, 3, 3)),)},
@@ -38,19 +34,19 @@ LIGHTS: dict[str, dict[str, Any]] = {
 EACH_TIME = ("spot", "area", "sky")
 
 
-def model(light: str) -> Model:
+def model(light):
     extra = dict(LIGHTS[light])
     parts = (FLOOR, RED, BLUE, GLOBE, *extra.pop("parts", ()))
     return Model(parts, origin=(0.5, 2.2, 3.2), target=(0, 0.3, -0.5), **extra)
 
 
-def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
+def indirect(scene, seeds, **kwargs):
     settings = {"vpl_bound": 0.0, "vpl_max_depth": 3, "n_vpls": 2048} | kwargs
     lights = vc.Whitted(n_area=0, n_environment=0, n_brdf=0, **settings)
     return ours(scene, lights, spp=9, seeds=seeds, size=SIZE, first=1000, layer="vpl")
 
 
-def mitsubas(mi: Any, lit: Model, folder: Path, depth: int, seeds: int) -> Images:
+def mitsubas(mi, lit, folder, depth, seeds):
     """Edges 3 to `depth`. Seeds do not pair samples: the difference has the variance of both."""
     scene = lit.to_mitsuba(mi, SIZE, folder)
     paths = (
@@ -82,7 +78,7 @@ def test_resampling_does_not_change_the_expectation():
     """Few and many of the candidates carry the light of paths of 3 to 5 edges."""
     scene = model("point").to_viscache()
 
-    given: dict[str, Any] = {"size": SIZE, "spp": 64, "seeds": 24}
+    given = {"size": SIZE, "spp": 64, "seeds": 24}
     reference = ours(scene, vc.Bdpt(max_depth=5), **given)
     reference -= ours(scene, vc.Bdpt(max_depth=2), first=500, **given)
     for n in (64, 512, 2048):
@@ -149,25 +145,23 @@ def test_light_by_way_of_a_mirror_reaches_the_floor():
 # it sees what the floor's virtual lights bring.
 
 
-def bent(part: Part, degrees: float) -> Part:
+def bent(part, degrees):
     """The part with shading normals turned from +y towards −z."""
     normal = np.array([0, np.cos(np.radians(degrees)), -np.sin(np.radians(degrees))], np.float32)
     return replace(part, normals=np.tile(normal, (len(part.vertices), 1)))
 
 
 WALL = quad((-1.5, 0.3, -1.6), (3, 0, 0), (0, 2, 0), look=WHITE)
-AT_THE_WALL: dict[str, Any] = {"origin": (0, 1.2, 3), "target": (0, 1.2, -1.6), "fov_deg": 15}
+AT_THE_WALL = {"origin": (0, 1.2, 3), "target": (0, 1.2, -1.6), "fov_deg": 15}
 
 
-def on_the_wall(
-    *parts: Part, direction: tuple[float, float, float] = (0, 1, 0), seeds: int = 1, **given: Any
-) -> float:
+def on_the_wall(*parts, direction=(0, 1, 0), seeds=1, **given):
     scene = Model((*parts, WALL), directions=((direction, (3, 3, 3)),), **AT_THE_WALL)
     settings = {"n_vpls": 512, "vpl_max_depth": 1} | given
     return float(indirect(scene.to_viscache(), seeds, **settings).mean())
 
 
-def from_the_side(cosine: float) -> tuple[float, float, float]:
+def from_the_side(cosine):
     return (float(np.sqrt(1 - cosine**2)), cosine, 0.0)
 
 
@@ -205,7 +199,7 @@ def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look():
     # The beam leaves at 40° towards −z and lights the catcher, which lights the screen
     catcher = quad((-2, 0.5, -3), (4, 0, 0), (0, 6, 0), look=WHITE)
     screen = quad((-2, 0.5, 2), (0, 4, 0), (4, 0, 0), look=WHITE)
-    given: dict[str, Any] = {"directions": (((0, 1, 0), (3, 3, 3)),), "fov_deg": 30}
+    given = {"directions": (((0, 1, 0), (3, 3, 3)),), "fov_deg": 30}
     given |= {"origin": (0, 2.5, -2.5), "target": (0, 2.5, 2)}
 
     def seen(mirror):
@@ -231,7 +225,7 @@ def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(cosine, 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize("coat", list(CoatKind)[1:])
 def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(cosine, coat):
-    coated: dict[str, Any] = {"coat": coat, "nonlinear": True}
+    coated = {"coat": coat, "nonlinear": True}
     look, direction = Look(kind="glossy", base_color=(0.8,) * 3, **coated), from_the_side(cosine)
     coated |= {"base": look.base_color, "roughness": look.roughness}
     lit = ShadingPoint(MaterialKind.GLOSSY, (direction[0], 0, cosine), **coated)

@@ -1,7 +1,6 @@
 """The comparison that the statistical tests stand on: its size and its power."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from render.ztest import ALPHA, compare
@@ -9,7 +8,7 @@ from render.ztest import ALPHA, compare
 SHAPE = (24, 32, 3)
 
 
-def images(seeds: int, start: int, *, noise: float = 0.05) -> npt.NDArray[np.float64]:
+def images(seeds, start, *, noise=0.05):
     """Seeds of a picture with skewed noise that grows with its value."""
     rows, columns = np.indices(SHAPE[:2])
     picture = 0.2 + (rows + 2 * columns)[..., None] / 50 * np.ones(3)

@@ -1,7 +1,6 @@
 """The report's file: self-contained, complete, safe. (tests/browser drives it.)"""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from viscache.sweeps.sweep import sweep
 pytestmark = pytest.mark.usefixtures("fake_vc", "without_netcdf")
 
 
-def page(directory: Path | None, target: Path, scene: str = "room") -> str:
+def page(directory, target, scene="room"):
     ds = sweep(
         scene,
         "whitted",
@@ -50,7 +49,7 @@ def test_every_setting_is_a_point_in_each_plot_a_row_and_a_picture(tmp_path):
     assert cell["rel_l1"][0] == pytest.approx(0.16, rel=1e-5)
 
 
-def series(text: str) -> tuple[list[tuple[str, str]], list[list[str]]]:
+def series(text):
     """(fill, outline) of the points of the first plot, and the texts of the key's rows."""
     plot = text.split("</svg>")[0].rpartition("<svg")[2]
     points = re.findall(r'class="point"[^>]* d="([^"]*)"[^>]* fill="([^"]*)"', plot)
@@ -88,7 +87,7 @@ def test_a_directory_without_a_sweep_is_refused(tmp_path):
         report.write(tmp_path)
 
 
-def cells(text: str, plot: str) -> list[tuple[str, str]]:
+def cells(text, plot):
     """(id of the setting, number written) of a heat map's cells, column by column from below."""
     svg = re.search(rf'<svg id="{plot}".*?</svg>', text, re.S)[0]
     found = re.findall(r'<g class="cell"( data-id="s\d+")?[^>]*><rect.*?>([^<]*)</text></g>', svg)

@@ -1,8 +1,5 @@
 """Pictures packed for the report's page: nothing lost that is promised, and maps that are true."""
 
-from pathlib import Path
-from typing import Any
-
 import flip_evaluator
 import numpy as np
 import pytest
@@ -16,12 +13,12 @@ from viscache.sweeps.sweep import sweep
 pytestmark = pytest.mark.usefixtures("fake_vc", "without_netcdf")
 
 
-def random_picture(seed: int, shape: tuple[int, ...] = (9, 14, 3)) -> np.ndarray:
+def random_picture(seed, shape=(9, 14, 3)):
     rng = np.random.default_rng(seed)
     return (10 ** rng.uniform(-6, 3, shape) * rng.choice([-1, 1, 1, 1], shape)).astype(np.float32)
 
 
-def data_of(a: np.ndarray, b: np.ndarray, step: int) -> tuple[dict[str, Any], dict[str, Any]]:
+def data_of(a, b, step):
     """The page's data of one picture and its reference."""
     packed = {"difference": pictures.pack_difference(a, b, step), "reference": "r"}
     data = {
@@ -72,7 +69,7 @@ def test_shrunk_pictures_keep_their_mean_radiance():
     assert pictures.shrunk(image, 60) is image
 
 
-def lightness(colors: np.ndarray) -> np.ndarray:
+def lightness(colors):
     """CIELAB of (N, 3) sRGB colours in 0 … 255."""
     from skimage.color import rgb2lab
 
@@ -87,13 +84,13 @@ def test_the_signed_scale_is_symmetric_about_zero():
     assert (np.diff(light[:128]) > -0.1).all() and (np.diff(light[128:]) < 0.1).all()
 
 
-def run(directory: Path, metrics: tuple[str, ...] = ("rel_l1",), flip_maps: int = 0) -> str:
-    over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
+def run(directory, metrics=("rel_l1",), flip_maps=0):
+    over = {"c_e": [4, 8, 16], "c_n": [4, 8]}
     sweep("room", "whitted", over=over, size=(48, 32), metrics=list(metrics), directory=directory)
     return report.write(directory, flip_maps=flip_maps).read_text("utf-8")
 
 
-def frames_of(directory: Path, setting: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+def frames_of(directory, setting):
     with Store(directory) as store:
         point = next(p for p in store.definition()["points"] if p["index"][:-1] == setting["index"])
         return store.frame(point["key"]).image, store.frame(point["paired"]).image

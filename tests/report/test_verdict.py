@@ -1,7 +1,5 @@
 """The verdict of a sweep: what an error costs beside exact visibility, and when it does not pay."""
 
-from typing import Any
-
 import pytest
 import xarray
 
@@ -13,13 +11,7 @@ from viscache.sweeps.sweep import sweep
 pytestmark = pytest.mark.usefixtures("fake_vc")
 
 
-def dataset(
-    errors: list[list[float]],
-    seconds: list[list[float]],
-    exact: float = 8.8,
-    metric: str = "rel_l1",
-    **more: list[list[float]],
-) -> xarray.Dataset:
+def dataset(errors, seconds, exact=8.8, metric="rel_l1", **more):
     """A sweep over C_E = 2, 4, 8 …; one row per setting, one column per repeat."""
     dims = ("c_e", "repeat")
     rows = {metric: errors, "total_s": seconds, **more}
@@ -31,7 +23,7 @@ def dataset(
     )
 
 
-def said(*given: Any, target: float | None = None, **more: Any) -> str:
+def said(*given, target=None, **more):
     return str(report.verdict(dataset(*given, **more), target=target))
 
 

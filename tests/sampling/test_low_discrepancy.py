@@ -3,7 +3,6 @@
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy import stats
 
@@ -12,7 +11,7 @@ from core import testing
 SEEDS = [(0, 0), (1, 2), (0xFFFFFFFF, 0x80000000), (0x12345678, 0x9ABCDEF0)]
 
 
-def is_net(points: npt.NDArray[np.float32], m: int) -> bool:
+def is_net(points, m):
     """Whether each elementary interval of area 2^-m holds exactly one of 2^m points."""
     for k in range(m + 1):
         cell = (points[:, 0] * 2**k).astype(int) * 2 ** (m - k) + (

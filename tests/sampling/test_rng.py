@@ -1,7 +1,6 @@
 """sampling/rng.h: counter-based random numbers."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy import stats
 
@@ -11,13 +10,13 @@ MASK = (1 << 64) - 1
 N_KEYS = 1 << 14
 
 
-def mix64(x: int) -> int:
+def mix64(x):
     x = ((x ^ (x >> 30)) * 0xBF58476D1CE4E5B9) & MASK
     x = ((x ^ (x >> 27)) * 0x94D049BB133111EB) & MASK
     return x ^ (x >> 31)
 
 
-def transcription(seed: int, purpose: int, pixel: int, pass_: int, count: int) -> list[int]:
+def transcription(seed, purpose, pixel, pass_, count):
     k = mix64((seed + 0x9E3779B97F4A7C15) & MASK)
     k = mix64(k ^ mix64((purpose + 0xD1B54A32D192ED03) & MASK))
     k = mix64(k ^ mix64((pixel + 0x8CB92BA72F3D8DD7) & MASK))
@@ -26,7 +25,7 @@ def transcription(seed: int, purpose: int, pixel: int, pass_: int, count: int) -
     return [mix64((state + (i + 1) * step) & MASK) >> 32 for i in range(count)]
 
 
-def keys(vary: int, n: int = N_KEYS) -> npt.NDArray[np.uint64]:
+def keys(vary, n=N_KEYS):
     """Keys (7, 3, 5, 2) with component `vary` counting from zero (purposes from 0 to 10)."""
     k = np.tile(np.array([7, 3, 5, 2], dtype=np.uint64), (n, 1))
     k[:, vary] = np.arange(n)
@@ -46,15 +45,13 @@ def test_floats_are_the_upper_24_bits():
     assert floats.min() >= 0 and floats.max() < 1
 
 
-def uniformity(values: npt.NDArray[np.float32], bins: int = 256) -> float:
+def uniformity(values, bins=256):
     return float(
         stats.chisquare(np.bincount((values.ravel() * bins).astype(int), minlength=bins)).pvalue
     )
 
 
-def pair_uniformity(
-    a: npt.NDArray[np.float32], b: npt.NDArray[np.float32], bins: int = 32
-) -> float:
+def pair_uniformity(a, b, bins=32):
     cell = (a.ravel() * bins).astype(int) * bins + (b.ravel() * bins).astype(int)
     return float(stats.chisquare(np.bincount(cell, minlength=bins * bins)).pvalue)
 

@@ -11,7 +11,7 @@ N = 200_000
 Rows = npt.NDArray[np.float32]
 
 
-def constant(value: float, z_min: float = -1.0):  # type: ignore[no-untyped-def]
+def constant(value, z_min=-1.0):  # type: ignore[no-untyped-def]
     return lambda w: np.where(w[:, 2] >= z_min, value, 0.0)
 
 
@@ -81,7 +81,7 @@ def test_narrow_cones_keep_their_digits():
     assert w[0, 0] == pytest.approx(np.sqrt(1 - float(cos_max) ** 2), rel=1e-4)
 
 
-def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def facing(origin, p):
     """Unit directions from the origin, and distances, in double."""
     d = p.astype(float) - origin
     distance = np.linalg.norm(d, axis=1)
@@ -119,7 +119,7 @@ def test_there_is_no_sample_unless_outside_a_sphere_of_some_size(radius, z):
     assert testing.sample_sphere_light((0, 0, 0), radius, (0, 0, z), uniforms(4, 2)) is None
 
 
-def stretched(alpha: float, bins: int = 256, sub: int = 4) -> tuple[Rows, npt.NDArray[np.float64]]:
+def stretched(alpha, bins=256, sub=4):
     """Normals that tile the hemisphere evenly once slopes are divided by alpha; solid angles.
 
     Rows are even in v, the cosine of the stretched normal (slope s = alpha √(1 − v²)/v),

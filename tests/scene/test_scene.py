@@ -62,9 +62,6 @@ def test_changing_the_description_afterwards_changes_no_scene():
     assert scene.content_hash == before and len(scene.lights) == 5
 
 
-# The hash
-
-
 def test_the_hash_is_that_of_equal_content():
     a, b = (vc.Scene.from_description(described()) for _ in range(2))
     assert a.content_hash == b.content_hash and len(a.content_hash) == 32
@@ -176,9 +173,6 @@ def test_coordinates_of_a_wrong_shape_are_refused_at_once():
         vc.SceneDescription().add_mesh(*CARD, uvs=np.zeros((4, 3)))
 
 
-# From arrays
-
-
 def test_arrays_of_many_kinds_make_a_scene():
     for vertices, triangles in (
         CARD,
@@ -226,9 +220,6 @@ def albedo(pixels: Any, u: float, v: float) -> np.ndarray[Any, Any]:
     d.add_camera((0.5, 0.5, 1), (0.5, 0.5, 0), fov_deg=10)
     frame = vc.render(vc.Scene.from_description(d), vc.Direct(), size=(1, 1))
     return frame.layers["albedo"][0, 0]
-
-
-# Textures, spheres, environment
 
 
 def test_a_texture_is_bilinear_repeats_and_has_its_top_row_at_v_1():

@@ -24,11 +24,11 @@ from viscache_lab.cases.light_product import blocked_share
 
 
 @cache
-def garage() -> vc.Scene:
+def garage():
     return scenes.garage()
 
 
-def above(wall_height: float) -> vc.Scene:
+def above(wall_height):
     """A floor with a wall in the plane x = 0, both huge, under a white sky."""
     s = 200.0
     vertices = [[-s, 0, -s], [-s, 0, s], [s, 0, s], [s, 0, -s],

@@ -67,7 +67,7 @@ def test_bad_text_is_refused_and_the_message_helps(spec, message):
         scenes.build(spec)
 
 
-def numbers(info: scenes.SceneInfo) -> dict[str, type]:
+def numbers(info):
     """Name and type of the parameters that are numbers."""
     found = {}
     for name, hint in typing.get_type_hints(info.builder).items():

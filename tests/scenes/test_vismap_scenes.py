@@ -2,10 +2,8 @@
 
 from functools import cache
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -16,18 +14,16 @@ from viscache.scenes.dynamics import EDGE, cubes
 from viscache.scenes.garden import PETAL, height
 from viscache.scenes.sky import sky
 
-Array = npt.NDArray[Any]
 SIZES = {"garden": 100_000, "mushrooms": 60_000}
 
 
 @cache
-def scene(name: str) -> vc.Scene:
+def scene(name):
     make = scenes.SCENES[name].function
-    made: vc.Scene = make(triangles=SIZES[name]) if name in SIZES else make()
-    return made
+    return make(triangles=SIZES[name]) if name in SIZES else make()
 
 
-def boxes(name: str, *meshes: str) -> tuple[Array, Array]:
+def boxes(name, *meshes):
     """Lowest and highest corners (K, 3) of the connected parts of meshes."""
     low, high = [], []
     for m in (m for m in scene(name).meshes() if m["name"] in meshes):

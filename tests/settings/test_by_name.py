@@ -1,14 +1,13 @@
 """Settings by name: those within settings go by their bare names, too."""
 
 import json
-from typing import Any
 
 import pytest
 
 import viscache as vc
 from viscache.settings import by_name
 
-CHOSEN: dict[by_name.Role, Any] = {
+CHOSEN = {
     "integrator": vc.Direct(),
     "rays": vc.Embree(),
     "visibility": vc.Aqvc(),

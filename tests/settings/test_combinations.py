@@ -1,7 +1,6 @@
 """One table says what does not combine: it is refused, and docs/limits.md prints it."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,12 +12,12 @@ LIMITS = Path(__file__).parents[2] / "docs" / "limits.md"
 
 
 class Own:
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return eyes.trace(lamps, wanted)
 
 
 #: One request that breaks each rule, in their order.
-BROKEN: list[dict[str, Any]] = [
+BROKEN = [
     {"integrator": vc.Bdpt(), "visibility": vc.VisMaps()},
     {"integrator": vc.Direct(environment="shared"), "visibility": vc.VisMaps()},
     {"integrator": vc.Direct(n_environment=0), "visibility": vc.VisMaps()},
@@ -56,7 +55,7 @@ BROKEN: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("number", range(len(RULES)), ids=[rule.must[:50] for rule in RULES])
 def test_each_rule_is_the_one_that_is_broken(number):
-    whole: dict[str, Any] = {
+    whole = {
         "integrator": vc.Direct(),
         "rays": vc.Embree(),
         "visibility": vc.Exact(),

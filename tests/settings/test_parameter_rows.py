@@ -5,7 +5,6 @@ import inspect
 import math
 import re
 import typing
-from typing import Any
 
 import pytest
 
@@ -31,12 +30,12 @@ tables = pytest.mark.parametrize(
 )
 
 
-def core(made: Any) -> Any:
+def core(made):
     """The C++ struct of settings; that of `VisMaps` beside the one of its records."""
     return made.estimate() if isinstance(made, vc.VisMaps) else made.core()
 
 
-def rows(struct: Any) -> dict[str, dict[str, Any]]:
+def rows(struct):
     return {row["name"]: row for row in struct.parameter_rows()}
 
 
@@ -57,13 +56,13 @@ def test_rows_have_the_names_defaults_and_sets_of_the_fields(cls, struct, own):
                 assert getattr(made, name) == word
 
 
-def ends(row: dict[str, Any]) -> list[tuple[Any, list[Any]]]:
+def ends(row):
     """The numeric ends of a row's range: (accepted or None, refused)."""
     if row["kind"].startswith("{"):
         return []
     whole = row["kind"].startswith("int")
     step = (lambda v, to: int(v) + (1 if to > v else -1)) if whole else math.nextafter
-    found: list[tuple[Any, list[Any]]] = []
+    found = []
     for end, outwards in ((row["low"], -math.inf), (row["high"], math.inf)):
         if not math.isfinite(end):
             continue
@@ -78,7 +77,7 @@ def ends(row: dict[str, Any]) -> list[tuple[Any, list[Any]]]:
 def test_the_ends_of_every_range_are_accepted_and_beyond_them_the_name_is_in_the_error(
     cls, struct, own
 ):
-    beside: dict[str, dict[str, Any]] = {
+    beside = {
         "m_nearest": {"n_best": 1},
         "n_best": {"m_nearest": 64},
         "interleave": {"environment": "shared", "n_environment": 1 << 16},

@@ -1,7 +1,6 @@
 """Names and defaults of the Python dataclasses are those of the C++ structs."""
 
 import inspect
-from typing import Any
 
 import numpy as np
 import pytest
@@ -94,7 +93,7 @@ def test_a_value_of_the_wrong_kind_is_refused_with_what_must_hold(cls, given, me
         cls(**given)
 
 
-CALLS: list[tuple[dict[str, Any], str]] = [
+CALLS = [
     ({"scene": 7}, "scene must be a Scene, a file or a built-in name"),
     ({"integrator": vc.Exact()}, "integrator must be vc.Direct"),
     ({"integrator": "whited"}, "unknown integrator 'whited'; did you mean 'whitted'"),
@@ -114,7 +113,7 @@ CALLS: list[tuple[dict[str, Any], str]] = [
 
 
 #: Every call that takes the size of a picture.
-SIZED: dict[str, Any] = {
+SIZED = {
     "render": lambda size: vc.render("cube_on_plane", vc.Direct(), size=size),
     "tiles": lambda size: vc.tiles.render("cube_on_plane", vc.Direct(), size=size),
     "connections": lambda size: vc.connections("cube_on_plane", vc.Direct(), size=size),
@@ -142,7 +141,7 @@ def test_a_size_that_is_none_is_refused_everywhere(call, size):
 @pytest.mark.parametrize("kind", [np.int8, np.uint64])
 def test_whole_numbers_of_numpy_are_numbers(kind):
     """Sums and products of them would overflow."""
-    given: dict[str, Any] = {"size": (8, 6), "visibility": vc.Unoccluded(), "use": "correct"}
+    given = {"size": (8, 6), "visibility": vc.Unoccluded(), "use": "correct"}
     want = vc.render("cube_on_plane", vc.Direct(), seed=3, spp=2, first_sample=100, **given)
     got = vc.render(
         "cube_on_plane", vc.Direct(), seed=kind(3), spp=kind(2), first_sample=kind(100), **given
@@ -171,7 +170,7 @@ def test_a_class_in_the_place_of_settings_is_refused():
 @pytest.mark.parametrize("value", [3.0, {}, "x", None, 1 << 64, -1])
 def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value):
     scene, picture = vc.scenes.cube_on_plane(), np.ones((8, 8, 3))
-    calls: dict[str, Any] = {
+    calls = {
         "at": lambda: vc.VisibilityMapCache(scene).update(size=(4, 4), at=value),
         "seed": lambda: scene.oracle("exact", use="correct", seed=value),
         "power": lambda: vc.testing.assert_unbiased([picture], [picture], power=value),
@@ -187,7 +186,7 @@ def test_other_arguments_of_the_wrong_kind_are_refused_by_name(value):
 
 @pytest.mark.parametrize(("given", "message"), CALLS)
 def test_render_refuses_an_argument_of_the_wrong_kind(given, message):
-    options: dict[str, Any] = {"size": (4, 4), **given}
+    options = {"size": (4, 4), **given}
     scene = options.pop("scene", None) or vc.scenes.cube_on_plane()
     with pytest.raises(ValueError, match=message):
         vc.render(scene, options.pop("integrator", vc.Direct()), **options)

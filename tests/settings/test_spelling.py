@@ -5,7 +5,6 @@ import importlib
 import inspect
 import pickle
 import pydoc
-from typing import Any
 
 import pytest
 
@@ -27,7 +26,7 @@ RESULTS = {
 }
 
 
-def constructors() -> list[type[Any]]:
+def constructors():
     """Public classes that take keywords and have one to be misspelt."""
     modules = [
         "viscache",
@@ -160,7 +159,7 @@ def test_a_parameter_that_went_says_what_there_is_instead(name):
     if inspect.isclass(made):
         assert parameter not in inspect.signature(made).parameters
         settings = vc.Aqvc() if made is vc.PaperForm else made()
-        role: by_name.Role = "visibility" if isinstance(settings, vc.Aqvc) else "integrator"
+        role = "visibility" if isinstance(settings, vc.Aqvc) else "integrator"
         for spelled_as in (parameter, f"{role}.{parameter}"):
             with pytest.raises(ValueError, match=f"{whose} has no parameter .*: ") as refused:
                 by_name.assign({role: settings}, [f"{spelled_as}=1"], bare=(role,))

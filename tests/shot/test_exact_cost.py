@@ -1,7 +1,5 @@
 """Warnings that exact visibility would have been cheaper than the cache, from counters alone."""
 
-from typing import Any
-
 import pytest
 
 import viscache as vc
@@ -12,7 +10,7 @@ WAVES = {"visibility": {"name": "Aqvc", "form": "waves"}}
 DIRECT = {"integrator": {"name": "Direct", "environment": "mis"}}
 
 
-def said(group: str, rays: float, parameters: Any = None, queries: int = 10**6) -> list[str]:
+def said(group, rays, parameters=None, queries=10**6):
     """Warnings for a group of a million queries with so many rays per query."""
     counters = {"groups": {group: {"queries": queries, "rays": round(rays * queries)}}}
     return cost_warnings(parameters or WAVES | DIRECT, counters)

@@ -27,21 +27,21 @@ SKY = vc.Direct(n_area=1, n_environment=2)
 EYE = ((3, 2, 3), (0, 0, 0))
 
 
-def pixels(factor: float = 1.0) -> Any:
+def pixels(factor=1.0):
     return factor * np.abs(np.random.default_rng(0).normal(size=(8, 16, 3))).astype(np.float32)
 
 
-def write_sky(path: Path, factor: float = 1.0) -> Path:
+def write_sky(path, factor=1.0):
     vc.Frame(layers={"color": pixels(factor)}).save(path)
     return path
 
 
-def shot(**changes: Any) -> vc.Shot:
-    given: dict[str, Any] = {"scene": "cube_on_plane", "integrator": SKY, "size": SIZE}
+def shot(**changes):
+    given = {"scene": "cube_on_plane", "integrator": SKY, "size": SIZE}
     return vc.Shot(**(given | changes))
 
 
-def picture(**options: Any) -> vc.Progressive:
+def picture(**options):
     given = {"visibility": "exact", "size": SIZE, "threads": 1} | options
     return vc.Progressive("cube_on_plane", SKY, **given)
 
@@ -127,14 +127,14 @@ class Own:
 
     held: Any = 1
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return wanted
 
 
 class Other(Own):
     """The same fields and other code."""
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return ~wanted & wanted
 
 
@@ -143,21 +143,21 @@ class Slots:
 
     __slots__ = ("held",)
 
-    def __init__(self, held: Any) -> None:
+    def __init__(self, held):
         self.held = held
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return wanted
 
 
-def maps(size: tuple[int, int]) -> vc.VisMaps:
+def maps(size):
     cache = vc.VisibilityMapCache("cube_on_plane")
     cache.update(size=size)
     return vc.VisMaps(cache=cache)
 
 
 #: What changes a picture: two values each, and the part that must differ.
-CHANGES: list[tuple[str, Any, Any, str]] = [
+CHANGES = [
     ("scene", "cube_on_plane", "slits", "scene"),
     ("integrator", "direct", "ao", "integrator.name"),
     ("integrator", vc.Direct(n_area=2), vc.Direct(n_area=3), "integrator.n_area"),
@@ -221,7 +221,7 @@ def test_what_is_the_same_picture_has_the_same_key(tmp_path):
 
 
 def test_what_says_nothing_of_its_value_is_refused_until_it_does():
-    loop: list[Any] = []
+    loop = []
     loop.append(loop)
     for held in (threading.Lock(), loop, {"a": [threading.Lock()]}):
         with pytest.raises(ValueError, match=r"visibility\.held.* must be known by its value"):
@@ -258,7 +258,7 @@ def test_passes_of_another_picture_are_refused(tmp_path, one, other, part):
 
 def test_all_passes_have_the_sky_and_the_camera_of_the_first(tmp_path):
     sky, array, view = write_sky(tmp_path / "sky.exr"), pixels(), vc.look_at(*EYE)
-    given: list[Any] = [sky, array]
+    given = [sky, array]
     pictures = [picture(env=env, camera=view) for env in given]
     want = [p.passes(1).sha256 for p in pictures]
     wanted = picture(env=pixels(), camera=vc.look_at(*EYE)).passes(3).sha256
@@ -335,7 +335,7 @@ def test_what_changes_after_a_shot_was_made_does_not_change_it():
 def test_calls_of_a_shot_are_those_of_the_package():
     room = vc.Shot("room?triangles=2000", "whitted?n_vpls=16", size=(32, 20), seed=3)
     given = ("room?triangles=2000", vc.Whitted(n_vpls=16))
-    usual: dict[str, Any] = {"size": (32, 20), "seed": 3}
+    usual = {"size": (32, 20), "seed": 3}
     assert room.render().sha256 == vc.render(*given, **usual).sha256
     cached = room.render(visibility="aqvc?c_e=8", spp=2, audit="pixels")
     again = vc.render(*given, visibility=vc.Aqvc(c_e=8), spp=2, audit="pixels", **usual)
@@ -372,7 +372,7 @@ def test_settings_in_words_that_are_none_are_refused(text):
 
 
 def test_none_is_the_default_of_each_call():
-    given: dict[str, Any] = {"size": SIZE, "visibility": None}
+    given = {"size": SIZE, "visibility": None}
     assert isinstance(vc.Progressive("cube_on_plane", SKY, **given).visibility, vc.Aqvc)
     swept = vc.sweep("cube_on_plane", SKY, over={"c_e": [4]}, **given)
     assert "aqvc" in swept.attrs["visibility"]

@@ -61,24 +61,24 @@ class FakeScene:
     cameras: tuple[Any, ...] = (look_at((0, 0, 3), (0, 0, 0)),)
 
 
-CALLS: list[dict[str, Any]] = []
+CALLS = []
 #: Raise KeyboardInterrupt at this many calls.
 STOP: list[int] = []
 
 
 def fake_render(
-    scene: Any,
-    integrator: Any,
+    scene,
+    integrator,
     *,
-    rays: Any = None,
-    visibility: Any = None,
-    use: Any = None,
+    rays=None,
+    visibility=None,
+    use=None,
     size: tuple[int, int] = (64, 48),
     spp: int = 1,
     seed: int = 0,
-    threads: Any = None,
-    camera: Any = None,
-    env: Any = None,
+    threads=None,
+    camera=None,
+    env=None,
     progress: bool = False,
 ) -> Frame:
     if STOP and len(CALLS) >= STOP[0]:

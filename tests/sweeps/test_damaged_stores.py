@@ -3,8 +3,6 @@
 import shutil
 import sqlite3
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,28 +18,28 @@ from viscache.sweeps.store import Store
 pytestmark = pytest.mark.usefixtures("without_netcdf")
 
 
-def picture(folder: Path, of: str) -> Path:
+def picture(folder, of):
     """The picture of the first frame whose parameters have these words."""
     with closing(sqlite3.connect(folder / "sweep.sqlite")) as db, db:
         query = "select file from frames where record like ? order by key"
         return folder / db.execute(query, (f'%"parameters": %{of}%',)).fetchone()[0]
 
 
-def forget_comparisons(folder: Path) -> None:
+def forget_comparisons(folder):
     with closing(sqlite3.connect(folder / "sweep.sqlite")) as db, db:
         db.execute("delete from comparisons")
 
 
-def brighter(path: Path) -> None:
+def brighter(path):
     frame = vc.Frame.load(path)
     frame.layers["color"] *= 3
     frame.save(path)
 
 
-def other_layer(layer: str) -> Any:
+def other_layer(layer):
     """A whole picture whose other layers are as they were."""
 
-    def exchange(path: Path) -> None:
+    def exchange(path):
         frame = vc.Frame.load(path)
         frame.layers[layer] = frame.layers[layer] + np.float32(0.25)
         frame.save(path)
@@ -49,13 +47,13 @@ def other_layer(layer: str) -> Any:
     return exchange
 
 
-def without_a_layer(path: Path) -> None:
+def without_a_layer(path):
     frame = vc.Frame.load(path)
     del frame.layers["depth"]
     frame.save(path)
 
 
-def cut(path: Path) -> None:
+def cut(path):
     path.write_bytes(path.read_bytes()[:-200])
 
 
@@ -63,7 +61,7 @@ def cut(path: Path) -> None:
 LAYERS = sorted(vc.render("cube_on_plane", DIRECT, size=(8, 8)).layers)
 
 
-def content(path: Path) -> dict[str, str]:
+def content(path):
     return layer_digests(vc.Frame.load(path).layers)
 
 
@@ -110,7 +108,7 @@ def test_a_report_refuses_another_picture_by_name(tmp_path, capsys):
         store.frame(next(k for k in store.finished() if target.name in f"frames/{k[:20]}.exr"))
 
 
-def damaged(data: bytes, start: int, step: int) -> bytes:
+def damaged(data, start, step):
     changed = bytearray(data)
     for i in range(start, len(changed), step):
         changed[i] ^= 0xFF
@@ -136,23 +134,23 @@ def test_a_damaged_database_is_one_line_with_its_name(finished, tmp_path, seed, 
     assert "Traceback" not in capsys.readouterr().err
 
 
-def correlation(folder: Path, **more: Any) -> Any:
+def correlation(folder, **more):
     return measured(directory=folder, **more)
 
 
-def blocks(folder: Path) -> list[Path]:
+def blocks(folder):
     return sorted(p for p in folder.rglob("*.npz") if p.name != "points.npz")
 
 
-def short(path: Path) -> None:
+def short(path):
     path.write_bytes(path.read_bytes()[:100])
 
 
-def flipped(path: Path) -> None:
+def flipped(path):
     path.write_bytes(damaged(path.read_bytes(), 150, 500))
 
 
-def exchanged(path: Path) -> None:
+def exchanged(path):
     """A whole file with other numbers."""
     with np.load(path) as file:
         arrays = {key: file[key] for key in file.files}

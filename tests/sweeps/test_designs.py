@@ -1,7 +1,5 @@
 """Ranges, random points and Latin hypercubes."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +9,7 @@ from viscache.sweeps import designs
 from viscache.sweeps.designs import Range
 from viscache.sweeps.sweep import SweepFile, sweep
 
-SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
+SMALL = {"size": (32, 24), "metrics": ("rel_l1",)}
 
 
 def test_a_log_range_has_equal_ratios_and_both_ends():

@@ -4,8 +4,6 @@ import os
 import subprocess
 import sys
 import time
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +19,7 @@ SIZE = (24, 16)
 @pytest.fixture
 def rendered(monkeypatch):
     """One entry per frame that was rendered."""
-    calls: list[Any] = []
+    calls = []
 
     def counted(*arguments, **options):
         calls.append(options)
@@ -50,7 +48,7 @@ def test_what_changes_a_frame_is_another_frame(tmp_path, rendered):
     view = vc.look_at((3, 3, 3), (0, 0, 0), fov_deg=40)
     sky = tmp_path / "sky.exr"
     vc.Frame(layers={"color": np.ones((4, 8, 3))}).save(sky)
-    options: list[dict[str, Any]] = [
+    options = [
         {"integrator": vc.Direct()},
         {"integrator": vc.Direct(n_area=3)},
         {"integrator": vc.Whitted(n_vpls=8)},
@@ -88,7 +86,7 @@ def test_frames_of_other_code_are_not_taken(what, tmp_path, rendered, monkeypatc
     assert len(rendered) == 2
 
 
-def aged(path: Path, days: float = 40) -> None:
+def aged(path, days=40):
     at = time.time() - days * 24 * 3600
     os.utime(path, (at, at))
 
@@ -111,7 +109,7 @@ def test_frames_of_other_code_go_when_nobody_uses_them(tmp_path, monkeypatch):
 def test_only_exact_frames_are_removed(tmp_path, monkeypatch):
     """Old sweeps beside them stay, and so do notes of users within, and what links lead to."""
     scene, exact = vc.scenes.cube_on_plane(), ExactFrames(tmp_path)
-    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
     vc.sweep(scene, vc.Direct(), directory=tmp_path / "sweep", **given)
     rooms = []
     for code in ("with notes", "a link", "not ours"):

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +31,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(leases, "SILENT_S", SILENT_S)
 
 
-def frame(value: float = 1.0) -> Frame:
+def frame(value=1.0):
     return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
 
 
@@ -60,7 +59,7 @@ except leases.LostLeaseError as error:
 class Owner:
     """A process that holds the lease of a key."""
 
-    def __init__(self, folder: Path, before: list[str], beat_s: float = BEAT_S) -> None:
+    def __init__(self, folder, before, beat_s=BEAT_S):
         self.process = subprocess.Popen(
             [*before, sys.executable, "-c", OWNER, str(folder), KEY, str(beat_s)],
             env=environment(),
@@ -70,10 +69,10 @@ class Owner:
         )
         assert self.says() == "claimed\n"
 
-    def says(self) -> str:
+    def says(self):
         return self.process.stdout.readline()
 
-    def renders(self) -> str:
+    def renders(self):
         self.process.stdin.write("\n")
         self.process.stdin.flush()
         return self.says()
@@ -81,7 +80,7 @@ class Owner:
 
 @pytest.fixture
 def owner(tmp_path):
-    made: list[Owner] = []
+    made = []
 
     def make(*before, **given):
         made.append(Owner(tmp_path, [*before], **given))
@@ -94,7 +93,7 @@ def owner(tmp_path):
         one.process.communicate()
 
 
-def seconds_until_claimed(store: Store, most: float = 10.0) -> float:
+def seconds_until_claimed(store, most=10.0):
     began = time.monotonic()
     while not store.leases.claim(KEY):
         assert time.monotonic() - began < most, "the lease was not taken over"
@@ -102,7 +101,15 @@ def seconds_until_claimed(store: Store, most: float = 10.0) -> float:
     return time.monotonic() - began
 
 
-def change(folder: Path, of_process: dict[str, Any] | None = None, **columns: Any) -> None:
+def assert_kept(store, silences):
+    """That the lease stays that of another, for so many times SILENT_S."""
+    end = time.monotonic() + silences * SILENT_S
+    while time.monotonic() < end:
+        assert not store.leases.claim(KEY)
+        time.sleep(0.01)
+
+
+def change(folder, of_process=None, **columns):
     """Change the lease of the key, as another machine would have written it."""
     with sqlite3.connect(folder / "sweep.sqlite") as db:
         if of_process is not None:
@@ -154,7 +161,7 @@ def test_a_number_of_a_process_that_runs_again_is_another_process(tmp_path, owne
         assert store.leases.claim(KEY)
 
 
-def namespace(*words: str) -> list[str]:
+def namespace(*words):
     """A command in a space of process numbers of its own, or a skip."""
     if shutil.which("unshare") is None:
         pytest.skip("unshare is not there")
@@ -197,10 +204,7 @@ def test_clocks_of_other_machines_do_not_count(since, alive, tmp_path, owner):
     change(tmp_path, {"host": "elsewhere", "machine": "another"}, since=since)
     with Store(tmp_path) as store:
         if alive:
-            end = time.monotonic() + 2 * SILENT_S
-            while time.monotonic() < end:
-                assert not store.leases.claim(KEY)
-                time.sleep(0.01)
+            assert_kept(store, 2)
         else:
             assert seconds_until_claimed(store) > 0.9 * SILENT_S
 
@@ -208,10 +212,7 @@ def test_clocks_of_other_machines_do_not_count(since, alive, tmp_path, owner):
 def test_a_living_owner_keeps_its_lease_however_slow_it_is(tmp_path, owner):
     slow = owner()
     with Store(tmp_path) as store:
-        end = time.monotonic() + 3 * SILENT_S
-        while time.monotonic() < end:
-            assert not store.leases.claim(KEY)
-            time.sleep(0.01)
+        assert_kept(store, 3)
         assert slow.renders() == "stored\n"
         assert store.frame(KEY).image[0, 0, 0] == 7
 
@@ -250,10 +251,7 @@ def test_owners_that_stood_together_with_who_waits_keep_their_leases(tmp_path, o
         time.sleep(2 * SILENT_S)  # this process stands, too
         assert not store.leases.claim(KEY)
         asleep.process.send_signal(signal.SIGCONT)
-        end = time.monotonic() + 2 * SILENT_S
-        while time.monotonic() < end:
-            assert not store.leases.claim(KEY)
-            time.sleep(0.01)
+        assert_kept(store, 2)
 
 
 def test_who_waits_says_for_whom_and_since_when(tmp_path, owner, monkeypatch, caplog):
@@ -309,11 +307,11 @@ def test_a_sweep_renders_what_another_process_let_fall(fake_vc, tmp_path, monkey
     from viscache.sweeps import work
     from viscache.sweeps.sweep import sweep
 
-    given: dict[str, Any] = {"over": {"c_e": [4, 8]}, "size": (32, 24), "metrics": ["rel_l1"]}
-    stolen: list[tuple[str]] = []
+    given = {"over": {"c_e": [4, 8]}, "size": (32, 24), "metrics": ["rel_l1"]}
+    stolen = []
 
     def overslept(*arguments, **options):
-        made: Frame = fake_vc.fake_render(*arguments, **options)
+        made = fake_vc.fake_render(*arguments, **options)
         if not stolen:
             with Store(tmp_path) as thief, thief._door():
                 stolen.extend(thief._db.execute("DELETE FROM leases RETURNING key").fetchall())

@@ -10,7 +10,7 @@ import viscache as vc
 from viscache.sweeps.bias import bias_and_variance
 
 
-def sweep_of(cost: list[list[float]], error: list[list[float]]) -> xarray.Dataset:
+def sweep_of(cost, error):
     """A sweep over c_e with repeats, as `viscache.sweep` returns it."""
     data = {"total_s": (("c_e", "repeat"), cost), "rel_l1": (("c_e", "repeat"), error)}
     return xarray.Dataset(

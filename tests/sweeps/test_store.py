@@ -11,7 +11,7 @@ from viscache.frame import Frame
 from viscache.sweeps.store import Store, picture_name
 
 
-def frame(value: float = 1.0) -> Frame:
+def frame(value=1.0):
     return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
 
 

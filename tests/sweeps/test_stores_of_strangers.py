@@ -7,7 +7,6 @@ import sqlite3
 import struct
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -37,17 +36,17 @@ def victim(tmp_path):
     return path
 
 
-def change(folder: Path, *statements: str, **values: str) -> None:
+def change(folder, *statements, **values):
     with closing(sqlite3.connect(folder / "sweep.sqlite")) as db, db:
         for statement in statements:
             db.execute(statement, values)
 
 
-def names(folder: Path) -> list[str]:
+def names(folder):
     return sorted(str(p.relative_to(folder)) for p in folder.rglob("*.exr"))
 
 
-def reference(folder: Path) -> str:
+def reference(folder):
     """The name of the picture that all points are compared with."""
     with Store(folder) as opened:
         return picture_name(opened.definition()["points"][0]["paired"])
@@ -144,7 +143,7 @@ def test_maps_of_errors_are_neither_read_nor_kept_through_links(tmp_path, victim
     assert victim.read_bytes() == PRECIOUS and not list((tmp_path / "outside").iterdir())
 
 
-def journal(of: Path, other: Path) -> bytes:
+def journal(of, other):
     """A journal of a transaction over several databases; SQLite removes the file it names last."""
     magic, name = bytes.fromhex("d9d505f920a163d7"), str(other).encode()
     head = magic + struct.pack(">5I", 0, 0, of.stat().st_size // 4096, 512, 4096)
@@ -229,10 +228,10 @@ def test_links_in_a_store_of_correlations_are_refused(name, tmp_path):
 class Program:
     """Starts when it is unpickled."""
 
-    def __init__(self, started: Path) -> None:
+    def __init__(self, started):
         self.started = started
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self):
         return Path.touch, (self.started,)
 
 

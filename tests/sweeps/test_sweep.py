@@ -3,7 +3,6 @@
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import SweepFile, sweep
 from viscache.sweeps.table import open_dataset
 
-SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1", "rmse")}
+SMALL = {"size": (32, 24), "metrics": ("rel_l1", "rmse")}
 
 
 def test_the_grid_comes_back_with_dims_named_by_the_last_part(fake_vc):
@@ -95,7 +94,7 @@ def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc, tmp_path):
 def test_a_frame_is_measured_while_its_picture_is_written(fake_vc, tmp_path, monkeypatch):
     measured = threading.Event()
     compare, put = metrics.compare, Store.put
-    order: list[str] = []
+    order = []
 
     def compares(*images, **options):
         order.append("compare")
@@ -165,7 +164,7 @@ def test_the_netcdf_table_opens_elsewhere_and_the_pictures_are_there(fake_vc, tm
 
 
 def test_an_executor_gives_the_same_table_as_none(fake_vc, tmp_path):
-    arguments: dict[str, Any] = {"over": {"c_e": [4, 8, 16]}, "repeats": 2, **SMALL}
+    arguments = {"over": {"c_e": [4, 8, 16]}, "repeats": 2, **SMALL}
     plain = sweep("room", "whitted", **arguments)
     with ThreadPoolExecutor(3) as pool:
         shared = sweep("room", "whitted", executor=pool, directory=tmp_path, **arguments)
@@ -216,7 +215,7 @@ def test_a_list_of_points_has_one_dim_and_its_coordinates(fake_vc):
     ],
 )
 def test_bad_sweeps_are_refused_before_the_first_frame(fake_vc, change, says):
-    arguments: dict[str, Any] = {"integrator": "whitted", "over": {"c_e": [4]}, **SMALL, **change}
+    arguments = {"integrator": "whitted", "over": {"c_e": [4]}, **SMALL, **change}
     with pytest.raises(ValueError, match=says):
         sweep("room", arguments.pop("integrator"), **arguments)
     assert not fake_vc.CALLS
@@ -292,9 +291,6 @@ def test_the_ready_sweeps_name_parameters_that_exist(path):
     asked = {name: getattr(loaded, name) for name in ("over", "repeats", "converged")}
     plan = make_plan(shot, loaded.scene, metrics=list(loaded.metrics), **asked)
     assert len(plan.points) >= 9
-
-
-# With the real renderer
 
 
 def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path):

@@ -8,7 +8,6 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
 HERE = Path(__file__).parents[1]
-SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
+SMALL = {"size": (32, 24), "metrics": ("rel_l1",)}
 
 #: A sweep of POINTS values over the stand-in renderer; every frame begun is a line of the log.
 SWEEP = """
@@ -53,12 +52,12 @@ sweep("room", "whitted", over={"c_e": list(range(1, 1 + int(sys.argv[3])))}, siz
 """
 
 
-def start(directory: Path, log: Path, points: int, apart: str = "no") -> subprocess.Popen[bytes]:
+def start(directory, log, points, apart="no"):
     words = [str(directory), str(log), str(points), str(HERE), apart]
     return subprocess.Popen([sys.executable, "-c", SWEEP, *words], env=environment())
 
 
-def begun(log: Path) -> list[str]:
+def begun(log):
     lines = log.read_text().splitlines() if log.exists() else []
     return [line.split()[1] for line in lines if line.startswith("begin")]
 
@@ -118,7 +117,7 @@ def test_a_frame_finished_between_look_up_and_claim_is_not_rendered_again(
         assert all(claim(store.leases, key) for key in overtaken)
 
 
-def side_by_side(log: Path) -> int:
+def side_by_side(log):
     """The most frames that were under way at once."""
     now = most = 0
     for line in log.read_text().splitlines():

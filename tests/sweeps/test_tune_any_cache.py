@@ -3,14 +3,13 @@
 import json
 import math
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import viscache as vc
+from oracles.test_written import Grid
 from viscache import cli
 from viscache.sweeps.search import MOST_PILOTS, Span, best, search
 from viscache.sweeps.tune import Pilot
@@ -19,27 +18,7 @@ SIZE = (96, 60)
 WHITTED = vc.Whitted(n_vpls=32)
 
 
-@dataclass(frozen=True)
-class GridCache:
-    """One eye point asks for a whole cell of space."""
-
-    cell: float = 0.25
-
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
-        facing = np.argmax(np.abs(eyes.normals), axis=1)
-        key = np.column_stack([np.floor(eyes.positions / self.cell), facing])
-        _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
-        asked = np.zeros((len(first), len(lamps)), dtype=bool)
-        np.logical_or.at(asked, cell.ravel(), wanted)
-        return eyes[first].trace(lamps, asked)[cell.ravel()]
-
-
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
-
-
-def error_of(scene: vc.Scene, found: Any, integrator: Any = WHITTED, seed: int = 7) -> float:
+def error_of(scene, found, integrator=WHITTED, seed=7):
     exact = vc.render(scene, integrator, size=SIZE, seed=seed)
     frame = vc.render(
         scene, integrator, size=SIZE, seed=seed, visibility=found.visibility, use=found.use
@@ -112,12 +91,12 @@ def test_an_oracle_of_ones_own_is_tuned(room):
         room,
         WHITTED,
         rel_l1_reflected=0.03,
-        visibility=GridCache(),
+        visibility=Grid(),
         parameter={"cell": (0.02, 2)},
         size=SIZE,
     )
     assert (found.parameter, found.samples) == ("cell", 24)
-    assert found.visibility == GridCache(cell=found.value) and 0.02 <= found.value <= 2
+    assert found.visibility == Grid(cell=found.value) and 0.02 <= found.value <= 2
     assert found.outcome != "missed" and 0.03 / 1.3 < error_of(room, found) < 0.03 * 1.3
     assert found.pilots[0].error < found.pilots[-1].error  # it rises
     assert repr(found).startswith(f"Tuned(cell={found.value:.3g}, rel_l1_reflected=")
@@ -157,13 +136,13 @@ def test_shadow_maps_and_the_share_of_a_correction(room):
 
 
 @dataclass(frozen=True)
-class TwoNumbers(GridCache):
+class TwoNumbers(Grid):
     levels: int = 3
     name: str = "grid"
 
 
 class NoFields:
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         return eyes.trace(lamps, wanted)
 
 
@@ -171,13 +150,13 @@ class NoFields:
     ("arguments", "says"),
     [
         (
-            {"visibility": GridCache(), "parameter": "cel"},
+            {"visibility": Grid(), "parameter": "cel"},
             "no parameter 'cel'; did you mean 'cell'",
         ),
         ({"parameter": "c_ee"}, "no parameter 'c_ee'; did you mean 'c_e'"),
         ({"use": vc.Correct(), "parameter": "share"}, "did you mean 'use.share'"),
         (
-            {"visibility": GridCache()},
+            {"visibility": Grid()},
             r"parameter must be \{name: \(low, high\)\}, two numbers .* got None",
         ),
         ({"visibility": TwoNumbers()}, "parameter must be one of cell, levels, got None"),
@@ -207,7 +186,7 @@ def test_what_cannot_be_searched_is_refused(arguments, says):
 def test_what_does_not_combine_is_refused_before_a_frame_is_rendered():
     product = vc.Direct(environment="product")
     with pytest.raises(ValueError, match='with environment="product"'):
-        vc.tune("slits", product, visibility=GridCache(), parameter={"cell": (0.1, 1)})
+        vc.tune("slits", product, visibility=Grid(), parameter={"cell": (0.1, 1)})
 
 
 def test_the_command_searches_any_number(capsys):

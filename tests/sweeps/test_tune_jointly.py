@@ -3,8 +3,6 @@
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,16 +20,11 @@ SIZE = (96, 60)
 WHITTED = vc.Whitted(n_vpls=64)
 
 
-@pytest.fixture(scope="module")
-def room():
-    return vc.scenes.room(triangles=3000)
-
-
-def modelled(best: tuple[float, float]) -> tuple[Any, list[Pilot]]:
+def modelled(best):
     """A cache in which one family needs half of the rays at each error."""
-    made: list[Pilot] = []
+    made = []
 
-    def measure(value: float, also: Mapping[str, float] | None = None) -> Pilot:
+    def measure(value, also=None):
         also = dict(also or {})
         key = (also.get("c_finest", 4.0), also.get("bright", 0.0))
         error = 0.004 * value**0.7 * (key[0] / 4) ** 0.5 * (0.8 if key[1] else 1)
@@ -78,7 +71,7 @@ def test_values_that_were_given_stay():
 
 
 def test_three_parameters_are_tuned_and_take_no_more_rays_than_one(room):
-    given: dict[str, Any] = {"rel_l1_reflected": 0.02, "size": (112, 70)}
+    given = {"rel_l1_reflected": 0.02, "size": (112, 70)}
     conference = vc.scenes.conference(triangles=20_000)
     found = vc.tune(conference, WHITTED, **given)
     alone = vc.tune(conference, WHITTED, parameter="c_e", **given)

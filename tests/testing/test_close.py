@@ -2,10 +2,8 @@
 
 import math
 import pickle
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -13,10 +11,8 @@ from viscache.metrics import METRICS
 from viscache.testing import PictureError, assert_close
 from viscache.testing.limits import Limit, checked, parsed
 
-Array = npt.NDArray[Any]
 
-
-def picture(seed: int = 0) -> Array:
+def picture(seed=0):
     """A picture with structure: a ramp and a box."""
     rows, columns = np.indices((40, 48))
     image = 0.2 + (rows + 2 * columns)[..., None] / 50 * np.array([1.0, 0.8, 0.5])
@@ -24,7 +20,7 @@ def picture(seed: int = 0) -> Array:
     return image * np.random.default_rng(seed).uniform(0.95, 1.05, (40, 48, 1))
 
 
-def message(*arguments: Any, **limits: float) -> str:
+def message(*arguments, **limits):
     with pytest.raises(PictureError) as caught:
         assert_close(*arguments, **limits)
     return str(caught.value)

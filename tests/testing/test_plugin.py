@@ -104,11 +104,11 @@ def run(pytester, monkeypatch):
     return ran
 
 
-def rendered(pytester: pytest.Pytester) -> int:
+def rendered(pytester):
     return len(list(pytester.path.glob("rendered-*")))
 
 
-def pages(folder: Path) -> list[Path]:
+def pages(folder):
     return sorted(folder.rglob("diff.html"))
 
 

@@ -1,36 +1,33 @@
 """`assert_unbiased`: its size, its power, and what it says of both."""
 
 import re
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from viscache.testing import PictureError, assert_unbiased, student
 
-Array = npt.NDArray[np.float64]
 SHAPE = (32, 96, 3)
 
 
-def picture() -> Array:
+def picture():
     rows, columns = np.indices(SHAPE[:2])
     return 0.2 + (rows + 2 * columns)[..., None] / 50 * np.array([1.0, 0.9, 0.7])
 
 
-def gamma(rng: np.random.Generator, n: int) -> Array:
+def gamma(rng, n):
     """Skewed noise."""
     return picture() * (1 + 0.05 * (rng.gamma(4.0, 1.0, (n, *SHAPE)) - 4) / 2)
 
 
-def corrected(rng: np.random.Generator, n: int) -> Array:
+def corrected(rng, n):
     """Heavy tails: one pixel in 500 has a correction, of 50 times what is missing everywhere."""
     drawn = rng.random((n, *SHAPE[:2], 1)) < 0.002
     return picture() * (0.9 + 0.1 * drawn / 0.002)
 
 
-def outcome(frames: Any, exact: Any, **options: Any) -> str:
+def outcome(frames, exact, **options):
     """ "passes", "biased" or "weak"."""
     try:
         assert_unbiased(frames, exact, energy=0.9, **options)
@@ -72,7 +69,7 @@ def test_a_bias_of_the_promised_size_is_found_as_often_as_promised(noise):
     assert found[0.25] < 13
 
 
-def moved() -> list[tuple[int, float]]:
+def moved():
     """2 % more in the first block, and the same energy in all."""
     first, rest = picture()[:, :32].sum(), picture()[:, 32:].sum()
     return [(32, 1.02), (64, 1 - 0.02 * first / rest)]
@@ -118,7 +115,7 @@ def test_too_little_power_fails_and_says_how_many_frames_it_takes():
 def test_noise_of_equal_seeds_cancels():
     scene, size = vc.scenes.build("room?triangles=3000"), (48, 32)
     light = vc.Whitted(n_vpls=64)
-    options: dict[str, Any] = {"visibility": vc.Aqvc(c_e=16), "use": vc.Correct(share=0.5)}
+    options = {"visibility": vc.Aqvc(c_e=16), "use": vc.Correct(share=0.5)}
 
     def exact(first):
         return [vc.render(scene, light, size=size, seed=first + i) for i in range(10)]

@@ -8,12 +8,9 @@ one percent of the energy, and prints what it would have seen.
 
 import functools
 import itertools
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -23,9 +20,7 @@ from viscache.settings import by_name, combinations
 from viscache.settings.integrators import eye_settings
 from viscache.shot.frame_plan import check_settings
 from viscache.shot.shot import frame_settings
-from viscache.testing.unbiased import Bias
 
-Array = npt.NDArray[Any]
 #: Four blocks.
 SIZE = (64, 64)
 #: The bias of the energy that each cell must be able to see, as often as `POWER`.
@@ -37,7 +32,7 @@ FIRST, MORE = 12, 4.0
 
 
 @functools.cache
-def scene(lights: str) -> vc.Scene:
+def scene(lights):
     """A few plates above a floor, one of them shiny, and one kind of light."""
     d, rng = vc.SceneDescription(), np.random.default_rng(8)
     grey = d.add_material(base_color=(0.7, 0.6, 0.5))
@@ -67,8 +62,8 @@ def scene(lights: str) -> vc.Scene:
 
 
 #: How each integrator takes each kind of light: the scene's lights, and its own settings.
-NONE: dict[str, Any] = {"n_area": 0, "n_environment": 0, "n_brdf": 0}
-DIRECT: dict[str, tuple[str, dict[str, Any]]] = {
+NONE = {"n_area": 0, "n_environment": 0, "n_brdf": 0}
+DIRECT = {
     "points": ("points", NONE),
     "areas": ("areas", {**NONE, "n_area": 8, "n_brdf": 1}),
     "sky": ("sky", {**NONE, "n_environment": 4, "n_brdf": 2}),
@@ -76,7 +71,7 @@ DIRECT: dict[str, tuple[str, dict[str, Any]]] = {
     "product sky": ("sky", {"environment": "product", "n_environment": 4}),
 }
 PATHS = {name: (name, {"max_depth": 3}) for name in ("points", "areas", "sky")}
-ASKED: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
+ASKED = {
     "direct": DIRECT,
     "whitted": {
         name: (lights, {**settings, "n_vpls": 96 if name == "virtual lights" else 0})
@@ -93,14 +88,14 @@ class Own:
 
     answers: str
 
-    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+    def block(self, eyes, lamps, wanted):
         if self.answers == "always":
             return np.ones(wanted.shape, bool)
         if self.answers == "inverted":
             return ~np.asarray(eyes.trace(lamps, wanted))
         return _noise(eyes.positions)[:, None] ^ _noise(lamps.positions)[None]
 
-    def pairs(self, eyes: Any, index: Any, ends: Any) -> Any:
+    def pairs(self, eyes, index, ends):
         if self.answers == "always":
             return np.ones(len(index), bool)
         noise = _noise(eyes.positions[index]) ^ _noise(ends.positions)
@@ -110,12 +105,12 @@ class Own:
         return eyes.positions[index, 0] > 0
 
 
-def _noise(places: Array) -> Array:
+def _noise(places):
     sums = places.astype(float) @ [12.9898, 78.233, 37.719]
     return np.asarray(np.abs(np.sin(sums)) * 43758.5453 % 1 < 0.5)
 
 
-ORACLES: dict[str, Any] = {
+ORACLES = {
     "exact": vc.Exact(),
     "aqvc": vc.Aqvc(c_e=16, exact_groups=()),
     "vismap": vc.VisMaps(m=4, n_startup=1, d_max=1000.0),
@@ -126,7 +121,7 @@ ORACLES: dict[str, Any] = {
     "unoccluded": vc.Unoccluded(),
     **{f"own {answers}": Own(answers) for answers in ("inverted", "random", "always")},
 }
-USES: dict[str, Any] = {"as it is": None, "share": vc.Correct(share=0.5), "contribution": "correct"}
+USES = {"as it is": None, "share": vc.Correct(share=0.5), "contribution": "correct"}
 PICKS = (0, 4)
 
 
@@ -138,22 +133,22 @@ class Cell:
     use: str
     pick: int
 
-    def __str__(self) -> str:
+    def __str__(self):
         picks = f", {self.pick} picks" if self.pick else ""
         return f"{self.integrator}, {self.lights}, {self.oracle}, {self.use}{picks}"
 
     @property
-    def settings(self) -> Any:
+    def settings(self):
         """The integrator's; a TypeError if it picks no lights."""
         _, given = ASKED[self.integrator][self.lights]
         made = by_name.NAMES["integrator"][self.integrator](**given)
         return replace(made, pick=self.pick) if self.pick else made
 
     @property
-    def scene(self) -> vc.Scene:
+    def scene(self):
         return scene(ASKED[self.integrator][self.lights][0])
 
-    def is_promised(self) -> bool:
+    def is_promised(self):
         """Whether it exists, is promised to be unbiased, and is not the exact frame itself."""
         shared = self.lights in ("points", "virtual lights", "shared sky")
         if self.oracle == "vismap" and "sky" not in self.lights:
@@ -174,8 +169,8 @@ class Cell:
         exact = self.oracle == "exact" and (self.pick == 0 or self.use != "as it is")
         return request.is_unbiased and not exact
 
-    def frame(self, seed: int) -> vc.Frame:
-        asked: dict[str, Any] = {"visibility": ORACLES[self.oracle], "use": USES[self.use]}
+    def frame(self, seed):
+        asked = {"visibility": ORACLES[self.oracle], "use": USES[self.use]}
         return vc.render(self.scene, self.settings, size=SIZE, seed=seed, threads=1, **asked)
 
 
@@ -190,10 +185,10 @@ CELLS = [
 ALPHA = FAMILY / LOOKS / len(CELLS)
 
 
-def covering(cells: list[Cell]) -> list[Cell]:
+def covering(cells):
     """A few cells that hold every pair of values of two dimensions that any cell has."""
 
-    def pairs(cell: Cell) -> set[Any]:
+    def pairs(cell):
         values = [(f.name, getattr(cell, f.name)) for f in fields(cell)]
         return set(itertools.combinations(values, 2))
 
@@ -206,18 +201,18 @@ def covering(cells: list[Cell]) -> list[Cell]:
 
 
 @functools.lru_cache(maxsize=4096)
-def exact_image(integrator: str, lights: str, seed: int) -> Array:
+def exact_image(integrator, lights, seed):
     """All lights, exact visibility: for all oracles, uses and picks of these."""
     return np.asarray(Cell(integrator, lights, "exact", "as it is", 0).frame(seed).image)
 
 
-def found(cell: Cell, image: Callable[[int], Array], energy: float = ENERGY) -> Bias:
+def found(cell, image, energy=ENERGY):
     """The test of as many seeds as it takes to see `energy`; AssertionError if it is biased."""
     n = FIRST
     for look in range(LOOKS):
         frames = [image(seed) for seed in range(n)]
         exact = [exact_image(cell.integrator, cell.lights, seed) for seed in range(n)]
-        given: dict[str, Any] = {"alpha": ALPHA, "power": POWER, "paired": True}
+        given = {"alpha": ALPHA, "power": POWER, "paired": True}
         first = vc.testing.assert_unbiased(frames, exact, energy=0.999, **given)
         if first.detectable <= energy or look == LOOKS - 1:
             break
@@ -225,11 +220,11 @@ def found(cell: Cell, image: Callable[[int], Array], energy: float = ENERGY) -> 
     return vc.testing.assert_unbiased(frames, exact, energy=energy, **given)
 
 
-def check(cell: Cell) -> None:
+def check(cell):
     """No bias, and a loss of twice what must be seen is found."""
-    images: dict[int, Array] = {}
+    images = {}
 
-    def image(seed: int) -> Array:
+    def image(seed):
         if seed not in images:
             images[seed] = cell.frame(seed).image
         return images[seed]
@@ -265,10 +260,10 @@ def test_corrected_own_samples_are_divided_by_their_share():
     check(Cell("direct", "areas", "unoccluded", "share", 0))
 
 
-def rendered(cell: Cell, source: Callable[[vc.Scene, Any, int], Any]) -> Callable[[int], Array]:
+def rendered(cell, source):
     """Frames whose answers come from a source of the core."""
 
-    def image(seed: int) -> Array:
+    def image(seed):
         lit = cell.scene
         caster = lit.caster(vc.Embree())
         parts = (lit._core, caster, lit.cameras[0], eye_settings(cell.settings))
@@ -280,24 +275,24 @@ def rendered(cell: Cell, source: Callable[[vc.Scene, Any, int], Any]) -> Callabl
     return image
 
 
-def corrected(share: float | None, *, weighted: bool) -> Callable[[vc.Scene, Any, int], Any]:
+def corrected(share, *, weighted):
     return lambda lit, caster, seed: _core.ResidualSource(
         lit._core, caster, _core.UnoccludedSource(), share=share, seed=seed, weighted=weighted
     )
 
 
-def roulette(*, weighted: bool) -> Callable[[vc.Scene, Any, int], Any]:
+def roulette(*, weighted):
     voxels = ORACLES["nee_plus_plus"].core()
     return lambda lit, caster, seed: _core.RouletteSource(
         lit._core, caster, voxels, seed=seed, weighted=weighted
     )
 
 
-def uniformly_picked(seed: int) -> Array:
+def uniformly_picked(seed):
     """Picks by contribution, with the weight of an even choice."""
     cells = (Cell("direct", "points", "exact", "as it is", n) for n in PICKS)
     every, few = (vc.connections(cell.scene, cell.settings, size=SIZE, seed=seed) for cell in cells)
-    answers: dict[str, Any] = few.answers(vc.Exact())
+    answers = few.answers(vc.Exact())
     for group in few.groups:
         full, weighted = (taps.contributions(group).sum(axis=2) for taps in (every, few))
         weight = np.divide(weighted, full, where=weighted > 0, out=np.ones_like(full))
@@ -307,7 +302,7 @@ def uniformly_picked(seed: int) -> Array:
     return np.asarray(few.frame(answers).image)
 
 
-def alone(oracle: str) -> Callable[[int], Array]:
+def alone(oracle):
     """Frames of an oracle in place of visibility."""
     return lambda seed: np.asarray(replace(POINTS, oracle=oracle).frame(seed).image)
 
@@ -318,13 +313,13 @@ POINTS, AREAS, SKY, SHARED = (
 )
 
 
-def replaced_maps(seed: int) -> Array:
-    maps: dict[str, Any] = {"visibility": ORACLES["vismap"], "use": "replace"}
+def replaced_maps(seed):
+    maps = {"visibility": ORACLES["vismap"], "use": "replace"}
     return np.asarray(vc.render(SKY.scene, SKY.settings, size=SIZE, seed=seed, **maps).image)
 
 
 #: What goes wrong in each kind: the cell, and frames that are biased.
-CONTROLS: dict[str, tuple[Cell, Callable[[int], Array]]] = {
+CONTROLS = {
     "corrections of weight 1": (SHARED, rendered(SHARED, corrected(None, weighted=False))),
     "of even shares": (POINTS, rendered(POINTS, corrected(0.5, weighted=False))),
     "of own samples": (AREAS, rendered(AREAS, corrected(0.5, weighted=False))),

@@ -1,9 +1,6 @@
 """The BSP tracer gives Embree's hits, on any tree, at any scale, for any number of threads."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -12,10 +9,8 @@ from render.test_interrupt import LIMIT, quickest_stop
 from viscache_lab.bench.ray_sets import SETS, make_ray_set
 from visibility.soup import rays, soup
 
-Array = npt.NDArray[Any]
 
-
-def excused(scene: vc.Scene, o: Array, d: Array, ours: Any, embree: Any) -> Array:
+def excused(scene, o, d, ours, embree):
     """Which of some differing answers lie within rounding of an edge, or at almost equal t.
 
     A triangle one of them hit and the other did not is looked at in double precision.

@@ -6,7 +6,7 @@ import viscache as vc
 from core import testing
 
 
-def placed_scene() -> vc.Scene:
+def placed_scene():
     """Two meshes, one seen through two instances, with degenerate triangles, and a sphere light."""
     r = np.random.default_rng(0)
     d = vc.SceneDescription()

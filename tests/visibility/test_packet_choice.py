@@ -14,7 +14,7 @@ WIDEST = 6
 CPP = Path(__file__).parents[2] / "cpp"
 
 
-def squares(size: float, placed: float | None = None) -> vc.Scene:
+def squares(size, placed=None):
     """100 squares of two triangles, whose area has the root `size`; placed by scale, if given."""
     corner = np.random.default_rng(3).uniform(0, 50 * size, (100, 1, 3))
     corner[0], corner[1] = 0, 50 * size
@@ -29,15 +29,12 @@ def squares(size: float, placed: float | None = None) -> vc.Scene:
     return vc.Scene.from_description(description)
 
 
-def coherent(scene: vc.Scene, origins: float, ends: float) -> bool:
+def coherent(scene, origins, ends):
     """Whether rays between two boxes with these half diagonals are traced coherently."""
     box = np.random.default_rng(1).uniform(-1, 1, (16, 3)) / np.sqrt(3)
     box[3], box[9] = -1 / np.sqrt(3), 1 / np.sqrt(3)
     towards = float(np.abs(scene.bounds).max()) / 2
-    found: bool = testing.coherent_between(
-        scene.caster(), origins * box, towards + ends * box[::-1]
-    )
-    return found
+    return testing.coherent_between(scene.caster(), origins * box, towards + ends * box[::-1])
 
 
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e9])

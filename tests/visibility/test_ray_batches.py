@@ -1,9 +1,6 @@
 """Rays from arrays: checked, packed and ordered with the same bits on every instruction set."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -13,12 +10,11 @@ from reference.isas import AVAILABLE
 from viscache.scene.queries import together
 from visibility.soup import rays, soup
 
-Array = npt.NDArray[Any]
 packed_rays, ray_order = testing.packed_rays, testing.ray_order
 BAD = (np.nan, np.inf, -np.inf, 1.0001e16, -2e18)
 
 
-def fine() -> vc.Scene:
+def fine():
     return vc.Scene.from_arrays(*soup(3000, 0.05, 5))
 
 

@@ -1,16 +1,13 @@
 """Next Event Estimation++: by roulette, and with its means as a control variate."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from reference.built import built
 from render.mitsuba_scene import Model, quad
 from render.test_determinism import INTEGRATORS, ROOM
-from render.ztest import ZTest, compare
+from render.ztest import compare
 from viscache import _core
 from viscache.settings.integrators import eye_settings
 from viscache.shot.shot import frame_settings
@@ -26,12 +23,12 @@ def room():
     return ROOM.to_viscache()
 
 
-def stack(scene: vc.Scene, integrator: Any, visibility: Any, seeds: range) -> npt.NDArray[Any]:
-    given: dict[str, Any] = {"size": SIZE, "visibility": visibility}
+def stack(scene, integrator, visibility, seeds):
+    given = {"size": SIZE, "visibility": visibility}
     return np.stack([vc.render(scene, integrator, seed=s, **given).image for s in seeds])
 
 
-def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
+def paired(frames, exact):
     """Against the exact frames of the same seeds, by 8 × 8 blocks: they differ by roulette alone.
 
     A pixel's answers are too rare to be normal.
@@ -76,7 +73,7 @@ def test_where_nothing_is_left_out_the_frame_is_the_exact_one(integrator, never,
     ]
 
 
-def walled() -> vc.Scene:
+def walled():
     """A floor, and a lamp behind a wall that hides it from half of the floor."""
     parts = (quad((-4, 0, -4), (0, 0, 8), (8, 0, 0)), quad((0, 0, -4), (0, 0, 8), (0, 4, 0)))
     return Model(parts, points=(((2.0, 2.0, 0.1), (9, 9, 9)),)).to_viscache()
@@ -85,7 +82,7 @@ def walled() -> vc.Scene:
 def test_connections_between_voxels_that_never_see_each_other_are_hardly_traced():
     scene = walled()
     camera = vc.look_at((0.0, 12.0, 0.01), (0, 0, 0), fov_deg=40)
-    view: dict[str, Any] = {"size": (160, 100), "camera": camera}
+    view = {"size": (160, 100), "camera": camera}
     exact = vc.render(scene, vc.Direct(), **view)
     frame = vc.render(scene, vc.Direct(), visibility=vc.NeePlusPlus(), **view)
     queries, occluded = exact.counters["queries"], exact.counters["occluded"]
@@ -116,9 +113,7 @@ def scene():
     return built("room?triangles=3000")
 
 
-def corrected(
-    scene: vc.Scene, integrator: Any, seeds: range, *, weighted: bool = True, **options: Any
-) -> npt.NDArray[Any]:
+def corrected(scene, integrator, seeds, *, weighted=True, **options):
     """Frames whose corrections have the weight 1/q, or, as a negative control, 1."""
     caster, images = scene.caster(), []
     for seed in seeds:
@@ -179,7 +174,7 @@ def test_weights_are_the_mean_or_the_corrected_mean(scene):
 def test_the_contribution_decides_beside_the_mean(scene):
     """Rays go where light is: the same rays, spread evenly, leave several times the error."""
     exact = vc.render(scene, LIGHTS, size=SIZE, spp=4)
-    options: dict[str, Any] = {"size": SIZE, "visibility": vc.NeePlusPlus(), "spp": 4}
+    options = {"size": SIZE, "visibility": vc.NeePlusPlus(), "spp": 4}
     by_light = vc.render(scene, LIGHTS, use="correct", **options)
     share = by_light.counters["corrections"] / by_light.counters["queries"]
     evenly = vc.render(scene, LIGHTS, use=vc.Correct(share=share), **options)
@@ -201,13 +196,8 @@ def test_a_smaller_certain_share_draws_more(scene):
     assert rays[2] == rays[0]
 
 
-# Kept from frame to frame
-
-
-def kept_frames(
-    scene: vc.Scene, n: int, keep: vc.VoxelCounts | None, **options: Any
-) -> list[vc.Frame]:
-    given: dict[str, Any] = {"visibility": COARSE, "size": SIZE} | options
+def kept_frames(scene, n, keep, **options):
+    given = {"visibility": COARSE, "size": SIZE} | options
     return [vc.render(scene, LIGHTS, keep=keep, first_sample=i, **given) for i in range(n)]
 
 
@@ -226,7 +216,7 @@ def test_later_frames_learn_less_and_add_to_the_counts(scene):
 
 def test_what_does_not_fit_is_refused(room):
     counts = vc.VoxelCounts()
-    given: dict[str, Any] = {"size": SIZE, "visibility": COARSE, "keep": counts}
+    given = {"size": SIZE, "visibility": COARSE, "keep": counts}
     vc.render(room, vc.Direct(), **given)
     for scene, options, match in (
         (room, {"visibility": vc.NeePlusPlus(n_voxels=8)}, "n_voxels must be 4 as in the counts'"),

@@ -1,20 +1,16 @@
 """Shadow maps: depths, the depth test and its bias, and frames that use them."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from core import testing
 from render.test_determinism import ROOM
 
-Floats = npt.NDArray[np.floating[Any]]
 CENTER, RADIUS = (0.0, 0.0, 0.0), 2.0
 
 
-def quads(*corners: Any) -> vc.Scene:
+def quads(*corners):
     """Two triangles for each (origin, edge, edge)."""
     vertices = [(o, np.add(o, a), np.add(np.add(o, a), b), np.add(o, b)) for o, a, b in corners]
     n = 4 * np.arange(len(corners))[:, None, None]
@@ -22,7 +18,7 @@ def quads(*corners: Any) -> vc.Scene:
     return vc.Scene.from_arrays(np.reshape(vertices, (-1, 3)), triangles.reshape(-1, 3))
 
 
-def room() -> vc.Scene:
+def room():
     """The cube [-1, 1]³ seen from inside."""
     sides = []
     for axis in range(3):
@@ -31,17 +27,15 @@ def room() -> vc.Scene:
     return quads(*sides)
 
 
-def look_up(
-    scene: vc.Scene, far: Any, points: Any, normals: Any, direction: bool = False, **given: Any
-) -> tuple[npt.NDArray[np.bool_], Floats]:
+def look_up(scene, far, points, normals, direction=False, **given):
     """Whether each point is lit, and the depths."""
     core = vc.ShadowMap(**given).core()
-    options: dict[str, Any] = {"direction": direction, "center": CENTER, "radius": RADIUS}
+    options = {"direction": direction, "center": CENTER, "radius": RADIUS}
     options |= {"positions": np.float32(points), "normals": np.float32(normals)}
     return testing.lit_by_light(scene.caster(), core, far, threads=1, **options)
 
 
-def unit(v: Any) -> Floats:
+def unit(v):
     return np.asarray(v, float) / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
@@ -76,7 +70,7 @@ def test_a_directional_map_holds_depths_along_the_light_over_the_bounding_sphere
     assert depths.mean() == pytest.approx(centre_depth, abs=1e-4)
 
 
-def random_scene(seed: int) -> tuple[vc.Scene, Floats, Floats, Floats]:
+def random_scene(seed):
     """Plates in front of a floor; points on the floor with their normals; a light above all."""
     rng = np.random.default_rng(seed)
     plates = [
@@ -113,7 +107,7 @@ def test_wrong_bits_fall_with_the_resolution(direction):
     assert 0 < wrong[-1] < 0.006
 
 
-def tilted_plane(degrees: float) -> tuple[vc.Scene, Floats, Floats]:
+def tilted_plane(degrees):
     """A large plane, and points on it, by the angle between its normal and +y."""
     rng = np.random.default_rng(5)
     angle = np.radians(degrees)
@@ -128,7 +122,7 @@ def tilted_plane(degrees: float) -> tuple[vc.Scene, Floats, Floats]:
 def test_a_plane_never_shadows_itself_with_the_slope_bias(degrees, direction):
     scene, points, normals = tilted_plane(degrees)
     far = (0.0, 1.0, 0.0) if direction else (0.0, 1.9, 0.0)
-    options: dict[str, Any] = {"direction": direction, "resolution": 64}
+    options = {"direction": direction, "resolution": 64}
     lit, _ = look_up(scene, far, points, normals, **options)
     assert lit.all()
     # Without it there is acne, on a tilted plane or off the axis of the face

@@ -3,10 +3,7 @@
 That its bits are those of packets is in test_shafts.py.
 """
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -21,25 +18,23 @@ from visibility.test_shafts import (
     some_of_a_grid,
 )
 
-Array = npt.NDArray[Any]
 
-
-def on_surfaces(scene: vc.Scene, n: int, seed: int = 1) -> Array:
+def on_surfaces(scene, n, seed=1):
     return positions(area_points(scene, n, seed=seed))
 
 
-def in_space(scene: vc.Scene, n: int, seed: int = 2) -> Array:
+def in_space(scene, n, seed=2):
     return np.random.default_rng(seed).uniform(*scene.bounds, (n, 3)).astype(np.float32)
 
 
-def by_shafts(scene: vc.Scene, x: Array, y: Array, **more: Any) -> tuple[Array, dict[str, Any]]:
+def by_shafts(scene, x, y, **more):
     return _core.shaft_matrix(_core.ShaftScene(scene._core), scene.caster(), x, y, **more)
 
 
 def test_the_bytes_are_the_same_for_any_number_of_threads(room):
     x, y = on_surfaces(room, 9000), in_space(room, 150)
     alone, work = by_shafts(room, x, y, threads=1)
-    seen: list[tuple[int, int]] = []
+    seen = []
     many, again = by_shafts(room, x, y, threads=3, progress=lambda *a: seen.append(a))
     assert alone.tobytes() == many.tobytes()
     assert {**work, "shaft_tree_s": 0} == {**again, "shaft_tree_s": 0}
@@ -66,7 +61,7 @@ def test_packets_answer_a_row_alone_as_beside_others(room):
     np.testing.assert_array_equal(together, alone)
 
 
-def instanced() -> vc.Scene:
+def instanced():
     d = vc.SceneDescription()
     corners = np.random.default_rng(2).uniform(-1, 1, (120, 3))
     triangles = np.arange(120).reshape(-1, 3)

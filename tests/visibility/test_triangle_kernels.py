@@ -1,19 +1,15 @@
 """One ray against one triangle: right hits, strict ends, no gaps between neighbours, extremes."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
 from visibility.soup import rays
 
-Array = npt.NDArray[Any]
 KERNELS = ["watertight", "wald"]
 
 
-def hits(kernel: str, corners: Array, o: Array, d: Array, **ends: float) -> Array:
+def hits(kernel, corners, o, d, **ends):
     """(t, u, v) of ray i against triangle i, corners (N, 3, 3)."""
     a, b, c = (np.ascontiguousarray(corners[:, i], dtype=np.float32) for i in range(3))
     return testing.triangle_hits(
@@ -44,7 +40,7 @@ def test_a_hit_at_t_min_does_not_count(kernel):
     assert np.isnan(hits(kernel, corners, o, d, t_min=float(above))).all()
 
 
-def fan(n: int, seed: int) -> tuple[Array, Array]:
+def fan(n, seed):
     """Closed fans of six triangles round a vertex (n, 6, 3, 3), and their rims (n, 6, 3)."""
     r = np.random.default_rng(seed)
     centre = r.normal(size=(n, 1, 3))
@@ -57,7 +53,7 @@ def fan(n: int, seed: int) -> tuple[Array, Array]:
     return corners, ring
 
 
-def holes(kernel: str, n: int = 20_000) -> int:
+def holes(kernel, n=20_000):
     """Rays to points on the spokes of fans, the hub included, that no triangle of the fan stops."""
     corners, ring = fan(n, 3)
     r = np.random.default_rng(4)

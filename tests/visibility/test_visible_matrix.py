@@ -1,7 +1,6 @@
 """Every point against every target, and queries that broadcast."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -11,7 +10,7 @@ from viscache.oracles.points import unpack
 SCENE = built("room?triangles=4000")
 
 
-def points(n: int, seed: int) -> npt.NDArray[np.float32]:
+def points(n, seed):
     low, high = SCENE.bounds
     return np.random.default_rng(seed).uniform(low, high, (n, 3)).astype(np.float32)
 

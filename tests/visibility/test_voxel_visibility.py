@@ -1,9 +1,6 @@
 """The map of voxel-to-voxel visibilities, against NumPy."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -13,16 +10,14 @@ from reference import nee_plus_plus as reference
 LOW, HIGH = (-1.0, 0.0, 2.0), (3.0, 0.5, 4.0)
 
 
-def learn(
-    near: Any, far: Any, seen: Any, *, direction: bool = False, box: Any = (LOW, HIGH), **given: Any
-) -> tuple[npt.NDArray[Any], ...]:
+def learn(near, far, seen, *, direction=False, box=(LOW, HIGH), **given):
     """Cells of both ends, visibility and probability."""
     ends, answers = (np.asarray(v, np.float32) for v in (near, far)), np.asarray(seen, bool)
     core = vc.NeePlusPlus(**given).core()
     return testing.learnt_map(core, *box, *ends, answers, direction=direction)
 
 
-def connections(n: int, seed: int = 0) -> tuple[npt.NDArray[Any], ...]:
+def connections(n, seed=0):
     """Ends inside and around the box, and answers that depend on them."""
     rng = np.random.default_rng(seed)
     near, far = rng.uniform(np.subtract(LOW, 0.2), np.add(HIGH, 0.2), (2, n, 3))

@@ -1,9 +1,6 @@
 """Embree's candidates with our edge test: the hits of the BSP, and nothing passes a vertex."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -11,11 +8,10 @@ from viscache_lab.extremes.families.leaks import SHAPES, segments
 from viscache_lab.extremes.families.moves import turn
 from visibility.soup import rays, soup
 
-Array = npt.NDArray[Any]
 WATERTIGHT = vc.Embree(watertight=True)
 
 
-def scenes() -> dict[str, vc.Scene]:
+def scenes():
     vertices, triangles = soup(300, 0.3)
     placed = vc.SceneDescription()
     mesh = placed.add_mesh(vertices, triangles, in_world=False)
@@ -75,7 +71,7 @@ def test_rays_may_come_from_far_away(radii):
     np.testing.assert_array_equal(scene.occluded(o, toward, rays=WATERTIGHT), met)
 
 
-def leaks(shape: str, rotated: bool, rays: Any, n: int, seed: int = 7) -> int:
+def leaks(shape, rotated, rays, n, seed=7):
     """Of n segments through vertices and edges of a closed shape, those that get out."""
     vertices, triangles = SHAPES[shape][0]()
     scene = vc.Scene.from_arrays(vertices @ turn(0).T if rotated else vertices, triangles)

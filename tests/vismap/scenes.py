@@ -33,23 +33,21 @@ def clutter(seed: int = 0, n: int = 60, scale: float = 1.0, shift: float = 0.0) 
     )
 
 
-def view(scale: float = 1.0, shift: float = 0.0) -> Any:
+def view(scale: float = 1.0, shift: float = 0.0):
     """A camera above the clutter."""
     place = tuple(np.array([1.25, 1.5, 1.75]) * scale + shift)
     target = tuple(np.array([0.0, 0.25, 0.0]) * scale + shift)
     return vc.look_at(place, target, fov_deg=36)
 
 
-def made(
-    scene: vc.Scene | None = None, size: tuple[int, int] = SIZE, camera: Any = None, **settings: Any
-) -> tuple[vc.VisibilityMapCache, Any]:
+def made(scene: vc.Scene | None = None, size: tuple[int, int] = SIZE, camera=None, **settings):
     """A cache after one update, and the report."""
     settings = {"n_startup": 60, "d_max": 0.25} | settings
     cache = vc.VisibilityMapCache(scene or clutter(), vc.MapSettings(**settings))
     return cache, cache.update(camera or view(), size=size)
 
 
-def pixels(cache: vc.VisibilityMapCache, size: tuple[int, int] = SIZE, camera: Any = None) -> Any:
+def pixels(cache: vc.VisibilityMapCache, size: tuple[int, int] = SIZE, camera=None):
     """The core's points of the image."""
     return cache._pixels(camera or view(), *size, (0.5, 0.5), 1)[0]
 

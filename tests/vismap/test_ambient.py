@@ -1,7 +1,5 @@
 """Ambient occlusion from records: Eq. 12, closed forms, distance to exact rays."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,7 @@ WEIGHT = 4  # the verdict: no record weighs enough
 PLANE = quad((-20, 0, -20), (0, 0, 40), (40, 0, 0))
 
 
-def shaded(model: Model, size: tuple[int, int] = (32, 24), **settings: Any) -> vc.Frame:
+def shaded(model, size=(32, 24), **settings):
     scene = model.to_viscache()
     return vc.cached_ambient_occlusion(
         scene, size=size, settings=vc.MapSettings(**({"n_startup": 100} | settings))
@@ -169,7 +167,7 @@ def test_the_points_are_those_of_the_exact_render():
     scene, eye = clutter(), view()
     exact_ao = vc.AmbientOcclusion(n_samples=1, max_distance=None)
     for seed in (0, 7):
-        shot: dict[str, Any] = {"camera": eye, "size": SIZE, "spp": 3, "seed": seed}
+        shot = {"camera": eye, "size": SIZE, "spp": 3, "seed": seed}
         frame = vc.cached_ambient_occlusion(scene, **shot)
         exact = vc.render(scene, exact_ao, **shot)
         np.testing.assert_array_equal(frame.layers["coverage"], exact.layers["coverage"])

@@ -1,20 +1,18 @@
 """vismap/control_variate.h, point_estimate.h: unbiased, and better where visibility correlates."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
 from viscache._core import AlphaMode, PointSet
 from viscache._core.vismap import EnvironmentPyramid, PointEstimate, points
-from vismap.analytic import EDGE, Pixel, World, exact, world
+from vismap.analytic import EDGE, Pixel, exact, world
 from vismap.worlds import blended, coarser, dilations, directions, luminance, shares
 
-Doubles = npt.NDArray[np.float64]
 K, MOST = 4, 1.5
 
 
-def alpha_of(z: Doubles, w: Doubles, var_w: float) -> Doubles:
+def alpha_of(z, w, var_w):
     """Section 5.2 in NumPy: rows of samples, both less μ_W."""
     n = z.shape[-1]
     c = (z * w).sum(-1) - z.sum(-1) * w.sum(-1) / n
@@ -22,7 +20,7 @@ def alpha_of(z: Doubles, w: Doubles, var_w: float) -> Doubles:
     return np.clip((c + K * var_w) / (q + K * var_w), 0, MOST)
 
 
-def leave_one_out(z: Doubles, w: Doubles, var_w: float) -> Doubles:
+def leave_one_out(z, w, var_w):
     """Mean of z − α_{−i} w over every row; z and w less μ_W."""
     n = z.shape[-1]
     total = np.zeros(len(z))
@@ -32,9 +30,7 @@ def leave_one_out(z: Doubles, w: Doubles, var_w: float) -> Doubles:
     return total / n
 
 
-def rows_of_samples(
-    made: World, pixel: Pixel, kind: PointSet, n: int, replicates: int, seed: int = 0
-) -> tuple[PointEstimate, Doubles, Doubles, npt.NDArray[np.int64]]:
+def rows_of_samples(made, pixel, kind, n, replicates, seed=0):
     """z·V, w (replicates, n), and the texels."""
     point = made.estimate(pixel)
     u = np.concatenate([points(kind, n, pixel=r, seed=seed) for r in range(replicates)])
@@ -44,7 +40,7 @@ def rows_of_samples(
     return point, z.reshape(shape), s["w"].reshape(shape), s["texel"].reshape(shape)
 
 
-def pooled_z(errors: list[Doubles]) -> tuple[float, float]:
+def pooled_z(errors):
     """z of the sum of all pixels' mean errors, and the largest |z| of one pixel."""
     means = np.array([e.mean() for e in errors])
     sigma = np.array([e.std(ddof=1) / np.sqrt(len(e)) for e in errors])

@@ -6,7 +6,7 @@ import pytest
 from sampling.chi_square import p_value
 from viscache._core import AlphaMode, PointSet
 from viscache._core.vismap import EnvironmentPyramid, PointEstimate, points
-from vismap.analytic import EDGE, Exact, Pixel, World, exact, world
+from vismap.analytic import EDGE, Exact, Pixel, exact, world
 from vismap.worlds import blended, cosine_lobe, dilations, luminance, shares, sky
 
 RNG = np.random.default_rng(17)
@@ -21,7 +21,7 @@ MAPS = {
 }
 
 
-def point_of(name: str, eta: float, light: np.ndarray | None = None) -> PointEstimate:
+def point_of(name, eta, light=None):
     maps = MAPS[name]
     return PointEstimate(
         EnvironmentPyramid(sky(EDGE, sun=1e6) if light is None else light),
@@ -78,7 +78,7 @@ def test_guided_even_points_are_even():
     assert 0.85 < scatter[0] < 1.15 and scatter[1] < 0.2
 
 
-def sums_of(made: World, pixel: Pixel, eta: float) -> tuple[Exact, Exact, PointEstimate]:
+def sums_of(made, pixel, eta):
     plain, guided = made.estimate(pixel), made.estimate(pixel, eta)
     return exact(made, pixel, plain), exact(made, pixel, guided), guided
 
@@ -112,7 +112,7 @@ def test_the_variance_is_bounded_at_every_pixel(name, eta):
         assert guided.variance(0) <= bound * (1 + 1e-9)
 
 
-def raw_density(point: PointEstimate, pixel: Pixel, plain: Exact, eta: float) -> Exact:
+def raw_density(point, pixel, plain, eta):
     """The maps themselves as density: what dilation is there to prevent."""
     seen = blended(pixel.maps, pixel.beta, EDGE)
     mu = (plain.p * seen).sum()
@@ -131,7 +131,7 @@ def test_maps_that_are_not_grown_are_worse_than_no_guiding():
     assert raw / base > 1
 
 
-def error_ratio(made: World, n: int, replicates: int, **plainly: object) -> float:
+def error_ratio(made, n, replicates, **plainly):
     """Mean squared error of guided even points over that of plain ones, in the third pass."""
     args = {"n": n, "passes": 3, "replicates": replicates, "set": PointSet.ZERO_TWO}
     steady = {"mode": AlphaMode.PREVIOUS_PASS}

@@ -1,9 +1,6 @@
 """Records at points of any source: all are served, by the test of pixels, in any order."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -12,21 +9,20 @@ from viscache.vismap import points as module
 from viscache.vismap.points import make_cloud
 from vismap.scenes import SIZE, clutter, made, pixels, same, view
 
-Array = npt.NDArray[Any]
 SERVED, SUPPRESSED, DUPLICATE, NO_CANDIDATE = 0, 1, 2, 3  # from the last on a record is wanted
 
 
-def cloud(scene: vc.Scene, count: int = 3000) -> tuple[Array, Array]:
+def cloud(scene, count=3000):
     """Points uniform over the area of a scene."""
     found = vc.correlation.surface_points(scene, count, points="area")
     return found.positions, found.normals
 
 
-def fresh(scene: vc.Scene | None = None, **settings: Any) -> vc.VisibilityMapCache:
+def fresh(scene=None, **settings):
     return vc.VisibilityMapCache(scene or clutter(), vc.MapSettings(**({"d_max": 0.1} | settings)))
 
 
-def verdicts(cache: vc.VisibilityMapCache, *points: Any) -> Array:
+def verdicts(cache, *points):
     """The insertion test at points, with what `insert` chooses where it is not given."""
     given = (*points, None, None)[:4]
     asked = cache._cloud(*given).take(slice(None))
@@ -97,7 +93,7 @@ def test_an_inserted_pixel_is_what_an_update_makes_of_it():
 @pytest.mark.parametrize("settings", [{}, {"criterion": "ambient"}, {"preset": "auto"}])
 def test_the_records_are_the_same_for_any_number_of_threads(settings):
     x, n = cloud(clutter())
-    first: Any = None
+    first = None
     for threads in (1, 2, 5):
         cache = fresh(batch=300, **settings)
         report = cache.insert(x, n, threads=threads)
@@ -123,7 +119,7 @@ def test_tiles_of_points_serve_all_points(monkeypatch):
     whole = fresh()
     report = whole.insert(x, n)
     monkeypatch.setattr(module, "TILE", 400)
-    calls: list[tuple[int, int]] = []
+    calls = []
     tiled, threaded = fresh(), fresh()
     of_tiles = tiled.insert(x, n, threads=1, progress=lambda *at: calls.append(at))
     assert (verdicts(tiled, x, n) <= DUPLICATE).all()
@@ -200,7 +196,7 @@ def test_inserted_records_count_as_used_in_their_frame():
     assert len(cache) == 0
 
 
-BAD: list[tuple[str, Any, str]] = [
+BAD = [
     ("positions", [0.0, 0, 0], r"positions must have shape \(N, 3\), got \(3,\)"),
     ("positions", [[0.0, 0]] * 3, r"positions must have shape \(N, 3\), got \(3, 2\)"),
     ("positions", "abc", "positions must be numbers"),
@@ -211,7 +207,7 @@ BAD: list[tuple[str, Any, str]] = [
     ("threads", 0, r"threads must be a whole number in \[1, 1024\]"),
 ]
 #: The last of three rows.
-BAD_ROWS: list[tuple[str, Any, str]] = [
+BAD_ROWS = [
     *(("positions", [bad, 0, 0], "finite and at most 1e16 in size") for bad in (np.nan, np.inf)),
     ("normals", [0, 0, 0], "normals must be unit vectors, row 2 has length 0"),
     ("normals", [0, 2, 0], "normals must be unit vectors, row 2 has length 2"),
@@ -227,7 +223,7 @@ def test_points_that_cannot_be_are_refused_and_nothing_is_lost(monkeypatch):
     monkeypatch.setattr("viscache.vismap.points.TILE", 2)  # rows are counted over tiles
     cache, _ = made(n_startup=20)
     before = cache.records()
-    good: dict[str, Any] = {
+    good = {
         "positions": [[0.0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]],
         "normals": [[0.0, 1, 0]] * 3,
         "d_max": [0.2] * 3,

@@ -1,9 +1,6 @@
 """The records' tree finds what brute force finds, whatever its shape."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,10 +8,8 @@ from hypothesis import strategies as st
 from core import testing
 from vismap.clouds import N, clouds, nearest
 
-Array = npt.NDArray[Any]
 
-
-def check(tree: Any, points: Array, queries: Array, radius: float) -> None:
+def check(tree, points, queries, radius):
     for m in (1, 4, 16, 64):
         found = tree.search(queries, radius, m)
         assert found == [nearest(points, q, radius, m) for q in queries]

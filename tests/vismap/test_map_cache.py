@@ -1,9 +1,6 @@
 """The cache: right records, right look-ups, in the same places whatever the machine."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -20,11 +17,10 @@ from viscache.settings.maps import (
 from viscache.vismap.points import pixel_order
 from vismap.scenes import SIZE, clutter, clutter_arrays, made, pixels, view
 
-Array = npt.NDArray[Any]
 SERVED, SUPPRESSED, DUPLICATE = 0, 1, 2  # verdicts; the others want a record
 
 
-def spawned(scene: vc.Scene, positions: Array, normals: Array) -> Array:
+def spawned(scene, positions, normals):
     """Where rays start (visibility/query.h)."""
     size = np.maximum(np.abs(positions).max(1), np.float32(scene._core.offset_extent))
     return np.asarray(positions + normals * (np.float32(8 * 2.0**-23) * size)[:, None])
@@ -304,7 +300,7 @@ def test_automatic_thresholds_follow_the_scene():
 
 
 AT, UP = [[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]
-BAD_LOOKUPS: list[tuple[Any, Any, Any, str]] = [
+BAD_LOOKUPS = [
     *(
         ([[bad, 0, 0]], UP, 1.0, "positions must be finite and at most 1e16")
         for bad in (np.nan, np.inf, 1e17)

@@ -1,19 +1,15 @@
 """A neighbour list finds what the tree finds, and seldom asks it on a walk."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
 from vismap.clouds import clouds, nearest
 
-Array = npt.NDArray[Any]
 N = 3000
 
 
-def expected(points: Array, walk: Array, radius: float, m: int) -> list[list[int]]:
+def expected(points, walk, radius, m):
     ids = np.arange(len(points))
     kept = [np.flatnonzero(ids % 3 != q % 3) for q in range(len(walk))]
     return [
@@ -22,7 +18,7 @@ def expected(points: Array, walk: Array, radius: float, m: int) -> list[list[int
     ]
 
 
-def walk_through(points: Array, step: float) -> Array:
+def walk_through(points, step):
     """Steps along a line, a jump, and steps again."""
     low, high = points.min(0), points.max(0)
     along = np.linspace(0.2, 0.2 + 40 * step, 40)[:, None] * (high - low) + low

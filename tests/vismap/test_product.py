@@ -66,7 +66,7 @@ def test_split_leaves_can_be_drawn():
     assert below > 100  # at the floor
 
 
-def surface_normal(name: str) -> tuple[float, float, float]:
+def surface_normal(name):
     normal = {"along an axis": (0, 0, 1), "below the horizon": (0.1, 0.2, -1)}.get(
         name, (0.3, -0.5, 0.81)
     )

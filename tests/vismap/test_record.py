@@ -1,9 +1,6 @@
 """Maps of records: order, size, hierarchy, difference, dilation, pattern."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
@@ -12,12 +9,11 @@ from reference.isas import AVAILABLE
 from viscache import _core
 
 vismap = _core.vismap
-Array = npt.NDArray[Any]
 
 SIZES = (4, 5, 6, 7)
 
 
-def maps(m: int) -> dict[str, Array]:
+def maps(m):
     """Maps of all kinds, (row, column)."""
     edge = 1 << m
     y, x = np.mgrid[:edge, :edge]
@@ -133,14 +129,14 @@ def test_single_cells_grow_over_edges_and_corners(m):
         assert grown.sum() == 9  # at a corner too: the square's four corners are one point
 
 
-def centres(edge: int) -> Array:
+def centres(edge):
     at = (np.arange(edge, dtype=np.float32) + 0.5) / edge
     u, v = np.meshgrid(at, at)
     places = np.stack([u, v], -1).reshape(-1, 2)
     return np.asarray(_core.sampling.equal_area_to_direction(places)).reshape(edge, edge, 3)
 
 
-def cell_of(directions: Array, edge: int) -> Array:
+def cell_of(directions, edge):
     """Z-order number of the cell of unit directions (N, 3)."""
     at = _core.sampling.direction_to_equal_area(directions.astype(np.float32))
     x, y = np.minimum((at * edge).astype(np.uint32), edge - 1).T

@@ -1,7 +1,6 @@
 """render/relighting.h and viscache.Relighting: an image under any light, without rays."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -10,7 +9,6 @@ from viscache._core import sampling
 from viscache.vismap.relighting import reduced, rotation
 from vismap.scenes import SIZE, made, view
 
-Floats = npt.NDArray[np.float64]
 SKY = np.random.default_rng(3).gamma(0.5, size=(32, 64, 3)).astype(np.float32)
 
 
@@ -20,7 +18,7 @@ def image():
     return vc.Relighting(cache, camera=view(), size=SIZE)
 
 
-def eye_points(scene: vc.Scene, threads: int = 1) -> dict[str, Floats]:
+def eye_points(scene, threads=1):
     frame = _core.FrameSettings()
     frame.width, frame.height = SIZE
     frame.threads = threads
@@ -29,7 +27,7 @@ def eye_points(scene: vc.Scene, threads: int = 1) -> dict[str, Floats]:
     return {name: np.asarray(value) for name, value in found.items()}
 
 
-def middles(edge: int) -> npt.NDArray[np.float32]:
+def middles(edge):
     """(edge², 2): middles of the cells of the square, in Z order."""
     at = (np.stack(np.meshgrid(*[np.arange(edge)] * 2), -1).reshape(-1, 2) + 0.5) / edge
     ordered = np.empty_like(at)

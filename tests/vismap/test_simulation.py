@@ -30,19 +30,19 @@ ONE_SHOT = Way(alpha="previous_pass", one_shot=True, first="pilot")
 
 
 @cache
-def window_room() -> VisibilityMapCache:
+def window_room():
     made = VisibilityMapCache(scenes.window_room(), MapSettings(n_startup=400))
     made.update(size=(96, 72))
     return made
 
 
 @cache
-def estimates() -> PixelEstimates:
+def estimates():
     ways = [PRODUCT, ONE, STEADY, GUIDED, ORACLE, ONE_SHOT]
     return simulate(window_room(), ways, [30], size=(96, 72), n_pixels=40, replicates=64)
 
 
-def ratio(way: Way) -> float:
+def ratio(way):
     rows = [[r[None, :, None] for r in estimates().estimates[w, 30]] for w in (way, PRODUCT)]
     return variance_ratio(*rows).ratio
 
@@ -130,7 +130,7 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count():
         point.simulate(pixel.visible, sizes=[10, 0])
 
 
-def test_the_papers_first_pass_has_alpha_one() -> None:
+def test_the_papers_first_pass_has_alpha_one():
     assert list(map(one_shot_passes, (10, 30, 100))) == [[10], [10, 20], [10, 20, 40, 30]]
     paper = Way(alpha="previous_pass", one_shot=True)
     found = simulate(

@@ -1,9 +1,6 @@
 """Records over frames: counted errors, removal, disuse."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -13,16 +10,14 @@ from render.mitsuba_scene import Model, box, quad
 from viscache import _core
 from vismap.scenes import SIZE, made, pixels, same, view
 
-Array = npt.NDArray[Any]
 
-
-def tallied(cache: vc.VisibilityMapCache, rays: Any, misses: Any) -> None:
+def tallied(cache, rays, misses):
     n = len(cache)
     full = [np.broadcast_to(np.asarray(v, np.uint32), (n,)).copy() for v in (rays, misses)]
     cache._core.tally(*full, np.zeros(n, np.uint8), cache.frame)
 
 
-def exact(cache: vc.VisibilityMapCache, points: Any, directions: Array) -> Array:
+def exact(cache, points, directions):
     """What exact rays see from points (N) along directions (N, K), 0 below the surface."""
     x, n = points.positions, points.normals
     size = np.maximum(np.abs(x).max(1), np.float32(cache.scene._core.offset_extent))

@@ -10,7 +10,7 @@ from vismap.worlds import blended, cosine_lobe, dilations, luminance, morton, sh
 EDGE = 256
 
 
-def kinds_of_maps(edge: int) -> dict[str, np.ndarray]:
+def kinds_of_maps(edge):
     rng = np.random.default_rng(edge)
     y, x = np.indices((edge, edge))
     window = (abs(x - 0.4 * edge) < edge / 10) & (abs(y - 0.7 * edge) < edge / 14)

@@ -20,13 +20,13 @@ def frames_of(n_directions: int, some: int | None = None) -> Array:
     return np.ascontiguousarray(frames[np.linspace(0, len(frames) - 1, some).astype(int)])
 
 
-def batch(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
+def batch(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more) -> Array:
     """(N, l) bool by the batch."""
     bits, _ = scene.aligned_batch().rows(scene._core, points, normals, frames, **more)
     return unpacked(bits, len(frames))
 
 
-def embree(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
+def embree(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more) -> Array:
     bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **more)
     return unpacked(bits, len(frames))
 

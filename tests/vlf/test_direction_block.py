@@ -1,9 +1,6 @@
 """Any directions that points share, through the batch: single rays' bits, opposites together."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -16,11 +13,10 @@ from viscache import _core
 from viscache.correlation.rows import trace_rows
 from vlf.aligned_scenes import surface
 
-Array = npt.NDArray[Any]
 SKY = vc.correlation.DirectionSet(map_size=24)
 
 
-def by_batch(scene: vc.Scene, points: Array, normals: Array, directions: Array, **more: Any) -> Any:
+def by_batch(scene, points, normals, directions, **more):
     """(bits, rays) by the batch."""
     bits, rays, is_batch, *_ = _core.correlation.aligned_rows(
         scene._core,
@@ -36,7 +32,7 @@ def by_batch(scene: vc.Scene, points: Array, normals: Array, directions: Array, 
     return bits, rays
 
 
-def by_embree(scene: vc.Scene, points: Array, normals: Array, directions: Array, **m: Any) -> Any:
+def by_embree(scene, points, normals, directions, **m):
     return _core.correlation.visibility_rows(
         scene._core, scene.caster(), points, normals, directions, **m
     )

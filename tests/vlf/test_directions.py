@@ -1,24 +1,20 @@
 """Directions of the visibility field: how many, where, how much of the sky, which is nearest."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy.spatial import SphericalVoronoi, cKDTree
 
 import viscache as vc
 from viscache.vlf import DIRECTION_COUNTS
 
-Array = npt.NDArray[Any]
 SUBDIVIDED = DIRECTION_COUNTS[1:]
 
 
-def random_directions(n: int, seed: int = 0) -> Array:
+def random_directions(n, seed=0):
     return np.random.default_rng(seed).normal(size=(n, 3)).astype(np.float32)
 
 
-def both_signs(axes: Array) -> Array:
+def both_signs(axes):
     """Axes in double, on the sphere, then their opposites."""
     exact = axes.astype(float)
     exact /= np.linalg.norm(exact, axis=1, keepdims=True)

@@ -16,23 +16,23 @@ SETTINGS = vc.Vlf(n_directions=33, n_tiles=24, bsp_depth=3, leaf_target=1, head_
 STATIC = soup(300)
 
 
-def field(mode: str, **changed: Any) -> vc.vlf.DynamicField:
+def field(mode, **changed):
     settings = dataclasses.replace(SETTINGS, **changed)
     return vc.vlf.DynamicField(vc.Scene.from_arrays(*STATIC), settings, mode=mode)
 
 
-def random_object(r: np.random.Generator) -> tuple[Array, Array]:
+def random_object(r):
     n = int(r.integers(1, 12))
     vertices, triangles = soup(n, int(r.integers(1 << 30)), 0.5)
     return (vertices * 0.4).astype(np.float32), triangles
 
 
-def random_place(r: np.random.Generator) -> Array:
+def random_place(r):
     q = np.linalg.qr(r.normal(size=(3, 3)))[0]
     return np.concatenate([q, r.uniform(-0.8, 0.8, (3, 1))], axis=1)
 
 
-def placed(vertices: Array, m: Array) -> Array:
+def placed(vertices, m):
     """As the core: in double, rounded once."""
     x, y, z = vertices.astype(float).T
     return np.stack([a * x + b * y + c * z + d for a, b, c, d in m], 1).astype(np.float32)
@@ -41,7 +41,7 @@ def placed(vertices: Array, m: Array) -> Array:
 class Played:
     """A field after random steps, and the objects as they should be."""
 
-    def __init__(self, mode: str, steps: int, seed: int, **changed: Any) -> None:
+    def __init__(self, mode, steps, seed, **changed):
         r = np.random.default_rng(seed)
         self.field = field(mode, **changed)
         self.objects: dict[int, tuple[Array, Array, Array]] = {}
@@ -67,7 +67,7 @@ class Played:
             done[what] += 1
         assert min(done.values()) > 0.1 * steps
 
-    def scene(self) -> tuple[vc.Scene, Array]:
+    def scene(self):
         """All triangles as one scene, and the owner of each."""
         parts = [(*STATIC, -1)] + [(v, t, k) for k, (_, t, v) in sorted(self.objects.items())]
         first = np.cumsum([0] + [len(p[0]) for p in parts])
@@ -77,7 +77,7 @@ class Played:
         return vc.Scene.from_arrays(vertices, triangles), owner
 
 
-def rays(n: int, seed: int = 0) -> tuple[Array, Array]:
+def rays(n, seed=0):
     r = np.random.default_rng(seed)
     a, b = unit(r.normal(size=(2, n, 3)))
     return (2.5 * a).astype(np.float32), (1.5 * b - 2.5 * a).astype(np.float32)
@@ -160,7 +160,7 @@ def test_memory_does_not_grow_with_the_number_of_moves(mode):
     assert last < 1.5 * second
 
 
-SMALL: tuple[Any, Any] = ([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+SMALL = ([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,12 @@
 """The engine for aligned rays is predicted from the input only, with a reason."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from viscache import _core
 from vlf.aligned_scenes import frames_of, surface
 
-Array = npt.NDArray[Any]
 #: The batch is taken below this share of Embree's predicted cost.
 SHARE = 0.75
 needs_avx512 = pytest.mark.skipif(
@@ -18,12 +14,12 @@ needs_avx512 = pytest.mark.skipif(
 )
 
 
-def seen_by_camera(scene: vc.Scene, size: tuple[int, int]) -> tuple[Array, Array]:
+def seen_by_camera(scene, size):
     eyes = vc.connections(scene, vc.Direct(), size=size).eyes
     return eyes.positions, eyes.normals
 
 
-def work(scene: vc.Scene, points: Array, normals: Array, frames: Array, t_max: float) -> Any:
+def work(scene, points, normals, frames, t_max):
     """(bits, counts) of the batch."""
     return scene.aligned_batch().rows(scene._core, points, normals, frames, t_max=t_max)
 

@@ -1,7 +1,5 @@
 """Aligned rays by look-up: Embree's bits except for rounding, and when "auto" chooses them."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from viscache.vlf import aligned
 from vlf.aligned_scenes import embree, frames_of, surface, unexcused, unpacked
 
 
-def by_field(scene: vc.Scene, settings: vc.Vlf, points: Any, normals: Any, **more: Any) -> Any:
+def by_field(scene, settings, points, normals, **more):
     field = scene.caster(settings)
     frames = frames_of(field.settings.n_directions)
     return unpacked(_core.vlf.field_rows(field, points, normals, frames, **more), len(frames))

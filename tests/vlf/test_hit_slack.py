@@ -1,7 +1,5 @@
 """A hit nearer to the end of a tile than its rounding error is compared with the next tile's."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ ORIGIN, DIRECTION = np.float32([-0.9, 0.05, 0.02]), np.float32([1, 0.13, 0.07])
 SLACK = 1e-5
 
 
-def field(wall: float | None) -> vc.VisibilityField:
+def field(wall):
     """A field of one direction over two small triangles far apart, and a wall across the ray."""
     corner = np.float32([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0]])
     parts = [corner - np.float32([1, 1, 1]), np.float32([1, 1, 1]) - corner]
@@ -24,7 +22,7 @@ def field(wall: float | None) -> vc.VisibilityField:
     return vc.VisibilityField(scene, settings=vc.Vlf(n_directions=1, n_tiles=16, bsp_depth=0))
 
 
-def tiles(found: vc.VisibilityField, t_max: float = np.inf) -> tuple[int, Any]:
+def tiles(found, t_max=np.inf):
     """How many tiles the nearest hit of the ray visits, and the triangle."""
     traced = found._core.trace_by(
         ORIGIN[None], DIRECTION[None], np.zeros(1, np.uint32), t_max=np.float32(t_max)
@@ -32,7 +30,7 @@ def tiles(found: vc.VisibilityField, t_max: float = np.inf) -> tuple[int, Any]:
     return traced[3]["tiles"], traced[1][0]
 
 
-def border(free: vc.VisibilityField) -> float:
+def border(free):
     """Where the ray leaves a tile in the middle of its way."""
     low, high = 0.5, 1.3
     before = tiles(free, low)[0]

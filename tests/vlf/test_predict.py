@@ -2,7 +2,6 @@
 
 import re
 import resource
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,11 +13,11 @@ from viscache import _core
 from vlf.field_rays import soup
 
 
-def soup_scene(n: int = 3000, edge: float | None = None) -> vc.Scene:
+def soup_scene(n=3000, edge=None):
     return vc.Scene.from_arrays(*soup(n, edge=edge))
 
 
-SCENES: dict[str, Any] = {
+SCENES = {
     "soup": soup_scene,
     "large triangles": lambda: soup_scene(500, 0.8),
     "small triangles": lambda: soup_scene(5000, 0.02),
@@ -77,9 +76,6 @@ def test_a_hopeless_field_is_refused_without_memory_taken_for_it():
 def test_what_nothing_makes_fit_is_refused():
     with pytest.raises(MemoryError, match="no smaller"):
         vc.VisibilityField(soup_scene(), 3, 1, 0, max_bytes=1000)
-
-
-# Chosen parameters
 
 
 @pytest.mark.parametrize("budget", [1 << 20, 4 << 20, 32 << 20])

@@ -1,23 +1,19 @@
 """Tiles of triangles: none that is touched is missed, none that is clear of them is listed."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from viscache import _core
 
-Array = npt.NDArray[Any]
 SLACK = 1e-5
 SIZES = (1, 2, 3, 7, 16, 128, 512)
 
 
-def triangles_of_every_kind(seed: int = 0) -> dict[str, Array]:
+def triangles_of_every_kind(seed=0):
     """Corners (K, 3, 3) inside the unit ball."""
     r = np.random.default_rng(seed)
 
-    def inside(p: Array) -> Array:
+    def inside(p):
         most = np.linalg.norm(p, axis=-1).max(axis=-1)
         return p / np.maximum(1, most * 1.0001)[..., None, None]
 
@@ -43,11 +39,11 @@ def triangles_of_every_kind(seed: int = 0) -> dict[str, Array]:
 KINDS = tuple(triangles_of_every_kind())
 
 
-def covered(corners: Array, n: int) -> tuple[Array, Array]:
+def covered(corners, n):
     return _core.vlf.cover_tiles(np.asarray(corners, np.float32), n)
 
 
-def tile_of(p: Array, n: int) -> Array:
+def tile_of(p, n):
     return np.clip(np.floor((p + 1) * n / 2), 0, n - 1).astype(int)
 
 
@@ -73,7 +69,7 @@ def test_the_tile_of_every_point_lists_its_triangle_at_its_depth(kind, n):
         assert (low[x, y] <= p[:, 2]).all() and (p[:, 2] <= high[x, y]).all()
 
 
-def separated(t: Array, box: Array) -> bool:
+def separated(t, box):
     """Separating axes of a triangle and a box (2 corners) in the plane, in double."""
     corners = np.array([[x, y] for x in box[:, 0] for y in box[:, 1]])
     edges = np.roll(t, -1, 0) - t

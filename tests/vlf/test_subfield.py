@@ -1,17 +1,14 @@
 """Lists of the subfields: complete, ordered, without repeats, the same on any threads."""
 
 import itertools
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from viscache import _core
 from vlf.field_rays import soup
 
-Array = npt.NDArray[Any]
 PARAMETERS = [
     {"bsp_depth": 0},
     {"bsp_depth": 3, "leaf_target": 0},
@@ -21,13 +18,13 @@ PARAMETERS = [
 ]
 
 
-def built(scene: vc.Scene, n: int = 24, **settings: Any) -> vc.VisibilityField:
+def built(scene, n=24, **settings):
     depth = settings.pop("bsp_depth", "auto")
     chosen = vc.Vlf(n_directions=33, n_tiles=n, bsp_depth=depth, **settings)
     return vc.VisibilityField(scene, settings=chosen)
 
 
-def tile_lists(lists: dict[str, Array]) -> list[set[int]]:
+def tile_lists(lists):
     """Triangles of each tile."""
     ends = lists["first_id"][lists["first_leaf"]]
     return [set(lists["ids"][a:b].tolist()) for a, b in itertools.pairwise(ends)]
@@ -68,7 +65,7 @@ def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings):
     for direction, frame in enumerate(vc.vlf.direction_frames(33)[::4].astype(float)):
         canonical = (corners @ frame.T).astype(np.float32)
         tiles, _ = _core.vlf.cover_tiles(canonical, 24)
-        expected: list[set[int]] = [set() for _ in range(24 * 24)]
+        expected = [set() for _ in range(24 * 24)]
         for i, x, y in tiles.tolist():
             expected[y * 24 + x].add(i)
         found = tile_lists(f._core.subfield(4 * direction))

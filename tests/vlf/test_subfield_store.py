@@ -12,7 +12,7 @@ SCENE = vc.Scene.from_arrays(*soup(2000))
 CHORDS = rays_of_every_kind(flat(SCENE), 6000, 129)["chords"]
 
 
-def lazy(max_bytes: int = 1 << 30) -> vc.VisibilityField:
+def lazy(max_bytes=1 << 30):
     settings = vc.Vlf(n_directions=129, n_tiles=32, bsp_depth=3, max_bytes=max_bytes, lazy=True)
     return vc.VisibilityField(SCENE, settings=settings)
 
@@ -61,7 +61,7 @@ def test_threads_that_ask_at_once_get_right_answers_from_a_small_store():
     whole = vc.VisibilityField(SCENE, 129, 32, 3)
     expected = whole.occluded(CHORDS[:, 0], CHORDS[:, 1])
     f = lazy(2000 * 96 + 100_000)
-    wrong: list[int] = []
+    wrong = []
 
     def ask(part):
         for _ in range(3):

@@ -10,7 +10,7 @@ def walk(o, d, n, t_min=0.0, t_max=np.inf):
     return _core.vlf.walk_tiles(list(map(float, o)), list(map(float, d)), n, t_min, t_max)
 
 
-def random_rays(count: int, seed: int = 0):
+def random_rays(count, seed=0):
     r = np.random.default_rng(seed)
     o, d = r.uniform(-1.5, 1.5, (count, 3)), r.normal(size=(count, 3))
     d[: count // 4, :2] *= 0.05

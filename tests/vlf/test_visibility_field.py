@@ -2,17 +2,14 @@
 
 import dataclasses
 from functools import cache
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from reference.built import built
 from vlf.field_rays import flat, inexcusable, rays_of_every_kind, soup, unit
 
-Array = npt.NDArray[Any]
 KINDS = ("chords", "interior", "grazing", "aligned", "axis-parallel")
 SMALL = vc.Vlf(n_directions=33, n_tiles=32)
 VARIANTS = {
@@ -39,7 +36,7 @@ VARIANTS = {
 }
 
 
-def field(scene: vc.Scene, settings: vc.Vlf = SMALL, **changed: Any) -> vc.VisibilityField:
+def field(scene, settings=SMALL, **changed):
     s = dataclasses.replace(settings, **changed)
     return vc.VisibilityField(
         scene, s.n_directions, s.n_tiles, s.bsp_depth, max_bytes=s.max_bytes, settings=s
@@ -53,7 +50,7 @@ def scene(request):
     return built("room?triangles=5000")
 
 
-def compare(scene: vc.Scene, f: vc.VisibilityField, rays: Array, apart_by: float = 1e-4) -> int:
+def compare(scene, f, rays, apart_by=1e-4):
     """Number of excused differences; fails on any other."""
     # Wald's records hold places from the scene's origin, the others from the ray's
     rounding = 1e-6 if f.settings.kernel == "watertight" else 4e-6
@@ -82,7 +79,7 @@ def compare(scene: vc.Scene, f: vc.VisibilityField, rays: Array, apart_by: float
 
 
 @cache
-def fine_field(scene: vc.Scene, kernel: str) -> vc.VisibilityField:
+def fine_field(scene, kernel):
     return field(scene, kernel=kernel, n_directions=129, n_tiles=64)
 
 
@@ -108,7 +105,7 @@ def test_of_millions_of_rays_none_differs_without_excuse(scene):
 
 
 @cache
-def plain_hits(scene: vc.Scene) -> tuple[Array, Any]:
+def plain_hits(scene):
     """Rays of every kind, and their hits by the field of the smallest settings."""
     rays = np.concatenate(list(rays_of_every_kind(flat(scene), 2000, 33).values()))
     return rays, field(scene).intersect(rays[:, 0], rays[:, 1])
@@ -124,7 +121,7 @@ def test_answers_do_not_depend_on_how_the_lists_are_kept(scene, variant):
     np.testing.assert_array_equal(f.occluded(rays[:, 0], rays[:, 1]), base.triangle >= 0)
 
 
-def terrain(n: int = 40, height: float = 1e-3) -> vc.Scene:
+def terrain(n=40, height=1e-3):
     """A nearly flat square of 2·n² triangles, long in x."""
     x, y = np.meshgrid(np.linspace(0, 8, n + 1), np.linspace(0, 1, n + 1))
     z = height * np.random.default_rng(2).random(x.shape)
@@ -237,9 +234,6 @@ def test_instances_are_placed_triangles_of_the_field():
     np.testing.assert_allclose(ours.t[hit], theirs.t[hit], rtol=2e-3)
 
 
-# Extremes
-
-
 @pytest.mark.extreme
 def test_rays_from_far_away_hit_what_near_ones_hit():
     scene = vc.Scene.from_arrays(*soup(1000))
@@ -308,9 +302,6 @@ def test_rays_that_cannot_be_used_are_refused_by_row():
             call(*given)
 
 
-# Approximate: along the nearest axis
-
-
 def test_snapped_rays_are_those_along_their_nearest_axes():
     scene = vc.Scene.from_arrays(*soup(1000))
     rays = rays_of_every_kind(flat(scene), 4000, 129)["interior"]
@@ -322,9 +313,6 @@ def test_snapped_rays_are_those_along_their_nearest_axes():
     theirs = exact.intersect(rays[:, 0], along)
     assert (ours.triangle == theirs.triangle).mean() > 0.999
     assert 0.05 < (ours.triangle != exact.intersect(rays[:, 0], rays[:, 1]).triangle).mean() < 0.9
-
-
-# The object
 
 
 def test_it_says_what_it_is():
@@ -339,7 +327,7 @@ def test_it_says_what_it_is():
 
 def test_progress_is_told_and_can_stop_the_build():
     scene = vc.Scene.from_arrays(*soup(30_000))
-    seen: list[tuple[int, int]] = []
+    seen = []
 
     def stop(done, total):
         seen.append((done, total))
@@ -351,9 +339,6 @@ def test_progress_is_told_and_can_stop_the_build():
     seen.clear()
     vc.VisibilityField(scene, 33, 16, progress=lambda *a: seen.append(a))
     assert seen[-1] == (33, 33)
-
-
-# Frames
 
 
 @pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=4)])

@@ -1,7 +1,6 @@
 """Ratios, errors and verdicts of benches, on measurements made up by hand."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +42,7 @@ def test_a_gain_is_error_times_time_of_exact_frames_over_that_of_the_other():
     assert (made["cpu_s"], made["exact_cpu_s"]) == (2.0, 3.0)
 
 
-def passes_of(settings: dict[str, tuple[float, float, float]]) -> xarray.Dataset:
+def passes_of(settings):
     """One pass of each setting: its nmse, known to a tenth, relative error and seconds."""
     nmse, relative, seconds = np.array(list(settings.values())).T[:, :, None]
     rows = {"nmse": nmse, "nmse_high": 1.1 * nmse, "rel_mse": relative, "cpu_s": seconds}
@@ -85,7 +84,7 @@ def test_the_energy_of_frames_is_judged_by_the_noise_of_their_differences():
     assert errors_of_frames.energy_z(off + 0 * exact) == pytest.approx(0, abs=1e-9)
 
 
-def covered(error_seen: float) -> dict[str, Any]:
+def covered(error_seen):
     """Coverage by audits of a frame that errs everywhere, if its error were other by a factor."""
     r = np.random.default_rng(2)
     light = 1 + r.random((128, 128)).astype(np.float32)
@@ -121,7 +120,7 @@ def test_means_that_are_off_by_more_than_chance_are_found():
     for shift, holds in ((0.0, True), (0.05, False)):
         trial = Trial()
         estimates = {"way": truth + 0.1 * r.normal(size=(64, 20)) + shift}
-        found: Any = SimpleNamespace(truth=truth, estimates=estimates)
+        found = SimpleNamespace(truth=truth, estimates=estimates)
         vismap_variance.check_means(trial, "x", found)
         assert trial.answers_hold is holds
 
@@ -143,5 +142,5 @@ def test_a_persistent_error_is_told_from_noise():
 def test_passes_alone_are_those_of_the_running_mean():
     passes = np.random.default_rng(6).random((5, 4, 4, 3)).astype(np.float32)
     means = iter([SimpleNamespace(image=passes[: i + 1].mean(axis=0)) for i in range(5)])
-    picture: Any = SimpleNamespace(passes=lambda n: next(means))
+    picture = SimpleNamespace(passes=lambda n: next(means))
     np.testing.assert_allclose(errors_of_frames.alone(picture, 5), passes, atol=1e-5)

@@ -4,16 +4,14 @@ import dataclasses
 import importlib
 import itertools
 import pkgutil
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
 from viscache_lab.experiment import FAMILIES
-from viscache_lab.experiment.checks import Case, checked
+from viscache_lab.experiment.checks import checked
 from viscache_lab.extremes import families, pictures
 from viscache_lab.extremes.families import machine
 
@@ -30,11 +28,11 @@ RENDER = vc.render
 TOLD = machine._told
 
 
-def cases(name: str, every: int) -> Iterator[Case]:
+def cases(name, every):
     return itertools.islice(FAMILIES[name].function(False), len(name) % every, None, every)
 
 
-def forget_frames() -> None:
+def forget_frames():
     """Frames that families keep from case to case; those of other processes stay."""
     for module in [*MODULES, pictures]:
         for value in list(vars(module).values()):
@@ -46,10 +44,10 @@ def forget_frames() -> None:
 class FirstDamaged:
     """`vc.render`, whose first frame is thrice as bright, has a negative pixel, and more rays."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.frames = 0
 
-    def __call__(self, *given: Any, **more: Any) -> vc.Frame:
+    def __call__(self, *given, **more):
         frame = RENDER(*given, **more)
         self.frames += 1
         if self.frames > 1:
@@ -63,7 +61,7 @@ class FirstDamaged:
 
 
 @contextmanager
-def damaged(monkeypatch: pytest.MonkeyPatch) -> Iterator[FirstDamaged]:
+def damaged(monkeypatch):
     forget_frames()
     made = FirstDamaged()
     with monkeypatch.context() as patch:
@@ -72,10 +70,10 @@ def damaged(monkeypatch: pytest.MonkeyPatch) -> Iterator[FirstDamaged]:
     forget_frames()
 
 
-def leaky(answer: Callable[..., Any]) -> Callable[..., Any]:
+def leaky(answer):
     """Answers of rays of which one in twenty is wrong."""
 
-    def asked(*given: Any, **more: Any) -> Any:
+    def asked(*given, **more):
         found = np.array(answer(*given, **more))
         found[::20] ^= True
         return found
@@ -83,13 +81,13 @@ def leaky(answer: Callable[..., Any]) -> Callable[..., Any]:
     return asked
 
 
-def every_other(function: Callable[..., Any], changed: dict[str, Any]) -> Callable[..., Any]:
+def every_other(function, changed):
     """A function with other arguments at every second call."""
     calls = itertools.count()
     return lambda *given, **more: function(*given, **(more | (changed if next(calls) % 2 else {})))
 
 
-def drifting(*given: Any, **more: Any) -> vc.Frame:
+def drifting(*given, **more):
     """`vc.render`, whose sums of very many samples are 2 % too large."""
     frame = RENDER(*given, **more)
     if more.get("spp", 1) < 10_000:
@@ -98,19 +96,19 @@ def drifting(*given: Any, **more: Any) -> vc.Frame:
     return dataclasses.replace(frame, layers=layers)
 
 
-def accepting(*given: Any, env: Any, **more: Any) -> vc.Frame:
+def accepting(*given, env, **more):
     """`vc.render`, which takes what is not finite for a large number."""
     return RENDER(*given, env=[min(float(value), 1e30) for value in env], **more)
 
 
-def silent_and_damaged(monkeypatch: pytest.MonkeyPatch) -> None:
+def silent_and_damaged(monkeypatch):
     """Nothing is warned of, and the first frame is wrong."""
     monkeypatch.setattr(vc.Scene, "warnings", [])
     monkeypatch.setattr(vc, "render", FirstDamaged())
 
 
 #: What breaks the checks that a damaged first frame does not, by words of their names.
-OTHERS: dict[str, Callable[[pytest.MonkeyPatch], None]] = {
+OTHERS = {
     "share of random rays": lambda m: m.setattr(vc.Scene, "visible", leaky(vc.Scene.visible)),
     "share that leaves": lambda m: m.setattr(vc.Scene, "visible", leaky(vc.Scene.visible)),
     "rays that hit": lambda m: m.setattr(vc.Scene, "visible", leaky(vc.Scene.visible)),
@@ -135,7 +133,7 @@ OTHERS: dict[str, Callable[[pytest.MonkeyPatch], None]] = {
 }
 
 
-def broken_otherwise(case: Case, monkeypatch: pytest.MonkeyPatch) -> bool:
+def broken_otherwise(case, monkeypatch):
     """Whether one of `OTHERS` makes the case fail."""
     for words, break_ in OTHERS.items():
         if words in case.name:
@@ -149,7 +147,7 @@ def broken_otherwise(case: Case, monkeypatch: pytest.MonkeyPatch) -> bool:
     return False
 
 
-def refused(case: Case) -> bool:
+def refused(case):
     """Ends of a range that a frame's settings refuse by name; no frame shows them."""
     return case.name.startswith(("Aqvc", "VisMaps", "Vlf", "Bsp"))
 
@@ -161,7 +159,7 @@ def test_a_sample_of_a_family_holds(name):
     assert found
 
 
-def never_failing(name: str, every: int, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def never_failing(name, every, monkeypatch):
     """Cases that hold although the first frame is damaged, or another part is broken."""
     lame, unseen = [], 0
     for case in cases(name, every):

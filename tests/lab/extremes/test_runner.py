@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -22,7 +21,7 @@ def broken(monkeypatch):
 
 
 def test_a_crash_a_hang_and_an_exception_fail_their_check_alone(broken):
-    told: list[Check] = []
+    told = []
     found = extremes.run(["broken"], limit_s=3, told=told.append)
     assert found == told
     states = {check.name.removeprefix("broken: "): check for check in found}
@@ -74,7 +73,7 @@ def test_a_value_holds_up_to_its_limit(value, limit, holds):
     assert check.line().startswith("ok " if holds else "FAIL")
 
 
-def report(**values: Any) -> dict[str, Any]:
+def report(**values):
     checks = [{"name": n, "value": v, "limit": 1, "holds": v is not None and v <= 1}
               for n, v in values.items()]  # fmt: skip
     machine = {"cpu": "a CPU", "isa": {"active": "avx2"}, "versions": {"embree": "3"}}

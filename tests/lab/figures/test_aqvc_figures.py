@@ -1,7 +1,6 @@
 """Parts of the quantized cache's figures."""
 
 from collections import Counter
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +22,7 @@ from viscache_lab.figures.aqvc_runs import Shot, Trade, difference, group_rows, 
 from viscache_lab.figures.aqvc_setups import SETUPS
 
 
-def disc(x: float, y: float) -> Any:
+def disc(x, y):
     rows, columns = np.mgrid[0:90, 0:120]
     return 1.0 / (1 + np.exp(np.hypot(columns - 60 - x, rows - 45 - y) - 20))
 
@@ -59,7 +58,7 @@ def test_a_trade_names_the_error_of_every_light_group(trade):
 
 def test_settings_take_turns_and_keep_the_frame_of_the_median_time(monkeypatch):
     seconds = {"Exact": [9.0, 6.0, 7.0], "Aqvc": [3.0, 1.0, 2.0]}
-    asked: list[str] = []
+    asked = []
 
     def made(*_, visibility, **__):
         name = type(visibility).__name__

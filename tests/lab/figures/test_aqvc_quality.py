@@ -9,7 +9,7 @@ from viscache_lab.figures import aqvc_quality
 from viscache_lab.figures.aqvc_runs import Shot
 
 
-def frame_of(*values: float) -> Frame:
+def frame_of(*values):
     image = np.repeat(np.array([values], np.float32)[..., None], 3, axis=2)
     return Frame(layers={"color": image, "emitted": np.zeros_like(image)})
 

@@ -44,7 +44,7 @@ def test_an_interval_is_the_one_of_its_rule(name):
     assert follows(claimed)
 
 
-def follows(claim: Claim) -> bool:
+def follows(claim):
     """Whether the rule gives this interval."""
     numbers = {
         **dict.fromkeys(("at_least", "exact", "more"), (claim.low,)),
@@ -64,7 +64,7 @@ def test_an_interval_of_another_rule_is_noticed():
     assert follows(Claim.by("none")) and not follows(Claim(0.0, 1.3, "none"))
 
 
-def printed_numbers(source: str) -> list[float]:
+def printed_numbers(source):
     """Numbers of a quotation, without the place; powers of ten are written out."""
     said = PLACE.sub("", source.partition("; expected")[0]).replace("·10¹⁰", "e10").replace(",", "")
     said = re.sub(r"(\d)[–-](\d[\d.]*)(e10)", r"\1\3 \2\3", said)
@@ -73,7 +73,7 @@ def printed_numbers(source: str) -> list[float]:
     return numbers + [value for word, value in words.items() if word in said]
 
 
-def of_the_quotation(band: Band) -> bool:
+def of_the_quotation(band):
     """Whether the interval's number is one of the quotation, as it is or as percent."""
     claim, numbers = band.claimed, printed_numbers(band.source)
     about = [claim.low / 0.9, claim.high / 1.1]

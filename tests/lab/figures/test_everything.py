@@ -3,7 +3,6 @@
 import json
 import re
 from html.parser import HTMLParser
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from viscache_lab.experiment import Band, Experiment, Trial
 from viscache_lab.experiment import run as everything
 from viscache_lab.experiment.claim_rules import Claim
 
-CALLS: list[str] = []
+CALLS = []
 
 
 @pytest.fixture
@@ -24,7 +23,7 @@ def two(monkeypatch):
     """Two figures, "holds" and "varies"; what they measure and raise can be changed."""
     for name in list(figures.FIGURES):
         monkeypatch.delitem(figures.FIGURES, name)
-    state: dict[str, Any] = {"measured": 3.0, "raises": None}
+    state = {"measured": 3.0, "raises": None}
     CALLS.clear()
 
     def picture(folder, name):
@@ -54,7 +53,7 @@ def two(monkeypatch):
 class Page(HTMLParser):
     """The content of a page."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text):
         super().__init__()
         self.ids: set[str] = set()
         self.links: set[str] = set()
@@ -62,13 +61,13 @@ class Page(HTMLParser):
         self.text = ""
         self.feed(text)
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag, attrs):
         found = dict(attrs)
         self.ids |= {found["id"] or ""} if "id" in found else set()
         self.links |= {found["href"] or ""} if tag == "a" else set()
         self.sources += [found["src"] or ""] if tag == "img" else []
 
-    def handle_data(self, data: str) -> None:
+    def handle_data(self, data):
         self.text += data + "|"
 
 

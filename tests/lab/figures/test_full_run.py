@@ -4,7 +4,6 @@ import datetime
 import math
 import re
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -13,7 +12,7 @@ from lab.figures.test_bands import EVERY
 from viscache_lab.experiment import Band, Row, claims_pages
 from viscache_lab.experiment.claim_rules import Claim, interval
 from viscache_lab.experiment.claims_pages import PAGES, filled
-from viscache_lab.experiment.full_run import RUNS, FullRun, Judged, kept, read, written
+from viscache_lab.experiment.full_run import RUNS, kept, read, written
 from viscache_lab.figures import FIGURES
 from viscache_lab.figures.bands import aqvc
 
@@ -21,7 +20,7 @@ from viscache_lab.figures.bands import aqvc
 FLICKER = next(row for row in RUNS["aqvc-claims"].judged if row.what.startswith("H8"))
 
 
-def claim_of(band: Band) -> tuple[str, str, str, float, float]:
+def claim_of(band):
     one = band.claimed
     return band.said, one.rule, one.because, one.low, one.high
 
@@ -59,7 +58,7 @@ def test_the_frame_of_each_claim_is_listed(name):
     assert re.search(rf"^\| `{name}` \| [^|`]+ \|$", text("docs/claims.md"), re.MULTILINE)
 
 
-def result(*rows: Row, **others: Any) -> dict[str, Any]:
+def result(*rows, **others):
     """A figure's result, as `figures.reproduce` returns it."""
     made = {"figure": "aqvc-claims", "quick": False, "size": None, "seconds": 6.04, "cpu_s": 10.0}
     made |= {
@@ -87,7 +86,7 @@ def test_only_full_runs_are_kept(fault):
         kept(result(Row("a", 1.0), **fault), "C")
 
 
-def run_of(*judged: Judged) -> dict[str, FullRun]:
+def run_of(*judged):
     return {"aqvc-claims": replace(RUNS["aqvc-claims"], judged=judged)}
 
 

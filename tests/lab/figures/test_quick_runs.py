@@ -4,9 +4,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,9 +14,7 @@ from viscache_lab.experiment.run import finished
 
 #: Of each figure: rows with a band, tables, and what the axes of each picture show (title, label of
 #: x and y, names of series, number of images), numbers in titles left out.
-QUICK: dict[str, dict[str, Any]] = json.loads(
-    Path(__file__).with_name("quick_runs.json").read_text("utf-8")
-)
+QUICK = json.loads(Path(__file__).with_name("quick_runs.json").read_text("utf-8"))
 #: Rows that need scenes by other authors.
 SKIPPED = {
     "vismap-fig4": ["living-room", "sanmiguel-part"],
@@ -28,7 +24,7 @@ SKIPPED = {
 
 
 #: Ways in which a row may have the wrong sense.
-INVERSIONS: dict[str, Callable[[float], float]] = {
+INVERSIONS = {
     "sign": lambda measured: -measured,
     "ratio": lambda measured: 1 / measured if measured else math.inf,
 }
@@ -39,7 +35,7 @@ def test_every_figure_has_a_quick_run_with_a_band():
     assert [name for name, quick in QUICK.items() if quick["banded"] == 0] == []
 
 
-def broken(rows: list[dict[str, Any]], how: str) -> list[str]:
+def broken(rows, how):
     """Rows whose band notices that the measured value has the wrong sense."""
     wrong = []
     for row in rows:
@@ -59,9 +55,7 @@ def test_a_band_that_holds_any_sense_notices_no_wrong_one():
     assert broken([wide | {"band": None}], "sign") == []
 
 
-def quick_result(
-    name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> dict[str, Any]:
+def quick_result(name, folder, monkeypatch, capsys):
     """The figure's result: one that this code left in VISCACHE_QUICK_FIGURES, or a run."""
     known = os.environ.get("VISCACHE_QUICK_FIGURES")
     result = finished(Path(known), name, quick=True, size=None) if known else None
@@ -69,7 +63,7 @@ def quick_result(
         return result
     monkeypatch.setenv("VISCACHE_SCENES", str(folder / "none"))
     status = cli.main(["reproduce", name, "-o", str(folder), "--quick", "--json"])
-    made: dict[str, Any] = json.loads(capsys.readouterr().out)
+    made = json.loads(capsys.readouterr().out)
     assert status == (0 if made["holds"] else 1)
     return made
 
@@ -96,7 +90,7 @@ def test_a_quick_run_measures_every_row_holds_and_draws(name, tmp_path, monkeypa
     assert {file: [shown(one) for one in axes] for file, axes in got["drawn"].items()} == expected
 
 
-def shown(axes: dict[str, Any]) -> list[Any]:
+def shown(axes):
     """What axes show, without the numbers of the title."""
     title = re.sub(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?", "#", axes["title"])
     return [title, axes["x"], axes["y"], axes["series"], axes["images"]]

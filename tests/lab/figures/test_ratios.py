@@ -1,14 +1,13 @@
 """Ratios of figures have the sense that their rows say, on measurements made up by hand."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
 from viscache.frame import Frame
-from viscache_lab.experiment import Row, Trial
+from viscache_lab.experiment import Trial
 from viscache_lab.experiment.drawing import Panel
 from viscache_lab.figures import (
     aqvc_claims,
@@ -24,18 +23,18 @@ from viscache_lab.figures.bands import vlf as bands
 from viscache_lab.figures.vlf_tracers import FAST_EMBREE, Tuned
 
 
-def tuned(settings: Any) -> Tuned:
+def tuned(settings):
     return Tuned(settings=settings, caster=None, build_s=0.1, nbytes=1000)
 
 
 TUNED = {"CRT": tuned(vc.Bsp(max_depth=14)), "VLF-RT": tuned(vc.Vlf()), "Embree": tuned(None)}
 
 
-def measured(rows: list[Row]) -> dict[str, float | None]:
+def measured(rows):
     return {row.what: row.measured for row in rows}
 
 
-def holding(rows: list[Row]) -> list[bool]:
+def holding(rows):
     return [row.holds for row in rows if row.holds is not None]
 
 
@@ -110,12 +109,12 @@ def test_ambient_occlusion_compares_the_better_order_of_embree():
     assert 1.0 in bands.OCCLUSION_SPEEDUP and 0.99 not in bands.OCCLUSION_SPEEDUP
 
 
-def frame(light: float, cpu_s: float = 1.0, **counters: float) -> Frame:
+def frame(light, cpu_s=1.0, **counters):
     image = np.full((2, 2, 3), light, np.float32)
     return Frame(layers={"color": image}, counters=counters, timings={"cpu_s": cpu_s})
 
 
-def trade(error: float, reduction: float) -> Trade:
+def trade(error, reduction):
     return Trade(frame=frame(1 + error, ray_reduction=reduction), exact=frame(1.0))
 
 
@@ -165,7 +164,7 @@ def test_table_3_prints_the_papers_numbers_beside_ours(monkeypatch):
 
     monkeypatch.setattr(vismap_table3, "_rendered", rendered)
     monkeypatch.setattr(vismap_table3, "_times", lambda *_: times)
-    picture: Any = SimpleNamespace(build_cache=lambda settings: None)
+    picture = SimpleNamespace(build_cache=lambda settings: None)
     rows = list(vismap_table3._rendered_rows("garage", picture, vc.MapSettings(), samples, False))
     beside = [row for row in rows if row.printed is not None]
     assert len(beside) == 3 * len(costs) + 2
@@ -197,7 +196,7 @@ def test_equal_time_gives_product_sampling_the_samples_of_the_caches_seconds(mon
             noise = rng.normal(size=(48, 64, 3)) * np.sqrt(variance)[..., None]
             return SimpleNamespace(image=(10 + noise), timings={"cpu_s": 1.0})
 
-    fake: Any = Fake()
+    fake = Fake()
     fake.size = size
     ours = vismap_printed.EQUAL_TIME_SAMPLES[0]
     for name, value in {

@@ -18,7 +18,7 @@ BAND = Band(0.8, math.inf, "the paper says so")
 @pytest.fixture
 def made_up(monkeypatch):
     """A figure `made-up` whose rows the test fills in."""
-    rows: list[Row] = []
+    rows = []
 
     def function(trial):
         (trial.folder / "made-up.png").write_bytes(b"picture")

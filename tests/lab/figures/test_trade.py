@@ -8,9 +8,7 @@ from viscache_lab.figures import trade
 from viscache_lab.figures.bands import trade as trade_bands
 
 
-def passes(
-    nmse: dict[str, float], seconds: dict[str, float], energy: list[float]
-) -> xarray.Dataset:
+def passes(nmse, seconds, energy):
     """A dataset of passes with known ends."""
     names = list(nmse)
     n = len(energy)

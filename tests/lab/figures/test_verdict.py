@@ -14,7 +14,7 @@ QUOTED = Band(1.0, math.inf, "Fig. 6: the field is faster", claimed=Claim.by("mo
 OURS = Band(1.0, math.inf, "expected: more than none")
 
 
-def row(band: Band | None, measured: float | None) -> dict[str, object]:
+def row(band, measured):
     return Row("x", measured, band=band).as_dict()
 
 

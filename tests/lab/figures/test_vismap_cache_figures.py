@@ -32,7 +32,7 @@ def test_figure_5_needs_no_scene_and_holds_its_bands(tmp_path, capsys):
     assert (tmp_path / "vismap-fig5.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def frames(ratios: list[float]) -> list[Frame]:
+def frames(ratios):
     one = Frame(records=9, inserted=2, wrong=1, unused=0, miss_share=0.01, ratio=0.0)
     return [replace(one, ratio=ratio) for ratio in ratios]
 

@@ -10,7 +10,7 @@ from viscache_lab.figures import vismap_correlation as figure
 from viscache_lab.figures.bands import vismap as bands
 
 
-def slices(over_theta: np.ndarray, over_d: np.ndarray) -> xarray.Dataset:
+def slices(over_theta, over_d):
     """Both slices with 64 bins of 1000 pairs each; d ends at 8."""
     theta, d = (np.arange(64) + 0.5) * 180 / 64, (np.arange(64) + 0.5) / 8
     return xarray.Dataset(
