@@ -1,8 +1,11 @@
 // SceneDescription: a scene that loaders and Python fill before it is frozen.
 #include <pybind11/native_enum.h>
 
+#include <variant>
+
 #include "described.h"
 #include "viscache/scene/description_bytes.h"
+#include "viscache/scene/face_colors.h"
 
 namespace viscache::bindings {
 
@@ -40,9 +43,42 @@ Affine affine_from(const DoubleArray& a) {
     return t;
 }
 
+/// Linear floats or sRGB bytes. An array of bytes is none of floats without conversion, and all else becomes
+/// floats.
+using ColorArray = std::variant<FloatArray, py::array_t<uint8_t>>;
+
+/// One colour, (N, 3) or (N, 4), for each of `rows` things.
+std::vector<VertexColor> colors_from(const ColorArray& given, size_t rows, const char* name) {
+    const auto& shape = std::visit([](const auto& a) -> const py::array& { return a; }, given);
+    if (shape.ndim() != 2 || size_t(shape.shape(0)) != rows || (shape.shape(1) != 3 && shape.shape(1) != 4))
+        throw py::value_error(std::string(name) + " must have shape (" + std::to_string(rows) +
+                              ", 3 or 4), got " + shape_text(shape));
+    const bool has_alpha = shape.shape(1) == 4;
+    std::vector<VertexColor> out(rows);
+    if (const auto* bytes = std::get_if<py::array_t<uint8_t>>(&given)) {
+        const auto b = bytes->unchecked<2>();
+        for (size_t i = 0; i < rows; ++i) {
+            const auto k = py::ssize_t(i);
+            out[i] = {b(k, 0), b(k, 1), b(k, 2), has_alpha ? b(k, 3) : uint8_t(255)};
+        }
+        return out;
+    }
+    const float* v = std::get<FloatArray>(given).data();
+    for (size_t i = 0; i < rows; ++i, v += shape.shape(1)) {
+        for (py::ssize_t c = 0; c < shape.shape(1); ++c)
+            // Also refuses NaN
+            if (!(v[c] >= 0 && v[c] <= 1))
+                throw SceneError(std::string(name) + " must be in [0, 1], or bytes of dtype uint8, got " +
+                                 std::to_string(v[c]) + " in row " + std::to_string(i));
+        out[i] = vertex_color({v[0], v[1], v[2]}, has_alpha ? v[3] : 1.f);
+    }
+    return out;
+}
+
 int add_mesh(SceneDescription& d, const DoubleArray& vertices, const UintArray& triangles, int material,
              const std::optional<FloatArray>& normals, const std::optional<FloatArray>& uvs, Float3 emission,
-             bool emits_two_sided, bool in_world, const std::string& name, int emission_texture) {
+             bool emits_two_sided, bool in_world, const std::string& name, int emission_texture,
+             const std::optional<ColorArray>& colors, const std::optional<ColorArray>& face_colors) {
     Mesh mesh;
     mesh.name = name;
     mesh.material = material;
@@ -65,6 +101,9 @@ int add_mesh(SceneDescription& d, const DoubleArray& vertices, const UintArray& 
         const auto* uv = reinterpret_cast<const Vec2*>(uvs->data());
         mesh.uvs.assign(uv, uv + uvs->shape(0));
     }
+    if (colors && face_colors) throw py::value_error("colors and face_colors exclude each other");
+    if (colors) mesh.colors = colors_from(*colors, mesh.vertices.size(), "colors");
+    if (face_colors) color_faces(mesh, colors_from(*face_colors, mesh.triangles.size(), "face_colors"));
     d.meshes.push_back(std::move(mesh));
     return int(d.meshes.size()) - 1;
 }
@@ -116,9 +155,15 @@ void bind_meshes(py::class_<SceneDescription>& d) {
           py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
           py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
           py::arg("in_world") = true, py::arg("name") = "", py::arg("emission_texture") = -1,
+          py::arg("colors") = py::none(), py::arg("face_colors") = py::none(),
           "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
           "2),\n"
           "emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.\n"
+          "colors (V, 3 or 4) or face_colors (T, 3 or 4) multiply the base colour, and the fourth the alpha, "
+          "of the\n"
+          "material: linear in [0, 1], or sRGB bytes (uint8). They are kept as sRGB bytes. Vertices whose "
+          "faces\n"
+          "differ in colour become several.\n"
           "Returns its index.");
 }
 

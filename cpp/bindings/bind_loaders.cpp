@@ -12,12 +12,13 @@ using Class = py::class_<SceneDescription>;
 py::list mesh_list(const SceneDescription& d) {
     py::list out;
     for (const Mesh& m : d.meshes)
-        out.append(py::dict(
-            py::arg("name") = m.name, py::arg("n_vertices") = m.vertices.size(),
-            py::arg("n_triangles") = m.triangles.size(), py::arg("material") = m.material,
-            py::arg("emission") = array3(m.emission), py::arg("emission_texture") = m.emission_texture,
-            py::arg("emits_two_sided") = m.emits_two_sided, py::arg("in_world") = m.in_world,
-            py::arg("has_normals") = !m.normals.empty(), py::arg("has_uvs") = !m.uvs.empty()));
+        out.append(py::dict(py::arg("name") = m.name, py::arg("n_vertices") = m.vertices.size(),
+                            py::arg("n_triangles") = m.triangles.size(), py::arg("material") = m.material,
+                            py::arg("emission") = array3(m.emission),
+                            py::arg("emission_texture") = m.emission_texture,
+                            py::arg("emits_two_sided") = m.emits_two_sided, py::arg("in_world") = m.in_world,
+                            py::arg("has_normals") = !m.normals.empty(), py::arg("has_uvs") = !m.uvs.empty(),
+                            py::arg("has_colors") = !m.colors.empty()));
     return out;
 }
 
@@ -27,7 +28,8 @@ py::dict mesh_arrays(const SceneDescription& d, size_t index) {
     if (!m.uvs.empty()) std::memcpy(uvs.mutable_data(), m.uvs.data(), m.uvs.size() * sizeof(Vec2));
     return py::dict(py::arg("vertices") = from_vec3s(m.vertices),
                     py::arg("triangles") = from_triangles(m.triangles),
-                    py::arg("normals") = from_vec3s(m.normals), py::arg("uvs") = uvs);
+                    py::arg("normals") = from_vec3s(m.normals), py::arg("uvs") = uvs,
+                    py::arg("colors") = linear_colors(m.colors));
 }
 
 py::list material_list(const SceneDescription& d) {
@@ -73,7 +75,8 @@ void bind_loaders(py::module_& m) {
             },
             "Lowest and highest corner of the placed meshes and the sphere lights.")
         .def_property_readonly("meshes", &mesh_list, "A dict per mesh, without its arrays.")
-        .def("mesh_arrays", &mesh_arrays, py::arg("index"), "vertices, triangles, normals, uvs of one mesh.")
+        .def("mesh_arrays", &mesh_arrays, py::arg("index"),
+             "vertices, triangles, normals, uvs, linear colors of one mesh.")
         .def_property_readonly("materials", &material_list, "A dict per material.")
         .def_property_readonly("cameras", &camera_list, "A dict per camera.")
         .def_property_readonly(

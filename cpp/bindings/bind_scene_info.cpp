@@ -17,8 +17,8 @@ py::dict mesh_dict(const Scene& scene, size_t index) {
     using namespace py::literals;
     return py::dict("name"_a = mesh.name, "vertices"_a = from_vec3s(mesh.vertices),
                     "triangles"_a = from_triangles(mesh.triangles), "normals"_a = from_vec3s(mesh.normals),
-                    "material"_a = mesh.material, "emission"_a = array3(mesh.emission),
-                    "in_world"_a = mesh.in_world);
+                    "colors"_a = linear_colors(mesh.colors), "material"_a = mesh.material,
+                    "emission"_a = array3(mesh.emission), "in_world"_a = mesh.in_world);
 }
 
 }  // namespace

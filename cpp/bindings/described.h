@@ -18,6 +18,17 @@ inline py::array_t<uint32_t> from_triangles(const std::vector<Vec3u>& t) {
     return a;
 }
 
+/// Linear colours with alpha, (N, 4).
+inline py::array_t<float> linear_colors(const std::vector<VertexColor>& colors) {
+    py::array_t<float> a({py::ssize_t(colors.size()), py::ssize_t(4)});
+    float* out = a.mutable_data();
+    for (const VertexColor c : colors) {
+        const Rgb rgb = c.rgb();
+        for (float v : {rgb.x, rgb.y, rgb.z, c.alpha()}) *out++ = v;
+    }
+    return a;
+}
+
 inline py::list affine_rows(const Affine& t) {
     py::list rows;
     for (const auto& row : t.m) rows.append(py::cast(row));

@@ -30,6 +30,7 @@ SceneDescription of_everything() {
     mesh.triangles = {{0, 1, 2}};
     mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     mesh.uvs = {{0, 0}, {1, 0}, {0, 1}};
+    mesh.colors = {{1, 2, 3, 4}, {}, {}};
     mesh.emission = {1, 2, 3};
     mesh.in_world = false;
     d.meshes = {mesh};

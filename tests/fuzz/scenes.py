@@ -29,7 +29,7 @@ def scene(dice: Dice) -> vc.Scene:
 
 
 def mesh(dice: Dice) -> dict[str, Any]:
-    """Arguments of a mesh: vertices, triangles, perhaps normals and a colour."""
+    """Arguments of a mesh: vertices, triangles, perhaps normals, colours and a base colour."""
     count = dice.pick(3, 4, 10, 100)
     triangles: Any = dice.numpy().integers(0, count, (dice.pick(1, 2, 10, 200), 3))
     if dice.is_wild():
@@ -51,6 +51,11 @@ def mesh(dice: Dice) -> dict[str, Any]:
     made: dict[str, Any] = {"vertices": dice.array((count, 3)), "triangles": triangles}
     if dice.chance(0.3):
         made["normals"] = dice.array((count, 3), unit=True)
+    if dice.chance(0.3):
+        rows = dice.pick(count, count, len(triangles) if triangles is not None else 1)
+        made["colors"] = dice.numpy().random((rows, dice.pick(3, 4)))
+        if dice.is_wild():
+            made["colors"] = dice.pick("red", 3, dice.array((count, 3)), np.uint8([[1, 2, 3]]))
     if dice.chance(0.3):
         made["base_color"] = tuple(dice.random.uniform(-0.01, 1.01) for _ in "rgb")
         if dice.is_wild():

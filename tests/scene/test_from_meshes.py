@@ -62,8 +62,10 @@ def test_trimesh_objects_become_scenes():
     one = vc.Scene.from_trimesh(box, env=1.0)
     assert one.triangles == 12
     np.testing.assert_allclose(one.bounds, [[-0.5, -1, -1.5], [0.5, 1, 1.5]])
-    color = _core.scene_materials(one._core)[0]["base_color"]
-    assert color == pytest.approx((1.0, 0.0, 0.2), abs=1e-6)
+    (mesh,) = one.meshes()
+    np.testing.assert_allclose(
+        mesh["colors"], [[1, 0, ((0.2 + 0.055) / 1.055) ** 2.4, 1]] * 8, rtol=1e-6
+    )
 
     placed = trimesh.Scene()
     placed.add_geometry(

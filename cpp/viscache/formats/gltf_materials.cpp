@@ -198,7 +198,9 @@ void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, cons
             loading_.warn(where, "alpha mode '" + in.alphaMode + "' with an image is a cut-out at 0.5 here");
     } else if (in.alphaMode == "MASK") {
         m.opacity = factor < cutoff ? 0.f : 1.f;
+        m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;  // of the alpha of vertices
     } else {
+        m.alpha_cutoff = -1;
         m.opacity = std::clamp(float(factor), 0.f, 1.f);
     }
 }
@@ -223,7 +225,7 @@ void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, 
     }
     metallic = std::clamp(metallic, 0.0, 1.0);
     m.roughness = clamp_roughness(float(roughness * roughness));
-    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0) {
+    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0 || look.colored) {
         m.metallic = float(metallic);
     } else {  // the same mixture everywhere
         m.specular = clamp01(m.specular * float(1 - metallic) + m.base_color * float(metallic));
@@ -277,6 +279,7 @@ const GltfReader::Look& GltfReader::look(int index) {
     const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
     Look& look = found->second;
     look.texcoord = texcoord_of(in);
+    look.colored = colored_.contains(index);
     look.material = loading_.add_material(surface(in, look, where));
     look.two_sided = in.doubleSided;
     emission(look, in, where);

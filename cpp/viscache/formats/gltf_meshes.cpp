@@ -78,6 +78,22 @@ std::vector<Vec3> GltfReader::vec3s(int accessor, const std::string& where) cons
     return out;
 }
 
+/// COLOR_0: linear, of floats, bytes or 16 bits, with or without alpha.
+std::vector<VertexColor> GltfReader::colors(const tinygltf::Primitive& p, const std::string& where) const {
+    const auto given = p.attributes.find("COLOR_0");
+    if (given == p.attributes.end()) return {};
+    Elements e = elements(given->second, where);
+    if (e.n != 3 && e.n != 4) fail(where, "colours must hold 3 or 4 components");
+    e.normalized = true;  // as the standard demands of integers
+    // The alpha of an opaque material counts for nothing, and neither does that of its vertices
+    const bool opaque = p.material < 0 || model_.materials.at(size_t(p.material)).alphaMode == "OPAQUE";
+    std::vector<VertexColor> out(e.count);
+    for (size_t i = 0; i < e.count; ++i)
+        out[i] = vertex_color({float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))},
+                              e.n == 4 && !opaque ? float(e.get(i, 3)) : 1.f);
+    return out;
+}
+
 void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& p, const std::string& where) {
     std::vector<uint32_t> corners;
     const size_t n = mesh.vertices.size();
@@ -138,6 +154,7 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
         // Row 0 of an image is v = 0 in glTF.
         for (size_t i = 0; i < e.count; ++i) mesh.uvs.push_back({float(e.get(i, 0)), 1 - float(e.get(i, 1))});
     }
+    mesh.colors = colors(p, where);
     // Once per mesh, so that textures are looked up without a matrix
     transform_uvs(mesh, seen.uv.get());
     tinygltf::Primitive known = p;

@@ -4,6 +4,8 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include <set>
+
 #include "viscache/formats/loading.h"
 
 namespace viscache::loading {
@@ -20,8 +22,9 @@ private:
         Rgb emission{};
         int emission_texture = -1;
         bool two_sided = false;
-        int texcoord = 0;  ///< index of the texture coordinate set
-        MaterialUv uv;     ///< what the images make of the coordinates
+        bool colored = false;  ///< meshes with colours use it
+        int texcoord = 0;      ///< index of the texture coordinate set
+        MaterialUv uv;         ///< what the images make of the coordinates
     };
     /// Elements of an accessor, with bounds checks.
     struct Elements {
@@ -50,6 +53,7 @@ private:
     // gltf_meshes.cpp
     Elements elements(int accessor, const std::string& where) const;
     std::vector<Vec3> vec3s(int accessor, const std::string& where) const;
+    std::vector<VertexColor> colors(const tinygltf::Primitive& p, const std::string& where) const;
     std::vector<viscache::Mesh> meshes_of(int mesh);
     std::optional<viscache::Mesh> primitive_mesh(const tinygltf::Primitive& p, const std::string& where);
     void add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& p, const std::string& where);
@@ -76,6 +80,7 @@ private:
     std::vector<char> visited_;
     std::vector<Placed> placed_;
     std::map<int, Look> looks_;
+    std::set<int> colored_;  ///< materials of primitives with colours
     /// Scene image of an embedded one; key: index, sRGB or linear, look-up.
     std::map<std::tuple<int, bool, LookUp>, int> embedded_;
 };

@@ -301,6 +301,9 @@ void GltfReader::read_scene() {
     // The origin moves the roots in double precision, before vertices are rounded to floats.
     const Affine to_scene = translation(-origin[0], -origin[1], -origin[2]);
     visited_.assign(model_.nodes.size(), 0);
+    for (const tinygltf::Mesh& mesh : model_.meshes)
+        for (const tinygltf::Primitive& p : mesh.primitives)
+            if (p.attributes.contains("COLOR_0")) colored_.insert(p.material);
     if (model_.scenes.empty()) {
         // A file without scenes: every node without a parent is a root.
         std::vector<char> is_child(model_.nodes.size(), 0);

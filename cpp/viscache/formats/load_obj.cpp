@@ -71,18 +71,20 @@ private:
     size_t begin_ = 0, line_ = 0;
 };
 
-/// The first three numbers of the rest of a line, which must hold `least` or more.
-Vec3 numbers(std::string_view rest, size_t least, const Lines& lines) {
-    float first[3] = {};
+/// The first three numbers of the rest of a line, which must hold `least` or more. Of six numbers, `color`
+/// gets the last three.
+Vec3 numbers(std::string_view rest, size_t least, const Lines& lines, std::optional<Rgb>* color = nullptr) {
+    float first[6] = {};
     size_t n = 0;
     for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
         const auto x = parse_number(w);
         if (!x || !std::isfinite(*x))
             fail(lines.where(), "a finite number must stand here, got " + quoted(w));
-        if (n < 3) first[n] = float(*x);
+        if (n < 6) first[n] = float(*x);
     }
     if (n < least)
         fail(lines.where(), std::to_string(least) + " numbers are needed, got " + std::to_string(n));
+    if (color && n == 6) *color = Rgb{first[3], first[4], first[5]};
     return {first[0], first[1], first[2]};
 }
 
@@ -200,6 +202,7 @@ struct Face {
 struct Collected {
     std::vector<Vec3> positions, normals;
     std::vector<Vec2> uvs;
+    std::vector<Rgb> colors;  ///< of the first vertices, as they are in the file; white for those that follow
     std::vector<Corner> corners;  ///< of all faces, in their order
     std::vector<Face> faces;
     std::vector<tinyobj::material_t> materials;
@@ -254,7 +257,12 @@ void Collected::take_face(std::string_view rest, const Lines& lines) {
 bool Collected::take(std::string_view line, const Lines& lines) {
     const std::string_view key = next_word(line);
     if (key == "v") {
-        positions.push_back(numbers(line, 3, lines));
+        std::optional<Rgb> color;
+        positions.push_back(numbers(line, 3, lines, &color));
+        if (color) {
+            colors.resize(positions.size() - 1, {1, 1, 1});
+            colors.push_back(*color);
+        }
     } else if (key == "vn") {
         normals.push_back(numbers(line, 3, lines));
     } else if (key == "vt") {
@@ -266,6 +274,23 @@ bool Collected::take(std::string_view line, const Lines& lines) {
         return false;
     }
     return true;
+}
+
+/// sRGB, as MeshLab and Blender write them; whole numbers above 1 are bytes.
+std::vector<VertexColor> decoded_colors(const Collected& all) {
+    const auto whole = [](Rgb c) { return c == Rgb{std::round(c.x), std::round(c.y), std::round(c.z)}; };
+    const auto bright = [](Rgb c) { return max_component(c) > 1; };
+    const auto& given = all.colors;
+    const bool bytes =
+        std::any_of(given.begin(), given.end(), bright) && std::all_of(given.begin(), given.end(), whole);
+    std::vector<VertexColor> colors(given.empty() ? 0 : all.positions.size());
+    for (size_t i = 0; i < given.size(); ++i) {
+        const auto byte = [&](float x) {
+            return uint8_t(std::lround(std::clamp(bytes ? x : 255 * x, 0.f, 255.f)));
+        };
+        colors[i] = {byte(given[i].x), byte(given[i].y), byte(given[i].z)};
+    }
+    return colors;
 }
 
 /// What tinyobjloader says about the rest of the lines. `user` is the pair of what was collected and the
@@ -301,10 +326,11 @@ struct Part {
     std::unordered_map<Corner, uint32_t, CornerHash> known;
     bool has_normals = true, has_uvs = true;
 
-    uint32_t vertex(const Corner& c, const Collected& all) {
+    uint32_t vertex(const Corner& c, const Collected& all, const std::vector<VertexColor>& colors) {
         const auto [found, is_new] = known.try_emplace(c, uint32_t(mesh.vertices.size()));
         if (!is_new) return found->second;
         mesh.vertices.push_back(all.positions[size_t(c.v)]);
+        if (!colors.empty()) mesh.colors.push_back(colors[size_t(c.v)]);
         mesh.normals.push_back(c.n >= 0 ? all.normals[size_t(c.n)] : Vec3{});
         mesh.uvs.push_back(c.t >= 0 ? all.uvs[size_t(c.t)] : Vec2{});
         // A mesh has a normal at every vertex or none.
@@ -319,6 +345,7 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
     std::vector<Vec3> polygon;
     std::vector<uint32_t> ids;
     std::vector<Vec3u> local;
+    const auto colors = split ? decoded_colors(all) : std::vector<VertexColor>{};
     const Corner* corner = all.corners.data();
     for (const Face& face : all.faces) {
         // One mesh per material. The map orders them by index, so the order of meshes does not depend on the
@@ -329,7 +356,7 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
         local.clear();
         for (const Corner* const end = corner + face.count; corner != end; ++corner) {
             check_corner(*corner, all, path, face.line);
-            ids.push_back(part.vertex(*corner, all));
+            ids.push_back(part.vertex(*corner, all, colors));
             polygon.push_back(all.positions[size_t(corner->v)]);
         }
         triangulate(polygon, local);
@@ -365,7 +392,8 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
             const bool known = id >= 0 && size_t(id) < all.materials.size();
             mesh.material = materials->add_material(
                 known ? convert(all.materials[size_t(id)], mtl.files.at(size_t(id)), *materials)
-                      : Material{});
+                : mesh.colors.empty() ? Material{}
+                                      : colored_material());
             if (known) {
                 mesh.name = all.materials[size_t(id)].name;
                 mesh.emission = obj_rgb(all.materials[size_t(id)].emission);

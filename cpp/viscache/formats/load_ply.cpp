@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "viscache/formats/loading.h"
+#include "viscache/scene/face_colors.h"
 
 namespace viscache::loading {
 
@@ -237,7 +238,51 @@ int slot_of(const std::string& name) {
     return -1;
 }
 
-void read_vertices(Mesh& mesh, const Element& e, PlyValues& values) {
+/// The colour of a row. Whole numbers are bytes, or 16 bits, of sRGB, as scanners, MeshLab and Blender write
+/// them; real numbers are linear and in [0, 1], as Mitsuba writes and reads them.
+class RowColor {
+public:
+    explicit RowColor(const Element& e) {
+        constexpr const char* kNames[4][4] = {{"red", "r", "diffuse_red", "color_0"},
+                                              {"green", "g", "diffuse_green", "color_1"},
+                                              {"blue", "b", "diffuse_blue", "color_2"},
+                                              {"alpha", "a", "diffuse_alpha", "color_3"}};
+        bool has[4] = {};
+        for (const Property& p : e.properties) {
+            channels_.push_back(-1);
+            if (p.is_list) continue;
+            for (int c = 0; c < 4; ++c)
+                for (const char* name : kNames[c])
+                    if (p.name == name) channels_.back() = c;
+            if (channels_.back() < 0) continue;
+            has[channels_.back()] = true;
+            linear_ = p.type == Type::kFloat || p.type == Type::kDouble;
+            // Programs with integers of 32 bits write bytes into them
+            largest_ = linear_ ? 1 : p.type == Type::kUint16 ? 65535 : 255;
+        }
+        given_ = has[0] && has[1] && has[2];
+        row_[3] = largest_;
+    }
+    bool given() const { return given_; }
+    void take(size_t property, double value) {
+        if (given_ && channels_[property] >= 0) row_[channels_[property]] = value;
+    }
+    VertexColor get() const {
+        if (linear_) return vertex_color({float(row_[0]), float(row_[1]), float(row_[2])}, float(row_[3]));
+        const auto byte = [&](int c) {
+            return uint8_t(std::lround(std::clamp(row_[c] / largest_, 0.0, 1.0) * 255));
+        };
+        return {byte(0), byte(1), byte(2), byte(3)};
+    }
+
+private:
+    std::vector<int> channels_;  ///< by property; -1: none
+    double row_[4] = {}, largest_ = 255;
+    bool linear_ = false, given_ = false;
+};
+
+void read_vertices(Mesh& mesh, const Element& e, PlyValues& values, FileColors* colors) {
+    RowColor color(e);
     std::vector<int> slots;
     bool has[8] = {};
     for (const Property& p : e.properties) {
@@ -253,13 +298,16 @@ void read_vertices(Mesh& mesh, const Element& e, PlyValues& values) {
             const Property& p = e.properties[k];
             if (p.is_list) {
                 for (uint64_t n = values.next_count(p); n > 0; --n) values.next(p.type);
-            } else if (const double x = values.next(p.type); slots[k] >= 0) {
-                row[slots[k]] = float(x);
+            } else {
+                const double x = values.next(p.type);
+                color.take(k, x);
+                if (slots[k] >= 0) row[slots[k]] = float(x);
             }
         }
         mesh.vertices.push_back({row[0], row[1], row[2]});
         if (normals) mesh.normals.push_back({row[3], row[4], row[5]});
         if (uvs) mesh.uvs.push_back({row[6], row[7]});
+        if (colors && color.given()) colors->vertices.push_back(color.get());
     }
 }
 
@@ -274,19 +322,22 @@ void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const 
     for (size_t k = 1; k + 1 < face.size(); ++k) mesh.triangles.push_back({face[0], face[k], face[k + 1]});
 }
 
-void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertices) {
+void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertices, FileColors* colors) {
     bool found = false;
+    RowColor color(e);
     std::vector<uint32_t> face;
     for (const Property& p : e.properties)
         found = found || (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"));
     if (!found) fail(values.where(), "faces must have the list vertex_indices");
-    for (uint64_t i = 0; i < e.count; ++i)
-        for (const Property& p : e.properties) {
+    for (uint64_t i = 0; i < e.count; ++i) {
+        for (size_t k = 0; k < e.properties.size(); ++k) {
+            const Property& p = e.properties[k];
             uint64_t n = p.is_list ? values.next_count(p) : 1;
             const bool corners = p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
             face.clear();
             for (; n > 0; --n) {
                 const double x = values.next(p.type);
+                color.take(k, x);
                 if (!corners) continue;
                 // Indices may have a signed or a real type. Only whole numbers that fit 32 bits may be
                 // converted.
@@ -297,6 +348,9 @@ void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertic
             }
             if (corners) add_face(mesh, face, vertices, values.where());
         }
+        // All triangles of the face, however many they are
+        if (colors && color.given()) colors->faces.resize(mesh.triangles.size(), color.get());
+    }
 }
 
 void skip_rows(const Element& e, PlyValues& values) {
@@ -307,7 +361,7 @@ void skip_rows(const Element& e, PlyValues& values) {
 
 }  // namespace
 
-Mesh read_ply(const std::string& path, const std::string& asked_at) {
+Mesh read_ply(const std::string& path, const std::string& asked_at, FileColors* colors) {
     const std::string text = read_file(path, asked_at);
     const PlyHeader header = read_ply_header(text, path);
     Mesh mesh;
@@ -323,10 +377,10 @@ Mesh read_ply(const std::string& path, const std::string& asked_at) {
             if (!mesh.vertices.empty()) fail(path, "the element 'vertex' is given twice");
             // `check_count` has bounded the count by the size of the file.
             mesh.vertices.reserve(e.count);
-            read_vertices(mesh, e, values);
+            read_vertices(mesh, e, values, colors);
         } else if (e.name == "face") {
             mesh.triangles.reserve(e.count);
-            read_faces(mesh, e, values, vertices);
+            read_faces(mesh, e, values, vertices, colors);
         } else {
             skip_rows(e, values);
         }
@@ -337,9 +391,19 @@ Mesh read_ply(const std::string& path, const std::string& asked_at) {
 }
 
 void load_ply(const std::string& path, Loading& loading) {
-    Mesh mesh = read_ply(path);
+    FileColors colors;
+    Mesh mesh = read_ply(path, "", &colors);
     mesh.name = loading.scene.name;
-    mesh.material = loading.add_material({});
+    if (!colors.vertices.empty())
+        mesh.colors = std::move(colors.vertices);
+    else if (!colors.faces.empty())
+        color_faces(mesh, colors.faces);
+    const auto is_clear = [](VertexColor c) { return c.a == 0; };
+    if (!mesh.colors.empty() && std::all_of(mesh.colors.begin(), mesh.colors.end(), is_clear)) {
+        loading.note(path, "the alpha of all colours is 0; it is taken for 1");
+        for (VertexColor& c : mesh.colors) c.a = 255;
+    }
+    mesh.material = loading.add_material(mesh.colors.empty() ? Material{} : colored_material());
     loading.add_mesh(std::move(mesh), path);
 }
 

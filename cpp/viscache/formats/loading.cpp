@@ -261,6 +261,7 @@ void check_mesh(const Mesh& mesh, const std::string& where) {
     }
     check_size(mesh.normals.size(), n, "normals", where);
     check_size(mesh.uvs.size(), n, "texture coordinates", where);
+    check_size(mesh.colors.size(), n, "colours", where);
     for (size_t i = 0; i < mesh.normals.size(); ++i)
         if (!is_finite(mesh.normals[i])) fail(where, "normal " + std::to_string(i) + " is not finite");
     for (size_t i = 0; i < mesh.uvs.size(); ++i)
@@ -280,6 +281,13 @@ void transform_uvs(Mesh& mesh, const UvTransform& t) {
     for (Vec2& uv : mesh.uvs) uv = t(uv);
 }
 
+Material colored_material() {
+    Material m;
+    m.base_color = {1, 1, 1};
+    m.alpha_cutoff = -1;
+    return m;
+}
+
 bool uses_image(const Material& material) {
     const int images[] = {material.base_texture, material.alpha_texture, material.metallic_roughness_texture,
                           material.roughness_texture};
@@ -297,6 +305,7 @@ void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {
         for (int k = 0; k < 3; ++k) {
             split.vertices.push_back(mesh.vertices[corners[k]]);
             if (!mesh.normals.empty()) split.normals.push_back(mesh.normals[corners[k]]);
+            if (!mesh.colors.empty()) split.colors.push_back(mesh.colors[corners[k]]);
             split.uvs.push_back(uvs[size_t(k)]);
         }
         const auto first = uint32_t(3 * i);
@@ -304,6 +313,7 @@ void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {
     }
     mesh.vertices = std::move(split.vertices);
     mesh.normals = std::move(split.normals);
+    mesh.colors = std::move(split.colors);
     mesh.uvs = std::move(split.uvs);
 }
 

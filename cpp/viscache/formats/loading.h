@@ -146,6 +146,14 @@ void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns);
 /// Whether shapes of this material need texture coordinates.
 bool uses_image(const Material& material);
 
+/// Colours that a file gives to the vertices or the faces of a mesh; each may be empty.
+struct FileColors {
+    std::vector<VertexColor> vertices, faces;  ///< the latter: one per triangle
+};
+/// The material of meshes with colours where a file names none: they are the base colour, and alpha is a
+/// share.
+Material colored_material();
+
 /// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not match, and meshes
 /// without triangles.
 void check_mesh(const Mesh& mesh, const std::string& where);
@@ -205,9 +213,9 @@ float clamp_roughness(float alpha);
 Rgb clamp01(Rgb c);
 
 // Mesh files. `asked_at` is the place that names the file; the error for a missing file reports it.
-Mesh read_ply(const std::string& path, const std::string& asked_at = "");
-/// Returns one mesh if `materials` is null, otherwise one mesh per material, and adds the materials of the
-/// MTL files to `materials`.
+Mesh read_ply(const std::string& path, const std::string& asked_at = "", FileColors* colors = nullptr);
+/// Returns one mesh without colours if `materials` is null, otherwise one mesh per material, and adds the
+/// materials of the MTL files to `materials`.
 std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
 /// Shape `index` of the Mitsuba .serialized file with the content `bytes`.
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);

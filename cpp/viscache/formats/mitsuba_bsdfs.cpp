@@ -15,6 +15,7 @@ bool is_bsdf(pugi::xml_node node) { return std::string_view(node.name()) == "bsd
 void MitsubaReader::set_base(Material& m, const ColorTexture& base) {
     m.base_color = clamp01(base.color);
     m.base_texture = base.image;
+    attribute_ = base.attribute;
 }
 
 /// Microfacets are GGX's or Beckmann's, which Mitsuba takes by default; warns of others.
@@ -60,7 +61,7 @@ Material MitsubaReader::plastic(Node node, int /*depth*/) {
     if (rough && is_beckmann(node)) m.coat = CoatKind::kBeckmann;
     m.nonlinear = boolean(node, "nonlinear", false);
     m.two_sided = false;
-    set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
+    set_base(m, color_texture(node, "diffuse_reflectance", kGrey, true));
     m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
     // Mitsuba's defaults: polypropylene in air.
     m.eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
@@ -118,13 +119,13 @@ Material MitsubaReader::dielectric(Node node, int /*depth*/) {
 Material MitsubaReader::principled(Node node, int /*depth*/) {
     Material m;
     m.kind = MaterialKind::kGlossy;
-    const ColorTexture base = color_texture(node, "base_color", kGrey);
+    const ColorTexture base = color_texture(node, "base_color", kGrey, true);
     const float metallic = std::clamp(float(number(node, "metallic", 0)), 0.f, 1.f);
     // Burley's model: `specular` in [0, 1] spans reflectances of 0 to 8 % at normal incidence, and α is the
     // square of the roughness.
     const float specular = 0.08f * float(number(node, "specular", 0.5)),
                 r = float(number(node, "roughness", 0.5));
-    set_base(m, {base.color * (1 - metallic), base.image});
+    set_base(m, {base.color * (1 - metallic), base.image, base.attribute});
     m.specular = clamp01(Rgb{specular, specular, specular} * (1 - metallic) + base.color * metallic);
     m.roughness = clamp_roughness(r * r);
     if (number(node, "spec_trans", 0) > 0.5) {
@@ -169,7 +170,7 @@ Material MitsubaReader::diffuse(Node node, int /*depth*/) {
     const std::string type = type_of(node);
     Material m;
     m.two_sided = type == "difftrans";
-    set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey));
+    set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey, true));
     if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
     if (type == "difftrans") warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
     return m;
@@ -180,7 +181,7 @@ Material MitsubaReader::phong(Node node, int /*depth*/) {
     Material m;
     m.two_sided = false;
     m.kind = MaterialKind::kGlossy;
-    set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
+    set_base(m, color_texture(node, "diffuse_reflectance", kGrey, true));
     m.specular = clamp01(color(node, "specular_reflectance", {.2f, .2f, .2f}));
     const double exponent = std::max(0.0, number(node, "exponent", 30));
     // The Beckmann roughness whose lobe has the width of a Phong lobe of this exponent (Walter et al. 2007).
@@ -227,10 +228,12 @@ int MitsubaReader::material(Node node) {
     if (is_new && type_of(node) != "null") {
         MaterialUv uv;
         uv_ = &uv;
+        attribute_.clear();
         found->second = loading_.add_material(bsdf(node, 0));
         uv_ = nullptr;
         // Images of a material share the transform that is applied to the meshes that use it.
         material_uv_[found->second] = uv.get();
+        material_attribute_[found->second] = attribute_;
     }
     return found->second;
 }

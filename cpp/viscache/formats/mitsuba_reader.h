@@ -13,6 +13,7 @@ namespace viscache::loading {
 struct ColorTexture {
     Rgb color{};
     int image = -1;
+    std::string attribute{};  ///< of the mesh, which multiplies it, too; empty: none
 };
 
 class MitsubaReader {
@@ -64,7 +65,7 @@ private:
     Affine look_at_matrix(Node step);
     Rgb rgb_value(Node node) const;
     Rgb color(Node owner, const char* name, Rgb fallback);
-    ColorTexture color_texture(Node owner, const char* name, Rgb fallback);
+    ColorTexture color_texture(Node owner, const char* name, Rgb fallback, bool may_be_attribute = false);
     ColorTexture texture(Node node, int depth = 0);
     ColorTexture bitmap(Node node);
     ColorTexture checkerboard(Node node);
@@ -96,8 +97,9 @@ private:
 
     // mitsuba_shapes.cpp
     void shape(Node node);
-    std::optional<Mesh> shape_mesh(Node node, const std::string& type, bool has_image);
-    std::optional<Mesh> mesh_file(Node node, const std::string& type);
+    std::optional<Mesh> shape_mesh(Node node, const std::string& type, bool has_image, FileColors& colors);
+    std::optional<Mesh> mesh_file(Node node, const std::string& type, FileColors& colors);
+    void set_colors(Node node, Mesh& mesh, FileColors& colors, const std::string& attribute);
     Mesh serialized_mesh(Node node, const std::string& path);
     Mesh cylinder(Node node);
     void sphere(Node node, const ColorTexture& emission, int material, bool in_group,
@@ -133,6 +135,8 @@ private:
     std::map<size_t, int> materials_;                ///< key: bsdf element
     MaterialUv* uv_ = nullptr;                       ///< of the material that is being read
     std::map<int, UvTransform> material_uv_;         ///< key: index of the material
+    std::string attribute_;                          ///< of meshes that is the base colour of the material
+    std::map<int, std::string> material_attribute_;  ///< the same; key: index of the material
     std::map<size_t, std::vector<int>> groups_;      ///< key: shapegroup element
     std::map<std::string, std::string> serialized_;  ///< file contents; key: path
     struct Clipped {

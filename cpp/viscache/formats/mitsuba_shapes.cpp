@@ -1,5 +1,6 @@
 // Mitsuba XML: converts shapes to meshes, sphere lights and instances.
 #include "viscache/formats/mitsuba_reader.h"
+#include "viscache/scene/face_colors.h"
 
 namespace viscache::loading {
 
@@ -51,11 +52,12 @@ Mesh MitsubaReader::cylinder(Node node) {
 }
 
 /// The mesh of a file; empty if the file is not there and may be left out.
-std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type) {
+std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type, FileColors& colors) {
     const std::string path = path_of(node);
     if (!loading_.has_mesh_file(path, where(node))) return {};
     if (type == "serialized") return serialized_mesh(node, path);
-    Mesh mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
+    Mesh mesh =
+        type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node), &colors);
     // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
     if (!boolean(node, "flip_tex_coords", type == "obj"))
         for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
@@ -63,8 +65,9 @@ std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type)
 }
 
 /// `has_image`: the mesh needs texture coordinates.
-std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type, bool has_image) {
-    if (type == "obj" || type == "ply" || type == "serialized") return mesh_file(node, type);
+std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type, bool has_image,
+                                              FileColors& colors) {
+    if (type == "obj" || type == "ply" || type == "serialized") return mesh_file(node, type, colors);
     if (!is_generated(type)) {
         warn_at(node, "shape '" + type + "' is not modelled; skipped");
         return {};
@@ -76,6 +79,20 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
                                      : disk_mesh();
     for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
     return mesh;
+}
+
+/// The attribute that the material names. Colours of a file count for nothing without one.
+void MitsubaReader::set_colors(Node node, Mesh& mesh, FileColors& colors, const std::string& attribute) {
+    if (attribute.empty()) return;
+    if (attribute == "vertex_color" && !colors.vertices.empty())
+        mesh.colors = std::move(colors.vertices);
+    else if (attribute == "face_color" && !colors.faces.empty())
+        color_faces(mesh, colors.faces);
+    else
+        warn_at(node,
+                "the shape lacks the attribute that its material names, or it is none of vertex_color and "
+                "face_color of a PLY file; white is used");
+    for (VertexColor& c : mesh.colors) c.a = 255;  // only its colour is asked for
 }
 
 void MitsubaReader::sphere(Node node, const ColorTexture& emission, int material, bool in_group,
@@ -94,6 +111,8 @@ void MitsubaReader::sphere(Node node, const ColorTexture& emission, int material
         return;
     }
     Mesh mesh = sphere_mesh(center, float(radius));
+    FileColors none;
+    set_colors(node, mesh, none, material_attribute_[material]);
     transform_uvs(mesh, material_uv_[material]);
     transform_mesh(mesh, to_world);
     if (to_world.determinant() < 0) flip_winding(mesh);
@@ -124,7 +143,8 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
     if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
     const bool has_image = uses_image(loading_.scene.materials[size_t(material)]) || emission.image >= 0;
-    auto mesh = shape_mesh(node, type, has_image);
+    FileColors colors;
+    auto mesh = shape_mesh(node, type, has_image, colors);
     if (!mesh) return;
     if (property(node, "max_smooth_angle"))
         warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
@@ -134,6 +154,8 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     // Files without normals are smooth, with the front where their winding says
     if (mesh->normals.empty() && !is_generated(type) && !boolean(node, "face_normals", false))
         smooth_normals(*mesh);
+    // After the normals, which are those of shared vertices
+    set_colors(node, *mesh, colors, material_attribute_[material]);
     if (has_image && mesh->uvs.empty()) {
         check_mesh(*mesh, where(node));
         add_triangle_uvs(*mesh, {CornerUvs{{{0, 1}, {1, 1}, {0, 0}}}});

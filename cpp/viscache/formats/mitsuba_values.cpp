@@ -224,6 +224,10 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (const auto value = spectrum_plugin(node, type)) return {*value};
     if (type == "bitmap") return bitmap(node);
     if (type == "checkerboard") return checkerboard(node);
+    if (type == "mesh_attribute") {
+        const float scale = float(number(node, "scale", 1));
+        return {{scale, scale, scale}, -1, string(node, "name", "")};
+    }
     if (type == "scale") {
         for (const Node child : node.children())
             if (std::string_view(child.name()) == "texture" || std::string_view(child.name()) == "ref") {
@@ -273,9 +277,14 @@ void MitsubaReader::note_uv(Node node) {
                 "first is used");
 }
 
-ColorTexture MitsubaReader::color_texture(Node owner, const char* name, Rgb fallback) {
+ColorTexture MitsubaReader::color_texture(Node owner, const char* name, Rgb fallback, bool may_be_attribute) {
     const Node node = property(owner, name);
-    return node ? texture(node) : ColorTexture{fallback};
+    ColorTexture t = node ? texture(node) : ColorTexture{fallback};
+    if (!may_be_attribute && !t.attribute.empty()) {
+        warn_at(node, "an attribute of meshes is modelled as a base colour alone; a default is used");
+        t = {fallback};
+    }
+    return t;
 }
 
 Rgb MitsubaReader::color(Node owner, const char* name, Rgb fallback) {

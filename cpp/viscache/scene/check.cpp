@@ -54,6 +54,8 @@ void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
         refuse(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
     if (!m.uvs.empty() && m.uvs.size() != m.vertices.size())
         refuse(name, ": uvs must be one per vertex (", m.vertices.size(), "), got ", m.uvs.size());
+    if (!m.colors.empty() && m.colors.size() != m.vertices.size())
+        refuse(name, ": colors must be one per vertex (", m.vertices.size(), "), got ", m.colors.size());
     if (m.material < 0 || size_t(m.material) >= materials)
         refuse(name, ": material must be in [0, ", materials, "), got ", m.material);
     if (!usable_color(m.emission)) refuse(name, ": emission must be finite and >= 0, got ", text(m.emission));

@@ -78,6 +78,10 @@ std::string content_hash(const SceneDescription& d) {
         // Only where it is given, with a number that marks it: scenes without such a field keep the
         // hash that they had before there was one
         if (m.emission_texture >= 0) h.word(uint64_t(m.emission_texture) << 8 | 5);
+        if (!m.colors.empty()) {
+            h.word(7);
+            h.array(m.colors);
+        }
     }
     h.word(d.instances.size());
     for (const Instance& i : d.instances) {
@@ -156,6 +160,11 @@ std::string geometry_hash(const SceneDescription& d) {
         h.word(m.in_world);
         const Material& material = d.materials[size_t(m.material)];
         if (material.opacity < 1) h.floats({material.opacity});
+        if (has_alpha(m.colors)) {
+            h.floats({material.alpha_cutoff});
+            h.word(m.colors.size());
+            for (VertexColor c : m.colors) h.word(c.a);
+        }
         if (material.alpha_texture < 0) continue;
         const Image& alpha = d.images[size_t(material.alpha_texture)];
         h.floats({material.alpha_cutoff});

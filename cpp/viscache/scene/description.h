@@ -11,6 +11,7 @@
 #include "viscache/scene/image.h"
 #include "viscache/scene/material.h"
 #include "viscache/scene/spot_cone.h"
+#include "viscache/scene/vertex_color.h"
 
 namespace viscache {
 
@@ -25,6 +26,7 @@ struct Mesh {
     std::vector<Vec3u> triangles;
     std::vector<Vec3> normals;  ///< shading normals per vertex; empty: the geometric normal
     std::vector<Vec2> uvs;      ///< per vertex; empty: (0, 0). v grows upwards: row 0 of an image is v = 1
+    std::vector<VertexColor> colors;  ///< per vertex; empty: white
     int material = 0;
     Rgb emission{};             ///< radiance of an area light; zero: not a light
     int emission_texture = -1;  ///< image that multiplies `emission`; -1: none

@@ -8,12 +8,12 @@ namespace viscache {
 
 namespace {
 
-constexpr uint64_t kTag = 0x3445435343564cull;  // changes with the fields below
+constexpr uint64_t kTag = 0x3545435343564cull;  // changes with the fields below
 
 /// The fields of each type, in one order for both directions.
 template <class Archive>
 void fields(Archive& a, Mesh& m) {
-    a(m.name, m.vertices, m.triangles, m.normals, m.uvs, m.material, m.emission, m.emission_texture,
+    a(m.name, m.vertices, m.triangles, m.normals, m.uvs, m.colors, m.material, m.emission, m.emission_texture,
       m.emits_two_sided, m.in_world);
 }
 template <class Archive>

@@ -13,6 +13,7 @@ namespace viscache {
 const float* byte_values(bool srgb);
 
 float srgb_to_linear(float encoded);
+float linear_to_srgb(float linear);
 
 /// What an image shows beyond its borders.
 enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };

@@ -56,6 +56,12 @@ float triangle_extent(const Mesh& mesh, Vec3u t, const Affine* to_world) {
 
 Vec3 facing(Vec3 n, Vec3 side) { return dot(n, side) < 0 ? -n : n; }
 
+/// Corners of one value have it all over, to the last digit: a cut-off may be that value.
+template <class T>
+T over_triangle(T a, T b, T c, float u, float v) {
+    return a + (b - a) * u + (c - a) * v;
+}
+
 /// A number in [0, 1) for a cell of a triangle: a fixed pattern of `opacity`.
 float pattern(uint32_t mesh, uint32_t triangle, float u, float v) {
     constexpr float kCells = 4096;  // along an edge
@@ -115,11 +121,17 @@ static float extent_of(const Mesh& mesh) {
 void Scene::measure() {
     double placed_area = 0;
     std::vector<float> extents;
-    for (const Mesh& mesh : d_.meshes) {
+    for (size_t i = 0; i < d_.meshes.size(); ++i) {
+        const Mesh& mesh = d_.meshes[i];
         extents.push_back(extent_of(mesh));
+        if (has_alpha(mesh.colors)) {
+            vertex_alpha_.resize(d_.meshes.size());
+            vertex_alpha_[i] = true;
+        }
         unique_triangles_ += mesh.triangles.size();
         memory_bytes_ += mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Vec3u) +
-                         mesh.normals.size() * sizeof(Vec3) + mesh.uvs.size() * sizeof(Vec2);
+                         mesh.normals.size() * sizeof(Vec3) + mesh.uvs.size() * sizeof(Vec2) +
+                         mesh.colors.size() * sizeof(VertexColor);
         if (!mesh.in_world) continue;
         placed_triangles_ += mesh.triangles.size();
         placed_area += area_of(mesh);
@@ -370,6 +382,11 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     s.base_color = material.base_color;
     if (material.base_texture >= 0)
         s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
+    if (!mesh.colors.empty()) {
+        const Rgb a = mesh.colors[t.x].rgb(), b = mesh.colors[t.y].rgb(), c = mesh.colors[t.z].rgb();
+        // Not below 0 where rounding puts a hit outside of its triangle
+        s.base_color = s.base_color * max({0, 0, 0}, over_triangle(a, b, c, u, v));
+    }
     s.specular = material.specular;
     s.roughness = material.roughness;
     if (material.mixes_metal()) mix_metal(material, s);
@@ -382,22 +399,28 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
 
 bool Scene::has_cutout(uint32_t mesh) const {
     const Material& material = d_.materials[size_t(d_.meshes[mesh].material)];
-    return material.alpha_texture >= 0 || material.opacity < 1;
+    return material.alpha_texture >= 0 || material.opacity < 1 || has_vertex_alpha(mesh);
 }
 
 bool Scene::solid_at(uint32_t mesh_index, uint32_t triangle, float u, float v) const {
     const Mesh& mesh = d_.meshes[mesh_index];
     const Material& material = d_.materials[size_t(mesh.material)];
     if (material.opacity < 1 && !(pattern(mesh_index, triangle, u, v) < material.opacity)) return false;
-    if (material.alpha_texture < 0 || mesh.uvs.empty()) return true;
+    const bool has_image = material.alpha_texture >= 0 && !mesh.uvs.empty();
+    if (!has_image && !has_vertex_alpha(mesh_index)) return true;
     const Vec3u t = mesh.triangles[triangle];
-    const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
-    const float w = 1 - u - v;
-    const Image& image = d_.images[size_t(material.alpha_texture)];
-    const Rgba texel = sample_image(
-        image, {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v});
-    const bool has_alpha = image.channels == 2 || image.channels == 4;
-    const float alpha = has_alpha ? texel.a : texel.rgb.x;
+    float alpha = 1;
+    if (has_image) {
+        const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
+        const float w = 1 - u - v;
+        const Image& image = d_.images[size_t(material.alpha_texture)];
+        const Rgba texel = sample_image(
+            image, {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v});
+        alpha = image.is_alpha(image.channels - 1) ? texel.a : texel.rgb.x;
+    }
+    if (has_vertex_alpha(mesh_index))
+        alpha *=
+            over_triangle(mesh.colors[t.x].alpha(), mesh.colors[t.y].alpha(), mesh.colors[t.z].alpha(), u, v);
     if (material.alpha_cutoff < 0) return pattern(mesh_index, triangle, u, v) < alpha * material.opacity;
     return alpha >= material.alpha_cutoff;
 }

@@ -72,10 +72,13 @@ public:
         return emission_means_.empty() || emission_means_[mesh].empty() ? d_.meshes[mesh].emission
                                                                         : emission_means_[mesh][triangle];
     }
-    /// False where the material's alpha cuts a hole, and in the holes of a fixed pattern that leave
-    /// `opacity` of the surface: cells of 1/4096 of the triangle's edges, chosen by a hash.
+    /// False where the alpha of the material and of the vertices cuts a hole, and in the holes of a fixed
+    /// pattern that leave `opacity` of the surface: cells of 1/4096 of the triangle's edges, chosen by a
+    /// hash.
     bool solid_at(uint32_t mesh, uint32_t triangle, float u, float v) const;
     bool has_cutout(uint32_t mesh) const;
+    /// Whether the colours of the mesh have an alpha below 1.
+    bool has_vertex_alpha(uint32_t mesh) const { return mesh < vertex_alpha_.size() && vertex_alpha_[mesh]; }
 
 private:
     Scene() = default;
@@ -96,6 +99,7 @@ private:
     bool is_coarse_ = false;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
+    std::vector<bool> vertex_alpha_;  ///< by mesh; empty if no mesh has colours with alpha
     std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat
     AreaLights area_lights_;
     std::vector<std::vector<Rgb>> emission_means_;  ///< of meshes whose emission has an image; else empty

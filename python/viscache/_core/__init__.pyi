@@ -88,10 +88,13 @@ class SceneDescription:
         its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with
         beckmann=True; those of a rough coat are named by its kind.
         """
-    def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
+    def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1, colors: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | typing.Annotated[numpy.typing.ArrayLike, numpy.uint8] | None = None, face_colors: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | typing.Annotated[numpy.typing.ArrayLike, numpy.uint8] | None = None) -> int:
         """
         Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, 2),
         emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.
+        colors (V, 3 or 4) or face_colors (T, 3 or 4) multiply the base colour, and the fourth the alpha, of the
+        material: linear in [0, 1], or sRGB bytes (uint8). They are kept as sRGB bytes. Vertices whose faces
+        differ in colour become several.
         Returns its index.
         """
     def add_point_light(self, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], intensity: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] | None = None, cone_deg: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] = [30.0, 40.0], falloff: str = 'smooth') -> None:
@@ -123,7 +126,7 @@ class SceneDescription:
         """
     def mesh_arrays(self, index: typing.SupportsInt | typing.SupportsIndex) -> dict:
         """
-        vertices, triangles, normals, uvs of one mesh.
+        vertices, triangles, normals, uvs, linear colors of one mesh.
         """
     def set_environment(self, scale: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], *, image: typing.SupportsInt | typing.SupportsIndex = -1, to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
         """

@@ -13,9 +13,12 @@ from viscache._core import SceneDescription, SceneError
 from viscache.base.real_numbers import real_array
 from viscache.settings.checks import checked_floats, require
 
-#: Vertices (V, 3), triangles (T, 3) and, for its own material, an albedo (3,) or a mapping with the
-#: arguments of `SceneDescription.add_material`.
-Mesh: TypeAlias = "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"
+#: Vertices (V, 3), triangles (T, 3), perhaps its own material, an albedo (3,) or a mapping with the
+#: arguments of `SceneDescription.add_material`, and perhaps colours.
+Mesh: TypeAlias = (
+    "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"
+    " | tuple[npt.ArrayLike, npt.ArrayLike, Any, npt.ArrayLike]"
+)
 
 
 def origin_of(given: Any) -> tuple[float, float, float]:
@@ -30,12 +33,12 @@ def origin_of(given: Any) -> tuple[float, float, float]:
 def checked_meshes(value: Any) -> Sequence[Mesh]:
     """The list of meshes; ValueError for anything else."""
     listed = isinstance(value, (list, tuple)) and all(
-        isinstance(mesh, (list, tuple)) and len(mesh) in (2, 3) for mesh in value
+        isinstance(mesh, (list, tuple)) and 2 <= len(mesh) <= 4 for mesh in value
     )
     require(
         listed,
-        "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
-        " material), where triangles are left out",
+        "meshes must be a list of (vertices, triangles), (vertices, triangles, material) or"
+        " (vertices, triangles, material, colors), where triangles are left out",
         type(value).__name__,
     )
     meshes: Sequence[Mesh] = value
@@ -49,21 +52,55 @@ def add_mesh(
     material: Any,
     normals: npt.ArrayLike | None = None,
     name: str = "",
+    colors: npt.ArrayLike | None = None,
+    face_colors: npt.NDArray[Any] | None = None,
 ) -> None:
-    """Add a mesh with its own material: an albedo or a mapping."""
+    """Add a mesh with its own material: an albedo, a mapping, or None for the default."""
     indices = np.asarray(triangles)
     if indices.size and indices.dtype.kind not in "iu":
         raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
     if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
         low, high = indices.min(), indices.max()
         raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
+    points = _real(vertices, "vertices")
+    look: dict[str, Any] = {} if colors is None else _colors(colors, points, indices)
+    if face_colors is not None:
+        look = {"face_colors": face_colors}
+    if material is None:
+        material = (1.0, 1.0, 1.0) if look else (0.5, 0.5, 0.5)
+    has_alpha = any(given.shape[-1] == 4 for given in look.values())
+    if has_alpha and not isinstance(material, Mapping):
+        # Alpha is a share of the surface, unless the material says at which alpha it ends
+        material = {"base_color": _albedo_of(material), "alpha_cutoff": -1.0}
     description.add_mesh(
-        _real(vertices, "vertices"),
+        points,
         indices.astype(np.uint32),
         material=_add_material(description, material),
         normals=None if normals is None else _real(normals, "normals"),
         name=name,
+        **look,
     )
+
+
+def _colors(
+    given: npt.ArrayLike, points: npt.NDArray[Any], triangles: npt.NDArray[Any]
+) -> dict[str, Any]:
+    """The argument of `SceneDescription.add_mesh` that takes these colours."""
+    vertices, faces = (len(rows) if rows.ndim else 0 for rows in (points, triangles))
+    array = _real(real_array(given, "colors"), "colors")
+    good = array.ndim == 2 and len(array) in (vertices, faces) and array.shape[1] in (3, 4)
+    require(
+        good,
+        f"colors must have shape ({vertices}, 3 or 4), for vertices, or ({faces}, 3 or 4), for"
+        " faces",
+        array.shape,
+    )
+    require(
+        array.dtype.kind == "f" or array.dtype == np.uint8,
+        "colors must be floats in [0, 1] or bytes of dtype uint8",
+        array.dtype,
+    )
+    return {"colors" if len(array) == vertices else "face_colors": array}
 
 
 def _real(given: npt.ArrayLike, name: str) -> npt.NDArray[Any]:
@@ -80,12 +117,16 @@ def _add_material(description: SceneDescription, material: Any) -> int:
         kind = _named(_core.MaterialKind, "kind", given.pop("kind", _core.MaterialKind.DIFFUSE))
         coat = _named(_core.CoatKind, "coat", given.pop("coat", _core.CoatKind.NONE))
         return description.add_material(kind, coat=coat, **given)
+    return description.add_material(base_color=_albedo_of(material))
+
+
+def _albedo_of(material: Any) -> tuple[float, float, float]:
     try:
         rgb = tuple(float(v) for v in real_array(material, "base_color"))
     except (TypeError, ValueError):
         raise ValueError(f"base_color must be 3 numbers, got {material!r}") from None
     require(len(rgb) == 3, "base_color must have 3 values", len(rgb))
-    return description.add_material(base_color=(rgb[0], rgb[1], rgb[2]))
+    return rgb[0], rgb[1], rgb[2]
 
 
 def _named(kinds: Any, what: str, given: Any) -> Any:
@@ -110,7 +151,9 @@ def add_trimesh(description: SceneDescription, given: Any) -> None:
         triangles = np.asarray(mesh.faces)
         if np.linalg.det(to_world[:3, :3]) < 0:  # a mirrored mesh keeps its orientation
             triangles = triangles[:, ::-1]
-        add_mesh(description, vertices, triangles, _albedo(mesh), name=name)
+        colors = _visual_colors(mesh)
+        material = None if colors else _albedo(mesh)
+        add_mesh(description, vertices, triangles, material, name=name, **colors)
 
 
 def _placed(given: Any) -> Iterable[tuple[str, Any, npt.NDArray[np.float64]]]:
@@ -126,8 +169,17 @@ def _placed(given: Any) -> Iterable[tuple[str, Any, npt.NDArray[np.float64]]]:
         yield str((getattr(given, "metadata", None) or {}).get("name", "")), given, np.eye(4)
 
 
+def _visual_colors(mesh: Any) -> dict[str, npt.NDArray[Any]]:
+    """RGBA bytes of vertices or faces, of a mesh that has such colours."""
+    visual: Any = getattr(mesh, "visual", None)
+    kind = getattr(visual, "kind", None)
+    if kind == "vertex":
+        return {"colors": np.asarray(visual.vertex_colors)}
+    return {"face_colors": np.asarray(visual.face_colors)} if kind == "face" else {}
+
+
 def _albedo(mesh: Any) -> tuple[float, ...]:
-    """The mesh's main colour, RGBA bytes in trimesh; trimesh averages vertex and face colours."""
+    """The main colour of the mesh's material, RGBA bytes in trimesh."""
     visual = getattr(mesh, "visual", None)
     source = getattr(visual, "material", visual)
     color = np.asarray(getattr(source, "main_color", (127.5,) * 3), dtype=np.float64)

@@ -73,7 +73,8 @@ class Scene:
         triangles: npt.ArrayLike | None = None,
         *,
         normals: npt.ArrayLike | None = None,
-        base_color: Sequence[float] = (0.5, 0.5, 0.5),
+        colors: npt.ArrayLike | None = None,
+        base_color: Sequence[float] | None = None,
         env: Env | None = None,
         origin: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Scene:
@@ -81,16 +82,22 @@ class Scene:
 
         Parameters
         ----------
-        vertices : (V, 3) float, or list of (vertices, triangles) or (vertices, triangles, material)
-            Positions; finite, at most 1e12 in size. A material is an albedo (3,) or a mapping with
-            the arguments of `SceneDescription.add_material`. Its kind may be a string:
+        vertices : (V, 3) float, or list of (vertices, triangles[, material[, colors]])
+            Positions; finite, at most 1e12 in size. A material is an albedo (3,), a mapping with
+            the arguments of `SceneDescription.add_material`, or None. Its kind may be a string:
             `{"kind": "glossy", "roughness": 0.3}`.
         triangles : (T, 3) int
             Vertex indices in [0, V). Must be absent if `vertices` is a list of meshes.
         normals : (V, 3) float, optional
             Shading normals of a single mesh.
-        base_color : (3,) float in [0, 1]
-            Albedo of meshes without a material.
+        colors : (V, 3), (V, 4), (T, 3) or (T, 4), optional
+            Colours of the vertices or, if there are T of them and not V, of the triangles of a
+            single mesh. They multiply the base colour. Floats are linear and in [0, 1]; uint8 are
+            sRGB, as in pictures, scans and trimesh. A fourth value is alpha, and multiplies the
+            material's: the share of the surface that is there, or what a material with
+            `alpha_cutoff` >= 0 is cut by. Four bytes a vertex are kept.
+        base_color : (3,) float in [0, 1], optional
+            Albedo of meshes without a material: 0.5 by default, and 1 with colours.
         env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light: a lat-long image or constant radiance.
         origin : (3,) float
@@ -100,7 +107,7 @@ class Scene:
         Raises
         ------
         SceneError
-            An index out of range or a vertex that is not finite.
+            An index out of range, a vertex that is not finite, or a colour outside of [0, 1].
         ValueError
             Without triangles, `vertices` is not a list of meshes.
 
@@ -116,13 +123,15 @@ class Scene:
         """
         description = SceneDescription(origin_of(origin))
         if triangles is None:
-            require(normals is None, "normals must be left out with a list of meshes", normals)
+            for name, given in (("normals", normals), ("colors", colors)):
+                require(given is None, f"{name} must be left out with a list of meshes", given)
             for mesh in checked_meshes(vertices):
-                material = mesh[2] if len(mesh) > 2 else base_color
-                add_mesh(description, mesh[0], mesh[1], material)
+                material = mesh[2] if len(mesh) > 2 and mesh[2] is not None else base_color
+                own = mesh[3] if len(mesh) > 3 else None
+                add_mesh(description, mesh[0], mesh[1], material, colors=own)
         else:
             one = cast("npt.ArrayLike", vertices)
-            add_mesh(description, one, triangles, base_color, normals)
+            add_mesh(description, one, triangles, base_color, normals, colors=colors)
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
@@ -136,8 +145,9 @@ class Scene:
         Parameters
         ----------
         meshes : trimesh.Trimesh, trimesh.Scene or a list of them
-            A trimesh scene keeps its placements. The main colour of a mesh becomes its albedo;
-            textures, shading and lights are ignored.
+            A trimesh scene keeps its placements. Colours of vertices and faces are kept, as sRGB.
+            Of other meshes the main colour becomes the albedo; textures, shading and lights are
+            ignored.
         env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light, as in `from_arrays`.
         origin : (3,) float
@@ -232,7 +242,7 @@ class Scene:
         return self._made.get("geometry_hash", lambda: _core.geometry_hash(self._core))
 
     def meshes(self) -> list[dict[str, Any]]:
-        """Arrays of every mesh: vertices, triangles, normals, material, emission."""
+        """Arrays of every mesh: vertices, triangles, normals, linear colors, material, emission."""
         return [_core.scene_mesh(self._core, i) for i in range(_core.scene_mesh_count(self._core))]
 
     @property
