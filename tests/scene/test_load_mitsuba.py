@@ -357,7 +357,11 @@ def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, d
         ),
         ('<shape type="heightfield"/>', "heightfield"),
         ('<shape type="cube"><bsdf type="hair"/></shape>', "hair"),
-        ('<medium type="homogeneous"/>', "medium"),
+        (
+            '<shape type="cube"><ref name="interior" id="m"/></shape><medium id="m" type="homogeneous"/>',
+            "media",
+        ),
+        ('<emitter type="sunsky"><float name="sun_aperture" value="9"/></emitter>', "no disk"),
         ('<shape type="cube"><bsdf type="roughdielectric"/></shape>', "roughdielectric"),
         (
             '<shape type="cube"><bsdf type="roughplastic"><string name="distribution" '
@@ -372,3 +376,102 @@ def test_what_is_not_modelled_is_named_and_an_error_when_strict(tmp_path, body, 
     assert scene.warnings[0][0].endswith("scene.xml:4") and name in scene.warnings[0][1]
     with pytest.raises(core.SceneError, match=f"scene.xml:4: .*{name}"):
         load(tmp_path, "\n\n" + body, strict=True)
+
+
+UNREAD = [
+    ("shape 'cube'", '<shape type="cube">{}</shape>'),
+    ("shape 'sphere'", '<shape type="sphere">{}</shape>'),
+    ("shape 'cylinder'", '<shape type="cylinder">{}</shape>'),
+    ("shape 'instance'", '<shape type="shapegroup" id="g"><shape type="cube"/></shape><shape type="instance"><ref id="g"/>{}</shape>'),
+    ("shape 'shapegroup'", '<shape type="shapegroup" id="g"><shape type="cube"/>{}</shape><shape type="instance"><ref id="g"/></shape>'),
+    ("emitter 'area'", '<shape type="cube"><emitter type="area">{}</emitter></shape>'),
+    ("emitter 'area'", '<emitter type="area" id="l">{}</emitter><shape type="cube"><ref id="l"/></shape>'),
+    *((f"emitter '{kind}'", f'<emitter type="{kind}">{{}}</emitter>') for kind in ("point", "spot", "directional", "constant", "sunsky")),
+    *((f"bsdf '{kind}'", f'<shape type="cube"><bsdf type="{kind}">{{}}</bsdf></shape>')
+      for kind in ("diffuse", "plastic", "roughplastic", "conductor", "roughconductor", "dielectric", "thindielectric", "phong")),
+    ("bsdf 'twosided'", '<shape type="cube"><bsdf type="twosided"><bsdf type="diffuse"/>{}</bsdf></shape>'),
+    ("bsdf 'mask'", '<shape type="cube"><bsdf type="mask"><bsdf type="diffuse"/>{}</bsdf></shape>'),
+    ("bsdf 'diffuse'", '<shape type="cube"><bsdf type="mask"><bsdf type="diffuse">{}</bsdf></bsdf></shape>'),
+    ("bsdf 'diffuse'", '<bsdf type="diffuse" id="b">{}</bsdf><shape type="cube"><ref id="b"/></shape><shape type="cube"><ref id="b"/></shape>'),
+    ("texture 'checkerboard'", '<shape type="cube"><bsdf type="diffuse"><texture name="reflectance" type="checkerboard">{}</texture></bsdf></shape>'),
+    ("spectrum 'd65'", '<emitter type="point"><spectrum name="intensity" type="d65">{}</spectrum></emitter>'),
+    ("sensor 'perspective'", '<sensor type="perspective">{}</sensor>'),
+    ("sensor 'orthographic'", '<sensor type="orthographic">{}</sensor>'),
+    ("film 'hdrfilm'", '<sensor type="perspective"><film type="hdrfilm">{}</film></sensor>'),
+    ("scene", "{}"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("owner", "body"), UNREAD)
+def test_a_property_that_nobody_reads_is_warned_of_with_its_line(tmp_path, owner, body):
+    invented = body.format('\n<float name="inventedThing" value="1"/>\n')
+    assert not load(tmp_path, body.format("")).warnings
+    [(where, text)] = load(tmp_path, invented, strict=False).warnings
+    assert where.endswith("scene.xml:3")
+    assert text == f"property 'inventedThing' of {owner} is not read"
+    with pytest.raises(core.SceneError, match=r"scene.xml:3: property 'inventedThing' of"):
+        load(tmp_path, invented)
+
+
+@pytest.mark.parametrize(
+    ("body", "text"),
+    [
+        ('<shape type="cube"><bsdf type="diffuse"/>\n<bsdf type="plastic"/></shape>', "<bsdf> of shape 'cube' is not read"),
+        ('<shape type="cube"><emitter type="area">\n<texture name="radiances" type="bitmap"/></emitter></shape>', "property 'radiances' of emitter 'area' is not read"),
+        ('<sensor type="perspective">\n<ref name="medium" id="m"/></sensor><medium id="m" type="homogeneous"/>', "property 'medium' of sensor 'perspective' is not read"),
+        ('<emitter type="directional"><vector name="direction" y="-1"/>\n<transform name="to_world"/></emitter>', "property 'to_world' of emitter 'directional' is not read"),
+        ('<shape type="cube">\n<ref id="s"/></shape><shape type="cube" id="s"/>', "<ref> of shape 'cube' is not read"),
+        ('\n<subsurface type="dipole"/>', "<subsurface> of scene is not read"),
+    ],
+)  # fmt: skip
+def test_an_element_that_nobody_reads_is_warned_of_with_its_line(tmp_path, body, text):
+    [(where, told)] = load(tmp_path, body, strict=False).warnings
+    assert where.endswith("scene.xml:3") and told == text
+
+
+def test_unread_elements_of_included_files_are_told_with_their_file(tmp_path):
+    (tmp_path / "part.xml").write_text(
+        '<scene>\n<shape type="cube"><float name="x" value="1"/></shape></scene>'
+    )
+    [(where, _)] = load(tmp_path, '<include filename="part.xml"/>', strict=False).warnings
+    assert where.endswith("part.xml:2")
+
+
+def test_what_leaves_the_picture_right_and_what_nobody_refers_to_is_not_told(tmp_path):
+    scene = load(
+        tmp_path,
+        """<default name="spp" value="16"/>
+        <integrator type="path"><integer name="max_depth" value="2"/></integrator>
+        <bsdf type="hair" id="unused"><float name="x" value="1"/></bsdf>
+        <emitter type="area" id="dark"><float name="x" value="1"/></emitter>
+        <medium type="homogeneous" id="fog"/><texture type="bitmap" id="picture"/>
+        <sensor type="perspective"><float name="shutterOpen" value="0"/><float name="focus_distance" value="3"/>
+        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+        <film type="hdrfilm"><rfilter type="gaussian"/><string name="pixel_format" value="rgb"/>
+        <boolean name="banner" value="false"/></film></sensor>
+        <shape type="cube" id="name"><float name="silhouette_sampling_weight" value="1"/>
+        <bsdf type="roughconductor"><boolean name="sample_visible" value="true"/></bsdf></shape>
+        <emitter type="sunsky"><vector name="sun_direction" x="0" y="0" z="1"/><integer name="hour" value="9"/>
+        <float name="sun_aperture" value="0.5"/></emitter>
+        <emitter type="point"><float name="samplingWeight" value="2"/></emitter>""",
+    )
+    assert not scene.warnings
+
+
+def test_an_area_light_shines_on_the_shapes_that_refer_to_it(tmp_path):
+    scene = load(
+        tmp_path,
+        """<shape type="rectangle"><ref id="lamp"/></shape><shape type="cube"/>
+        <emitter type="area" id="lamp"><rgb name="radiance" value="6"/></emitter>""",
+    )
+    assert not scene.warnings
+    assert [m["emission"] for m in scene.meshes] == [[6, 6, 6], [0, 0, 0]]
+
+
+def test_diffuse_has_the_name_of_its_colour_in_0x(tmp_path):
+    m = material(
+        tmp_path,
+        '<bsdf type="diffuse"><rgb name="diffuseReflectance" value="0.1"/></bsdf>',
+        version="0.6.0",
+    )
+    assert m["base_color"] == pytest.approx([0.1] * 3)

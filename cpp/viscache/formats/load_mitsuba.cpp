@@ -22,16 +22,17 @@ MitsubaReader::XmlFile& MitsubaReader::open(const std::string& path, const std::
     return file;
 }
 
-const MitsubaReader::XmlFile& MitsubaReader::file_of(Node node) const {
+MitsubaReader::XmlFile& MitsubaReader::file_of(Node node) const {
     // A reference may lead into another file; errors name the file that holds the element.
+    if (last_ && node.root() == last_->document) return *last_;
     for (const auto& file : files_)
-        if (node.root() == file->document) return *file;
+        if (node.root() == file->document) return *(last_ = file.get());
     return *files_.front();
 }
 
 std::string MitsubaReader::where(Node node) const {
     const XmlFile& file = file_of(node);
-    return at_line(file.path, file.lines.line(size_t(std::max<std::ptrdiff_t>(node.offset_debug(), 0))));
+    return at_line(file.path, file.lines.line(offset_of(node)));
 }
 
 MitsubaReader::Node MitsubaReader::target_of(Node ref) const {
@@ -101,9 +102,9 @@ void MitsubaReader::include(Node node) {
 
 void MitsubaReader::read_elements(Node scene) {
     for (const Node node : scene.children()) {
-        if (node.type() != pugi::node_element) continue;
         const std::string_view tag = node.name();
         if (tag == "default") {
+            use(node);
             // A <default> holds only where nothing was set before, so the main file overrides those that it
             // includes.
             parameters_.try_emplace(node.attribute("name").value(), attribute(node, "value"));
@@ -114,14 +115,14 @@ void MitsubaReader::read_elements(Node scene) {
         } else if (tag == "sensor" || tag == "camera") {
             sensor(node);
         } else if (tag == "include") {
+            use(node);
             include(node);
         } else if (tag == "path") {
+            use(node);
             add_folder(node);
         } else if (tag == "alias") {
+            use(node);
             ids_[attribute(node, "as")] = target_of(node);
-        } else if (tag != "integrator" && tag != "bsdf" && tag != "texture" && tag != "sampler" &&
-                   tag != "film" && tag != "spectrum" && tag != "rgb") {
-            warn_at(node, "element <" + std::string(tag) + "> is not modelled; skipped");
         }
     }
 }
@@ -138,6 +139,7 @@ void MitsubaReader::read_scene(const std::string& path) {
     read_elements(scene);
     // Whether a clip plane cuts anything away is known once all shapes are read.
     check_clip_planes();
+    for (const auto& read : files_) warn_of_unread(read->document.child("scene"));
 }
 
 void load_mitsuba(const std::string& path, Loading& loading) { MitsubaReader(loading).read_scene(path); }

@@ -1,4 +1,5 @@
-// PLY polygon files: ascii and little-endian binary.
+// PLY polygon files: ascii, and binary of both orders of bytes.
+#include <bit>
 #include <cstring>
 
 #include "viscache/formats/loading.h"
@@ -15,20 +16,52 @@ struct Property {
     Type type = Type::kFloat;
     bool is_list = false;
     Type count_type = Type::kUint8;
+    size_t line = 0;  ///< of the header
+    bool is_read = false;
 };
 
 struct Element {
     std::string name;
     uint64_t count = 0;
+    size_t line = 0;  ///< of the header
     std::vector<Property> properties;
+    bool is_read = false;
 };
 
 struct PlyHeader {
-    bool ascii = false;
+    bool ascii = false, big_endian = false;
     std::vector<Element> elements;
-    size_t end = 0;    ///< byte offset of the data
-    size_t lines = 0;  ///< number of header lines
+    size_t end = 0;           ///< byte offset of the data
+    size_t lines = 0;         ///< number of header lines
+    size_t texture_line = 0;  ///< that names a picture; 0: none does
 };
+
+/// What does not change the picture, by element.
+struct LeftOut {
+    std::string_view element, names;
+};
+constexpr LeftOut kLeftOut[] = {
+    // What scanners measured and editors marked
+    {"vertex", " quality confidence intensity flags radius density curvature label class id "},
+    {"face", " quality flags area label class id "},
+    // Flat normals follow from the corners; these coordinates place the picture of a TextureFile, and
+    // texels of pbrt's Ptex
+    {"face", " nx ny nz texcoord texnumber face_indices "},
+    {"edge", {}},
+    {"camera", {}},
+};
+
+/// `property` empty: the element as a whole.
+bool is_left_out(std::string_view element, std::string_view property) {
+    // CloudCompare's fields of measured numbers
+    if (element == "vertex" && property.starts_with("scalar_")) return true;
+    const std::string word = " " + std::string(property) + " ";
+    for (const LeftOut& row : kLeftOut)
+        if (row.element == element &&
+            (property.empty() ? row.names.empty() : row.names.find(word) != row.names.npos))
+            return true;
+    return false;
+}
 
 std::optional<Type> type_named(std::string_view s) {
     if (s == "char" || s == "int8") return Type::kInt8;
@@ -71,6 +104,7 @@ std::vector<std::string> words_of(std::string_view line) {
 
 void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::string& where) {
     Property p;
+    p.line = h.lines;
     if (h.elements.empty()) fail(where, "a property stands before any element");
     p.is_list = w.size() == 5 && w[1] == "list";
     if (!p.is_list && w.size() != 3) fail(where, "a property must be 'property <type> <name>' or a list");
@@ -90,18 +124,21 @@ void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::s
 /// Reads one header line; returns true at end_header.
 bool read_header_line(PlyHeader& h, const std::vector<std::string>& w, bool& has_format,
                       const std::string& where) {
-    // obj_info is an older form of comment.
+    // obj_info is an older form of comment. MeshLab names pictures in comments.
+    if (w.size() > 2 && w[0] == "comment" && w[1] == "TextureFile") h.texture_line = h.lines;
     if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
     if (w[0] == "format") {
-        if (w.size() != 3 || (w[1] != "ascii" && w[1] != "binary_little_endian"))
-            fail(where,
-                 "format '" + (w.size() > 1 ? w[1] : "") + "'; ascii and binary_little_endian are read");
+        if (w.size() != 3 ||
+            (w[1] != "ascii" && w[1] != "binary_little_endian" && w[1] != "binary_big_endian"))
+            fail(where, "format '" + (w.size() > 1 ? w[1] : "") +
+                            "'; ascii, binary_little_endian and binary_big_endian are read");
         h.ascii = w[1] == "ascii";
+        h.big_endian = w[1] == "binary_big_endian";
         has_format = true;
     } else if (w[0] == "element") {
         const auto count = w.size() == 3 ? parse_integer(w[2]) : std::nullopt;
         if (!count || *count < 0) fail(where, "an element must be 'element <name> <count>'");
-        h.elements.push_back({w[1], uint64_t(*count), {}});
+        h.elements.push_back({w[1], uint64_t(*count), h.lines, {}});
     } else if (w[0] == "property") {
         read_property(h, w, where);
     } else if (w[0] == "end_header") {
@@ -139,10 +176,15 @@ PlyHeader read_ply_header(std::string_view text, const std::string& path) {
 class PlyValues {
 public:
     PlyValues(std::string_view data, const PlyHeader& h, const std::string& path)
-        : data_(data), at_(h.end), line_(h.lines + 1), ascii_(h.ascii), path_(path) {}
+        : data_(data),
+          at_(h.end),
+          line_(h.lines + 1),
+          ascii_(h.ascii),
+          swapped_(h.big_endian != (std::endian::native == std::endian::big)),
+          path_(&path) {}
 
     std::string where() const {
-        return ascii_ ? at_line(path_, line_) : path_ + ": byte " + std::to_string(at_);
+        return ascii_ ? at_line(*path_, line_) : *path_ + ": byte " + std::to_string(at_);
     }
     size_t left() const { return data_.size() - at_; }
 
@@ -177,10 +219,11 @@ public:
 
 private:
     template <class T>
-    static T get(const char* p) {
-        T v;
-        std::memcpy(&v, p, sizeof v);
-        return v;
+    T get(const char* p) const {
+        char bytes[sizeof(T)];
+        std::memcpy(bytes, p, sizeof(T));
+        if (swapped_) std::reverse(bytes, bytes + sizeof(T));
+        return std::bit_cast<T>(bytes);
     }
 
     double next_word() {
@@ -200,8 +243,8 @@ private:
 
     std::string_view data_;
     size_t at_, line_;
-    bool ascii_;
-    const std::string& path_;
+    bool ascii_, swapped_;
+    const std::string* path_;
 };
 
 /// Smallest possible size of a row of the element, in bytes.
@@ -242,7 +285,7 @@ int slot_of(const std::string& name) {
 /// them; real numbers are linear and in [0, 1], as Mitsuba writes and reads them.
 class RowColor {
 public:
-    explicit RowColor(const Element& e) {
+    RowColor(const Element& e, bool wanted) {
         constexpr const char* kNames[4][4] = {{"red", "r", "diffuse_red", "color_0"},
                                               {"green", "g", "diffuse_green", "color_1"},
                                               {"blue", "b", "diffuse_blue", "color_2"},
@@ -260,12 +303,13 @@ public:
             // Programs with integers of 32 bits write bytes into them
             largest_ = linear_ ? 1 : p.type == Type::kUint16 ? 65535 : 255;
         }
-        given_ = has[0] && has[1] && has[2];
+        given_ = wanted && has[0] && has[1] && has[2];
         row_[3] = largest_;
     }
+    bool takes(size_t property) const { return given_ && channels_[property] >= 0; }
     bool given() const { return given_; }
     void take(size_t property, double value) {
-        if (given_ && channels_[property] >= 0) row_[channels_[property]] = value;
+        if (takes(property)) row_[channels_[property]] = value;
     }
     VertexColor get() const {
         if (linear_) return vertex_color({float(row_[0]), float(row_[1]), float(row_[2])}, float(row_[3]));
@@ -281,8 +325,8 @@ private:
     bool linear_ = false, given_ = false;
 };
 
-void read_vertices(Mesh& mesh, const Element& e, PlyValues& values, FileColors* colors) {
-    RowColor color(e);
+void read_vertices(Mesh& mesh, Element& e, PlyValues& values, FileColors* colors) {
+    RowColor color(e, colors != nullptr);
     std::vector<int> slots;
     bool has[8] = {};
     for (const Property& p : e.properties) {
@@ -292,6 +336,9 @@ void read_vertices(Mesh& mesh, const Element& e, PlyValues& values, FileColors* 
     if (!has[0] || !has[1] || !has[2]) fail(values.where(), "vertices must have x, y and z");
     // A normal with a missing component is as good as none.
     const bool normals = has[3] && has[4] && has[5], uvs = has[6] && has[7];
+    for (size_t k = 0; k < slots.size(); ++k)
+        e.properties[k].is_read =
+            color.takes(k) || (slots[k] >= 0 && (slots[k] < 3 || (slots[k] < 6 ? normals : uvs)));
     for (uint64_t i = 0; i < e.count; ++i) {
         float row[8] = {};
         for (size_t k = 0; k < slots.size(); ++k) {
@@ -307,92 +354,171 @@ void read_vertices(Mesh& mesh, const Element& e, PlyValues& values, FileColors* 
         mesh.vertices.push_back({row[0], row[1], row[2]});
         if (normals) mesh.normals.push_back({row[3], row[4], row[5]});
         if (uvs) mesh.uvs.push_back({row[6], row[7]});
-        if (colors && color.given()) colors->vertices.push_back(color.get());
+        if (color.given()) colors->vertices.push_back(color.get());
     }
 }
 
-void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const std::string& where) {
-    if (face.size() < 3)
-        fail(where, "a face has " + std::to_string(face.size()) + " corners, it must have 3 or more");
-    for (uint32_t i : face)
-        if (i >= vertices)
-            fail(where, "a face uses vertex index " + std::to_string(i) + ", the file has " +
-                            std::to_string(vertices) + " vertices");
-    // Polygons of PLY files are taken as convex: a fan from the first corner.
-    for (size_t k = 1; k + 1 < face.size(); ++k) mesh.triangles.push_back({face[0], face[k], face[k + 1]});
+/// The index of a vertex, which may have a signed or a real type.
+uint32_t corner(double x, uint64_t vertices, const PlyValues& values) {
+    // Only whole numbers that fit 32 bits may be converted
+    const bool is_index = x >= 0 && x < 4294967295.0 && x == std::floor(x);
+    if (!is_index || uint64_t(x) >= vertices)
+        fail(values.where(), "a face uses vertex index " +
+                                 (is_index ? std::to_string(uint64_t(x)) : std::to_string(x)) +
+                                 ", the file has " + std::to_string(vertices) + " vertices");
+    return uint32_t(x);
 }
 
-void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertices, FileColors* colors) {
+/// Whether the diagonal from the first corner divides four corners in two triangles that look to one side.
+bool folds(const Mesh& mesh, const std::vector<uint32_t>& face) {
+    const Vec3 a = mesh.vertices[face[0]], diagonal = mesh.vertices[face[2]] - a;
+    return !(dot(cross(mesh.vertices[face[1]] - a, diagonal), cross(diagonal, mesh.vertices[face[3]] - a)) >=
+             0);
+}
+
+void add_face(Mesh& mesh, const std::vector<uint32_t>& face) {
+    if (face.size() == 3 || (face.size() == 4 && !folds(mesh, face))) {
+        for (size_t k = 1; k + 1 < face.size(); ++k)
+            mesh.triangles.push_back({face[0], face[k], face[k + 1]});
+        return;
+    }
+    std::vector<Vec3> polygon;
+    std::vector<Vec3u> local;
+    for (uint32_t i : face) polygon.push_back(mesh.vertices[i]);
+    triangulate(polygon, local);
+    for (const Vec3u& t : local) mesh.triangles.push_back({face[t.x], face[t.y], face[t.z]});
+}
+
+/// A strip: each corner makes a triangle with the two before it, and every other triangle is turned. -1
+/// begins another strip.
+void add_strip(Mesh& mesh, const Property& p, uint64_t n, PlyValues& values) {
+    uint32_t a = 0, b = 0;
+    for (uint64_t before = 0; n > 0; --n) {
+        const double x = values.next(p.type);
+        if (x == -1) {
+            before = 0;
+            continue;
+        }
+        const uint32_t c = corner(x, mesh.vertices.size(), values);
+        // Strips are joined by triangles without area
+        if (before >= 2 && a != b && b != c && c != a)
+            mesh.triangles.push_back(before % 2 ? Vec3u{b, a, c} : Vec3u{a, b, c});
+        a = b;
+        b = c;
+        ++before;
+    }
+}
+
+void skip_values(const Property& p, PlyValues& values) {
+    for (uint64_t n = p.is_list ? values.next_count(p) : 1; n > 0; --n) values.next(p.type);
+}
+
+/// Faces or strips. The vertices must have been read.
+void read_faces(Mesh& mesh, Element& e, PlyValues& values, Loading& loading, FileColors* colors) {
+    const bool strips = e.name == "tristrips";
     bool found = false;
-    RowColor color(e);
+    RowColor color(e, colors != nullptr);
     std::vector<uint32_t> face;
-    for (const Property& p : e.properties)
-        found = found || (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"));
-    if (!found) fail(values.where(), "faces must have the list vertex_indices");
+    for (size_t k = 0; k < e.properties.size(); ++k) {
+        Property& p = e.properties[k];
+        const bool corners = p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+        p.is_read = corners || color.takes(k);
+        found = found || corners;
+    }
+    if (!found) fail(values.where(), e.name + (strips ? "" : "s") + " must have the list vertex_indices");
     for (uint64_t i = 0; i < e.count; ++i) {
         for (size_t k = 0; k < e.properties.size(); ++k) {
             const Property& p = e.properties[k];
-            uint64_t n = p.is_list ? values.next_count(p) : 1;
-            const bool corners = p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
-            face.clear();
-            for (; n > 0; --n) {
-                const double x = values.next(p.type);
-                color.take(k, x);
-                if (!corners) continue;
-                // Indices may have a signed or a real type. Only whole numbers that fit 32 bits may be
-                // converted.
-                if (!(x >= 0 && x < 4294967295.0) || x != std::floor(x))
-                    fail(values.where(), "a face uses vertex index " + std::to_string(x) + ", the file has " +
-                                             std::to_string(vertices) + " vertices");
-                face.push_back(uint32_t(x));
+            if (!p.is_read) {
+                skip_values(p, values);
+                continue;
             }
-            if (corners) add_face(mesh, face, vertices, values.where());
+            if (!p.is_list) {
+                color.take(k, values.next(p.type));
+                continue;
+            }
+            uint64_t n = values.next_count(p);
+            if (strips) {
+                add_strip(mesh, p, n, values);
+                continue;
+            }
+            face.clear();
+            for (; n > 0; --n) face.push_back(corner(values.next(p.type), mesh.vertices.size(), values));
+            if (face.size() < 3)
+                loading.note(values.where(), "a face of fewer than three corners is left out");
+            else
+                add_face(mesh, face);
         }
         // All triangles of the face, however many they are
-        if (colors && color.given()) colors->faces.resize(mesh.triangles.size(), color.get());
+        if (color.given()) colors->faces.resize(mesh.triangles.size(), color.get());
     }
 }
 
 void skip_rows(const Element& e, PlyValues& values) {
     for (uint64_t i = 0; i < e.count; ++i)
+        for (const Property& p : e.properties) skip_values(p, values);
+}
+
+/// A renderer's scene decides what its meshes have, and leaves the rest; a file that is a scene means what it
+/// holds.
+void tell_unread(const PlyHeader& h, const std::string& path, bool is_scene, Loading& loading) {
+    const auto tell = [&](size_t line, const std::string& what) {
+        const std::string where = at_line(path, line);
+        return is_scene ? loading.warn(where, what) : loading.note(where, what);
+    };
+    if (h.texture_line && is_scene) tell(h.texture_line, "the picture of a TextureFile is not read");
+    for (const Element& e : h.elements) {
+        if (!e.is_read && e.count > 0 && !is_left_out(e.name, ""))
+            tell(e.line, "element '" + e.name + "' is not read");
         for (const Property& p : e.properties)
-            for (uint64_t n = p.is_list ? values.next_count(p) : 1; n > 0; --n) values.next(p.type);
+            if (e.is_read && !p.is_read && !is_left_out(e.name, p.name))
+                tell(p.line, "property '" + p.name + "' of element '" + e.name + "' is not read");
+    }
 }
 
 }  // namespace
 
-Mesh read_ply(const std::string& path, const std::string& asked_at, FileColors* colors) {
+Mesh read_ply(const std::string& path, Loading& loading, const std::string& asked_at, FileColors* colors) {
     const std::string text = read_file(path, asked_at);
-    const PlyHeader header = read_ply_header(text, path);
+    PlyHeader header = read_ply_header(text, path);
     Mesh mesh;
     PlyValues values(text, header, path);
     uint64_t vertices = 0;
     for (const Element& e : header.elements)
         if (e.name == "vertex") vertices = e.count;
-    // Elements are stored in the order of the header, which need not begin with the vertices: their count is
-    // known before.
-    for (const Element& e : header.elements) {
+    const auto read = [&](Element& e, PlyValues& from) {
+        e.is_read = true;
+        mesh.triangles.reserve(mesh.triangles.size() + e.count);
+        read_faces(mesh, e, from, loading, colors);
+    };
+    // Elements are stored in the order of the header, which need not begin with the vertices
+    std::vector<std::pair<Element*, PlyValues>> later;
+    for (Element& e : header.elements) {
         check_count(e, values, header.ascii, path);
+        const bool faces = e.name == "face" || e.name == "tristrips";
         if (e.name == "vertex") {
             if (!mesh.vertices.empty()) fail(path, "the element 'vertex' is given twice");
+            e.is_read = true;
             // `check_count` has bounded the count by the size of the file.
             mesh.vertices.reserve(e.count);
             read_vertices(mesh, e, values, colors);
-        } else if (e.name == "face") {
-            mesh.triangles.reserve(e.count);
-            read_faces(mesh, e, values, vertices, colors);
+        } else if (faces && mesh.vertices.size() == vertices) {
+            read(e, values);
         } else {
+            if (faces) later.emplace_back(&e, values);
             skip_rows(e, values);
         }
     }
+    for (auto& [element, from] : later) read(*element, from);
     if (mesh.triangles.empty()) fail(path, "the file has no faces");
     check_mesh(mesh, path);
+    tell_unread(header, path, asked_at.empty(), loading);
     return mesh;
 }
 
 void load_ply(const std::string& path, Loading& loading) {
     FileColors colors;
-    Mesh mesh = read_ply(path, "", &colors);
+    Mesh mesh = read_ply(path, loading, "", &colors);
     mesh.name = loading.scene.name;
     if (!colors.vertices.empty())
         mesh.colors = std::move(colors.vertices);

@@ -213,7 +213,9 @@ float clamp_roughness(float alpha);
 Rgb clamp01(Rgb c);
 
 // Mesh files. `asked_at` is the place that names the file; the error for a missing file reports it.
-Mesh read_ply(const std::string& path, const std::string& asked_at = "", FileColors* colors = nullptr);
+// `asked_at` is empty for a file that is a scene.
+Mesh read_ply(const std::string& path, Loading& loading, const std::string& asked_at = "",
+              FileColors* colors = nullptr);
 /// Returns one mesh without colours if `materials` is null, otherwise one mesh per material, and adds the
 /// materials of the MTL files to `materials`.
 std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");

@@ -112,7 +112,7 @@ Material MitsubaReader::dielectric(Node node, int /*depth*/) {
     for (const char* name : {"specular_reflectance", "specular_transmittance"})
         if (const Node given = property(node, name); given && !(color(node, name, {1, 1, 1}) == Rgb{1, 1, 1}))
             warn_at(given, "a factor of what glass reflects or transmits is not modelled; 1 is used");
-    if (type == "roughdielectric") warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
+    if (type == "roughdielectric") skip(node, "'roughdielectric' is not modelled; smooth glass is used");
     return m;
 }
 
@@ -133,18 +133,24 @@ Material MitsubaReader::principled(Node node, int /*depth*/) {
         m.kind = MaterialKind::kDielectric;
         m.eta = float(ior(node, "eta", 1.5));
     }
-    warn_at(node,
-            "'principled' is not modelled in full; base colour, metallic, specular and roughness are kept");
+    skip(node,
+         "'principled' is not modelled in full; base colour, metallic, specular and roughness are kept");
     return m;
 }
 
+/// The bsdf that an element is or refers to.
+MitsubaReader::Node MitsubaReader::bsdf_of(Node child) const {
+    const bool is_ref = std::string_view(child.name()) == "ref";
+    const Node found = is_ref ? target_of(child) : child;
+    if (!is_bsdf(found)) return {};
+    use(child);
+    return found;
+}
+
 Material MitsubaReader::nested(Node node, int depth) {
-    for (const Node child : node.children()) {
-        if (is_bsdf(child)) return bsdf(child, depth + 1);
-        if (std::string_view(child.name()) == "ref")
-            // References may be cyclic; `bsdf` stops at its limit of depth.
-            if (const Node target = target_of(child); is_bsdf(target)) return bsdf(target, depth + 1);
-    }
+    for (const Node child : node.children())
+        // References may be cyclic; `bsdf` stops at its limit of depth.
+        if (const Node found = bsdf_of(child)) return bsdf(found, depth + 1);
     fail_at(node, "'" + type_of(node) + "' needs a bsdf inside");
 }
 
@@ -162,7 +168,7 @@ Material MitsubaReader::two_sided(Node node, int depth) {
     m.two_sided = true;
     const auto inside = [](Node c) { return is_bsdf(c) || std::string_view(c.name()) == "ref"; };
     if (std::count_if(node.children().begin(), node.children().end(), inside) > 1)
-        warn_at(node, "a bsdf of its own for the back is not modelled; the first is used for both sides");
+        skip(node, "a bsdf of its own for the back is not modelled; the first is used for both sides");
     return m;
 }
 
@@ -170,9 +176,12 @@ Material MitsubaReader::diffuse(Node node, int /*depth*/) {
     const std::string type = type_of(node);
     Material m;
     m.two_sided = type == "difftrans";
-    set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey, true));
-    if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
-    if (type == "difftrans") warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
+    const char* const name = type == "difftrans"             ? "transmittance"
+                              : property(node, "reflectance") ? "reflectance"
+                                                              : "diffuse_reflectance";  // of 0.x
+    set_base(m, color_texture(node, name, kGrey, true));
+    if (type == "roughdiffuse") skip(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
+    if (type == "difftrans") skip(node, "'difftrans' is not modelled; diffuse reflection is used");
     return m;
 }
 
@@ -192,8 +201,9 @@ Material MitsubaReader::phong(Node node, int /*depth*/) {
 
 /// Of layers and mixtures, which are not modelled, the first part.
 Material MitsubaReader::first_inside(Node node, int depth) {
-    warn_at(node, "'" + type_of(node) + "' is not modelled; the first bsdf inside is used");
-    return nested(node, depth);
+    const Material m = nested(node, depth);
+    skip(node, "'" + type_of(node) + "' is not modelled; the first bsdf inside is used");
+    return m;
 }
 
 Material MitsubaReader::bsdf(Node node, int depth) {
@@ -216,9 +226,10 @@ Material MitsubaReader::bsdf(Node node, int depth) {
     // clang-format on
     if (depth > kMaxDepth) fail_at(node, "bsdfs are nested too deeply, or refer to themselves");
     const std::string type = type_of(node);
+    use(node);
     for (const auto& [name, read] : kTypes)
         if (name == type) return (this->*read)(node, depth);
-    warn_at(node, "bsdf '" + type + "' is not modelled; grey diffuse is used");
+    skip(node, "bsdf '" + type + "' is not modelled; grey diffuse is used");
     return {};
 }
 
@@ -239,11 +250,8 @@ int MitsubaReader::material(Node node) {
 }
 
 int MitsubaReader::material_of(Node shape) {
-    for (const Node child : shape.children()) {
-        if (is_bsdf(child)) return material(child);
-        if (std::string_view(child.name()) == "ref")
-            if (const Node target = target_of(child); is_bsdf(target)) return material(target);
-    }
+    for (const Node child : shape.children())
+        if (const Node found = bsdf_of(child)) return material(found);
     // Mitsuba's own default: a one-sided grey material, a black one for lamps.
     const bool emits = max_component(area_emission(shape).color) > 0;
     // The hash value of an element is its address, so 0 and 1 are free as keys.

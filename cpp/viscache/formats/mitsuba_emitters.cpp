@@ -13,14 +13,13 @@ constexpr Rgb kWhite{1, 1, 1};
 ColorTexture MitsubaReader::area_emission(Node shape) {
     ColorTexture sum{{0, 0, 0}};
     for (Node child : shape.children()) {
-        std::string_view tag = child.name();
-        if (tag == "ref") {
-            child = target_of(child);
-            tag = child.name();
-        }
-        if (tag != "emitter" && tag != "luminaire") continue;
+        const Node given = child;
+        if (std::string_view(child.name()) == "ref") child = target_of(child);
+        if (const std::string_view tag = child.name(); tag != "emitter" && tag != "luminaire") continue;
+        use(given);
+        use(child);
         if (const std::string type = type_of(child); type != "area") {
-            warn_at(child, "emitter '" + type + "' on a shape is not modelled; skipped");
+            skip(child, "emitter '" + type + "' on a shape is not modelled; skipped");
             continue;
         }
         const ColorTexture radiance = color_texture(child, "radiance", kWhite);
@@ -62,7 +61,7 @@ void MitsubaReader::spot(Node node) {
 
 void MitsubaReader::directional(Node node) {
     const auto given = vector(node, "direction");
-    const Vec3 travels = given.value_or(transform(node).vector({0, 0, 1}));
+    const Vec3 travels = given ? *given : transform(node).vector({0, 0, 1});
     if (length2(travels) == 0) fail_at(node, "the direction must not be zero");
     Rgb irradiance = color(node, "irradiance", kWhite);
     // Mitsuba 3 takes the transformed axis with its length, also for cosines
@@ -76,9 +75,12 @@ void MitsubaReader::directional(Node node) {
 
 void MitsubaReader::emitter(Node node) {
     const std::string type = type_of(node);
+    if (type == "area") return;  // shines on the shapes that refer to it
+    use(node);
     if (type == "point") {
         PointLight light;
-        light.position = vector(node, "position").value_or(transform(node).point({0, 0, 0}));
+        const auto given = vector(node, "position");
+        light.position = given ? *given : transform(node).point({0, 0, 0});
         light.intensity = color(node, "intensity", kWhite);
         // The 0.x dialect may give the power Φ instead: I = Φ / 4π for a light that shines all around.
         if (property(node, "power")) light.intensity = color(node, "power", kWhite) / (4 * kPi);
@@ -96,7 +98,7 @@ void MitsubaReader::emitter(Node node) {
     } else if (type == "envmap") {
         envmap(node);
     } else {
-        warn_at(node, "emitter '" + type + "' is not modelled; skipped");
+        skip(node, "emitter '" + type + "' is not modelled; skipped");
     }
 }
 

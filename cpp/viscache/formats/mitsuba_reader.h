@@ -16,6 +16,10 @@ struct ColorTexture {
     std::string attribute{};  ///< of the mesh, which multiplies it, too; empty: none
 };
 
+/// Compares camelCase with snake_case: "diffuseReflectance" equals "diffuse_reflectance", "intIOR" equals
+/// "int_ior".
+bool same_name(const char* given, std::string_view snake);
+
 class MitsubaReader {
 public:
     using Node = pugi::xml_node;
@@ -28,9 +32,13 @@ private:
 
     struct XmlFile {
         XmlFile(std::string path, std::string text)
-            : path(std::move(path)), text(std::move(text)), lines(this->text) {}
+            : path(std::move(path)),
+              text(std::move(text)),
+              lines(this->text),
+              is_read(this->text.size() + 1) {}
         std::string path, text;
         LineIndex lines;
+        std::vector<bool> is_read;  ///< by the offset of an element
         pugi::xml_document document;
     };
 
@@ -39,7 +47,8 @@ private:
     void register_ids(Node root);
     void read_elements(Node scene);
     void include(Node node);
-    const XmlFile& file_of(Node node) const;
+    XmlFile& file_of(Node node) const;
+    static size_t offset_of(Node node) { return size_t(std::max<std::ptrdiff_t>(node.offset_debug(), 0)); }
     std::string where(Node node) const;
     [[noreturn]] void fail_at(Node node, const std::string& what) const { fail(where(node), what); }
     void warn_at(Node node, const std::string& what) { loading_.warn(where(node), what); }
@@ -48,11 +57,18 @@ private:
     std::string find_file(const std::string& name, Node asker) const;
     void add_folder(Node node);
 
+    // mitsuba_unread.cpp: elements that nobody asks for are warned of
+    void use(Node node) const { file_of(node).is_read[offset_of(node)] = true; }
+    void use_rest(Node owner) const;  ///< what is inside and was not read
+    /// Says that what was not read of an element does not count.
+    void skip(Node node, const std::string& what);
+    void warn_of_unread(Node owner);
+
     // mitsuba_values.cpp: properties and values
     std::string attribute(Node node, const char* name) const;  ///< with $parameters replaced
     std::string type_of(Node node) const { return attribute(node, "type"); }
-    Node property(Node owner,
-                  const char* name) const;  ///< `name` in snake_case; also matches camelCase in the file
+    /// `name` is in snake_case, and matches camelCase in the file too. The property counts as read.
+    Node property(Node owner, const char* name) const;
     std::vector<double> numbers(Node node, const std::string& text) const;
     double attribute_number(Node node, const char* name, double fallback) const;
     double number(Node owner, const char* name, double fallback);
@@ -84,6 +100,7 @@ private:
     // mitsuba_bsdfs.cpp
     int material(Node bsdf);  ///< index; the same element gives the same material. -1: no surface (null)
     int material_of(Node shape);
+    Node bsdf_of(Node child) const;
     Material bsdf(Node node, int depth);
     Material nested(Node node, int depth);
     bool is_beckmann(Node node);
@@ -128,6 +145,7 @@ private:
 
     Loading& loading_;
     std::vector<std::unique_ptr<XmlFile>> files_;
+    mutable XmlFile* last_ = nullptr;   ///< that was asked for
     std::vector<std::string> open_;     ///< chain of open includes
     std::vector<std::string> folders_;  ///< of <path> elements, each with a slash at its end
     std::map<std::string, std::string> parameters_;

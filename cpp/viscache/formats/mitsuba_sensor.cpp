@@ -51,14 +51,16 @@ void MitsubaReader::view_extent(Node node, Camera& camera) {
 
 void MitsubaReader::sensor(Node node) {
     const std::string type = type_of(node);
+    use(node);
     if (type != "perspective" && type != "thinlens" && type != "orthographic")
-        return warn_at(node, "sensor '" + type + "' is not modelled; skipped");
+        return skip(node, "sensor '" + type + "' is not modelled; skipped");
     if (type == "thinlens") warn_at(node, "'thinlens' is not modelled; a pinhole is used");
     Camera camera;
     camera.width = 768;
     camera.height = 576;
     if (const std::string id = attribute(node, "id"); !id.empty()) camera.name = id;
     for (const Node film : node.children("film")) {
+        use(film);
         camera.width = integer(film, "width", camera.width);
         camera.height = integer(film, "height", camera.height);
     }

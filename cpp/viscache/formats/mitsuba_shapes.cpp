@@ -54,10 +54,14 @@ Mesh MitsubaReader::cylinder(Node node) {
 /// The mesh of a file; empty if the file is not there and may be left out.
 std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type, FileColors& colors) {
     const std::string path = path_of(node);
-    if (!loading_.has_mesh_file(path, where(node))) return {};
+    if (!loading_.has_mesh_file(path, where(node))) {
+        use_rest(node);
+        return {};
+    }
     if (type == "serialized") return serialized_mesh(node, path);
     Mesh mesh =
-        type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node), &colors);
+        type == "obj" ? read_obj(path, nullptr, where(node)).at(0)
+                      : read_ply(path, loading_, where(node), &colors);
     // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
     if (!boolean(node, "flip_tex_coords", type == "obj"))
         for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
@@ -69,7 +73,7 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
                                               FileColors& colors) {
     if (type == "obj" || type == "ply" || type == "serialized") return mesh_file(node, type, colors);
     if (!is_generated(type)) {
-        warn_at(node, "shape '" + type + "' is not modelled; skipped");
+        skip(node, "shape '" + type + "' is not modelled; skipped");
         return {};
     }
     Mesh mesh = type == "rectangle"  ? rectangle_mesh()
@@ -132,15 +136,20 @@ void MitsubaReader::sphere(Node node, const ColorTexture& emission, int material
 
 void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     const std::string type = type_of(node);
+    use(node);
     const int material = material_of(node);
     ColorTexture emission = area_emission(node);
     if (group && max_component(emission.color) > 0) {
         warn_at(node, "emission inside a shapegroup is not modelled; skipped");
         emission = {{0, 0, 0}};
     }
-    for (const Node child : node.children())
-        if (std::string_view(child.name()) == "medium") warn_at(child, "media are not modelled; skipped");
-    if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
+    for (const Node child : node.children()) {
+        const bool is_ref = std::string_view(child.name()) == "ref";
+        if (std::string_view((is_ref ? target_of(child) : child).name()) != "medium") continue;
+        use(child);
+        skip(child, "media are not modelled; skipped");
+    }
+    if (material < 0) return skip(node, "a shape with the bsdf 'null' is skipped");
     if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
     const bool has_image = uses_image(loading_.scene.materials[size_t(material)]) || emission.image >= 0;
     FileColors colors;
@@ -188,6 +197,7 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
 
 const std::vector<int>& MitsubaReader::group_meshes(Node node) {
     const auto [found, is_new] = groups_.try_emplace(node.hash_value());
+    use(node);
     if (is_new)
         for (const Node child : node.children()) {
             if (std::string_view(child.name()) != "shape") continue;
@@ -201,10 +211,12 @@ const std::vector<int>& MitsubaReader::group_meshes(Node node) {
 
 void MitsubaReader::instance(Node node) {
     Node group;
+    use(node);
     for (const Node child : node.children()) {
         const std::string_view tag = child.name();
-        if (tag == "ref") group = target_of(child);
-        if (tag == "shape") group = child;
+        if (tag != "ref" && tag != "shape") continue;
+        use(child);
+        group = tag == "ref" ? target_of(child) : child;
     }
     if (!group || type_of(group) != "shapegroup") fail_at(node, "an instance must refer to a shapegroup");
     const auto& meshes = group_meshes(group);

@@ -60,10 +60,16 @@ void MitsubaReader::sky(Node node, const std::string& type) try {
         const Rgb irradiance = model.sun_irradiance() * sun;
         if (!z_is_up && max_component(irradiance) > 0)
             warn_at(node, "the sun of Mitsuba 0.6 is not modelled; that of Hosek and Wilkie is used");
+        // The first stands in files of 0.x: how large the sun is, at the same irradiance
+        for (const auto& [name, usual] :
+             {std::pair{"sun_radius_scale", 1.0}, std::pair{"sun_aperture", 0.5358}})
+            if (number(node, name, usual) > usual && max_component(irradiance) > 0)
+                warn_at(property(node, name), "the sun has no disk, its shadows are sharp");
         if (max_component(irradiance) > 0)
             loading_.scene.directional_lights.push_back(
                 {normalize(to_world.vector(model.to_sun())), irradiance});
     }
+    if (to_sun.y < 0) use_rest(node);
     if (type == "sun" || to_sun.y < 0) return;
     Environment env;
     const float factor = type == "sky" ? scale : float(number(node, "sky_scale", double(scale)));

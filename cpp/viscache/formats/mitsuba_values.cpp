@@ -5,25 +5,24 @@ namespace viscache::loading {
 
 namespace {
 
-/// Compares camelCase with snake_case: "diffuseReflectance" equals "diffuse_reflectance", "intIOR" equals
-/// "int_ior".
-bool same_name(const char* given, std::string_view snake) {
-    std::string name;
-    bool was_lower = false;
-    for (const char* c = given; *c; ++c) {
-        const bool upper = *c >= 'A' && *c <= 'Z';
-        if (upper && was_lower) name += '_';
-        name += upper ? char(*c - 'A' + 'a') : *c;
-        was_lower = !upper && *c != '_';
-    }
-    return name == snake;
-}
-
 bool is_name_char(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
 }  // namespace
+
+bool same_name(const char* given, std::string_view snake) {
+    size_t at = 0;
+    const auto next_is = [&](char c) { return at < snake.size() && snake[at++] == c; };
+    bool was_lower = false;
+    for (const char* c = given; *c; ++c) {
+        const bool upper = *c >= 'A' && *c <= 'Z';
+        if (upper && was_lower && !next_is('_')) return false;
+        if (!next_is(upper ? char(*c - 'A' + 'a') : *c)) return false;
+        was_lower = !upper && *c != '_';
+    }
+    return at == snake.size();
+}
 
 std::string MitsubaReader::attribute(Node node, const char* name) const {
     std::string_view text = node.attribute(name).value();
@@ -48,7 +47,10 @@ std::string MitsubaReader::attribute(Node node, const char* name) const {
 MitsubaReader::Node MitsubaReader::property(Node owner, const char* name) const {
     for (const Node child : owner.children())
         // The 0.x dialect writes names in camelCase, later versions in snake_case.
-        if (same_name(child.attribute("name").value(), name)) return child;
+        if (same_name(child.attribute("name").value(), name)) {
+            use(child);
+            return child;
+        }
     return {};
 }
 
@@ -186,7 +188,10 @@ Affine MitsubaReader::transform(Node owner, const char* name) {
     if (const Node node = property(owner, name))
         for (const Node step : node.children())
             // Steps apply in the order of the file: the first is nearest to the point.
-            if (step.type() == pugi::node_element) t = transform_step(step) * t;
+            if (step.type() == pugi::node_element) {
+                use(step);
+                t = transform_step(step) * t;
+            }
     if (!is_finite(t)) fail_at(owner, "the transform is not finite");
     return t;
 }
@@ -214,6 +219,7 @@ Rgb MitsubaReader::rgb_value(Node node) const {
 ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (depth > kMaxDepth) fail_at(node, "references to textures are cyclic");
     const std::string_view tag = node.name();
+    use(node);
     // A texture may be any element that has a colour: numbers, spectra, images, or a reference to one.
     if (tag == "ref") return texture(target_of(node), depth + 1);
     if (tag == "rgb" || tag == "srgb" || tag == "float" || tag == "integer" || tag == "color")
@@ -236,13 +242,13 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
                 return t;
             }
     }
-    warn_at(node, "texture '" + (type.empty() ? std::string(tag) : type) + "' is not modelled; grey is used");
+    skip(node, "texture '" + (type.empty() ? std::string(tag) : type) + "' is not modelled; grey is used");
     return {{.5f, .5f, .5f}};
 }
 
 ColorTexture MitsubaReader::bitmap(Node node) {
     // `raw` in Mitsuba 3 and a gamma of 1 in 0.x both mean linear values.
-    const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
+    const bool is_linear = number(node, "gamma", 0) == 1.0, raw = boolean(node, "raw", is_linear);
     const std::string name = string(node, "wrap_mode", "repeat");
     const auto wrap = wrap_named(name);
     if (!wrap) warn_at(node, "wrap mode '" + name + "' is not modelled; the image repeats");

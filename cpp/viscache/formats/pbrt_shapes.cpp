@@ -73,7 +73,7 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
         const std::string path = path_named(params.string("filename", ""), file->where);
         // A missing file is an error or a warning, as the caller of the loader wishes
         if (!loading_.has_mesh_file(path, file->where)) return {};
-        return read_ply(path, file->where);
+        return read_ply(path, loading_, file->where);
     }
     // Spheres, disks and cylinders become triangles
     if (auto mesh = round_shape(type, params, where)) return mesh;
