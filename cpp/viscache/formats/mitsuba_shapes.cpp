@@ -55,7 +55,8 @@ std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type)
     const std::string path = path_of(node);
     if (!loading_.has_mesh_file(path, where(node))) return {};
     if (type == "serialized") return serialized_mesh(node, path);
-    Mesh mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
+    Mesh mesh =
+        type == "obj" ? read_obj(path, loading_, false, where(node)).at(0) : read_ply(path, where(node));
     // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
     if (!boolean(node, "flip_tex_coords", type == "obj"))
         for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
