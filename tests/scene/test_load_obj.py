@@ -441,3 +441,15 @@ def test_materials_come_from_several_files_with_spaces_in_names(tmp_path, librar
         scene = load(tmp_path, asked, strict=True)
         colors = {m["name"]: scene.materials[m["material"]]["base_color"] for m in scene.meshes}
         assert colors == {"my red": [1, 0, 0], "green": [0, 1, 0]}, scene.warnings
+
+
+@pytest.mark.parametrize("gone", ["map_Kd", "map_Ke"])
+def test_a_lamp_keeps_its_own_image_when_another_is_missing(tmp_path, gone):
+    imsave(tmp_path / "a.png", np.full((2, 2), 255, np.uint8), check_contrast=False)
+    here = {"map_Kd": "map_Ke", "map_Ke": "map_Kd"}[gone]
+    mtl = f"newmtl a\n{gone} gone.png\n{here} a.png\n"
+    scene = load(tmp_path, "mtllib m.mtl\n" + FLAT, m_mtl=mtl)
+    lamp, material = scene.meshes[0], scene.materials[0]
+    is_lamp = here == "map_Ke"
+    assert (lamp["emission_texture"], material["base_texture"]) == ((0, -1) if is_lamp else (-1, 0))
+    assert lamp["emission"] == pytest.approx([float(is_lamp)] * 3)

@@ -77,7 +77,7 @@ const MtlKey kMtlKeys[] = {
     {"map_pcr", kImage},
 };
 
-enum class ImageOption { kOffset, kScale, kClamp, kChannel, kColorSpace, kHarmless, kTurbulence, kGain };
+enum class ImageOption { kOffset, kScale, kClamp, kChannel, kColorSpace, kHarmless };
 
 /// An option of a texture line.
 struct ImageKey {
@@ -85,6 +85,7 @@ struct ImageKey {
     ImageOption to;
     int numbers;  ///< at most so many follow; 0: a word does
     Vec3 standard{0, 0, 0};
+    const char* unlike = nullptr;  ///< what is not modelled if the numbers are others
 };
 
 const ImageKey kImageKeys[] = {
@@ -93,8 +94,8 @@ const ImageKey kImageKeys[] = {
     {"-clamp", ImageOption::kClamp, 0},
     {"-imfchan", ImageOption::kChannel, 0},
     {"-colorspace", ImageOption::kColorSpace, 0},
-    {"-t", ImageOption::kTurbulence, 3},
-    {"-mm", ImageOption::kGain, 2, {0, 1, 0}},
+    {"-t", ImageOption::kHarmless, 3, {0, 0, 0}, "turbulence of texture coordinates (-t) is not modelled"},
+    {"-mm", ImageOption::kHarmless, 2, {0, 1, 0}, "base and gain of an image (-mm) are not modelled"},
     {"-blendu", ImageOption::kHarmless, 0},  // filters of images, which are not
     {"-blendv", ImageOption::kHarmless, 0},  // modelled for any format
     {"-boost", ImageOption::kHarmless, 1},
@@ -290,21 +291,22 @@ MtlImage MtlReader::image(std::string_view rest, const WavefrontLines& lines) {
             word = lower(next_word(rest));
             rest = trimmed(rest);
         }
-        if (row->to == ImageOption::kOffset)
-            found.uv.m[0][2] = v.x, found.uv.m[1][2] = v.y;
-        else if (row->to == ImageOption::kScale)
-            found.uv.m[0][0] = v.x, found.uv.m[1][1] = v.y;
-        else if (row->to == ImageOption::kClamp && word == "on")
+        if (row->to == ImageOption::kOffset) {
+            found.uv.m[0][2] = v.x;
+            found.uv.m[1][2] = v.y;
+        } else if (row->to == ImageOption::kScale) {
+            found.uv.m[0][0] = v.x;
+            found.uv.m[1][1] = v.y;
+        } else if (row->to == ImageOption::kClamp && word == "on") {
             found.look_up.u = found.look_up.v = Wrap::kClamp;
-        else if (row->to == ImageOption::kColorSpace)
+        } else if (row->to == ImageOption::kColorSpace) {
             found.srgb = word != "linear";
-        else if (row->to == ImageOption::kTurbulence && !(v == row->standard))
-            loading_.warn(lines.where(), "turbulence of texture coordinates (-t) is not modelled");
-        else if (row->to == ImageOption::kGain && !(v == row->standard))
-            loading_.warn(lines.where(), "base and gain of an image (-mm) are not modelled");
-        else if (row->to == ImageOption::kChannel && word != "m")
+        } else if (row->unlike && !(v == row->standard)) {
+            loading_.warn(lines.where(), row->unlike);
+        } else if (row->to == ImageOption::kChannel && word != "m") {
             loading_.warn(lines.where(),
                           "-imfchan is not modelled; opacity is alpha if there is one, else red");
+        }
     }
     // Some exporters quote names.
     if (rest.size() > 2 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
