@@ -68,7 +68,13 @@ void decode_images(Loading& loading) {
         kept.push_back(std::move(image));
     }
     scene.images = std::move(kept);
-    // References come next. A material that loses its base texture keeps half of its base colour.
+    // References come next. A lamp whose picture is gone is dark: most of such pictures are.
+    for (Mesh& mesh : scene.meshes) {
+        if (mesh.emission_texture < 0) continue;
+        mesh.emission_texture = moved_to[size_t(mesh.emission_texture)];
+        if (mesh.emission_texture < 0) mesh.emission = {};
+    }
+    // A material that loses its base texture keeps half of its base colour.
     for (Material& m : scene.materials) {
         if (m.base_texture >= 0 && moved_to[size_t(m.base_texture)] < 0) m.base_color = m.base_color * 0.5f;
         for (int* t :

@@ -216,9 +216,10 @@ Rgb clamp01(Rgb c);
 // `asked_at` is empty for a file that is a scene.
 Mesh read_ply(const std::string& path, Loading& loading, const std::string& asked_at = "",
               FileColors* colors = nullptr);
-/// Returns one mesh without colours if `materials` is null, otherwise one mesh per material, and adds the
-/// materials of the MTL files to `materials`.
-std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
+/// Returns one mesh per material, and adds the materials of the MTL files; without materials, one mesh, which
+/// has no colours.
+std::vector<Mesh> read_obj(const std::string& path, Loading& loading, bool with_materials,
+                           const std::string& asked_at = "");
 /// Shape `index` of the Mitsuba .serialized file with the content `bytes`.
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);
 size_t serialized_count(const std::string& path, std::string_view bytes);

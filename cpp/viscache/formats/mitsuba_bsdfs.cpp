@@ -177,8 +177,8 @@ Material MitsubaReader::diffuse(Node node, int /*depth*/) {
     Material m;
     m.two_sided = type == "difftrans";
     const char* const name = type == "difftrans"             ? "transmittance"
-                              : property(node, "reflectance") ? "reflectance"
-                                                              : "diffuse_reflectance";  // of 0.x
+                             : property(node, "reflectance") ? "reflectance"
+                                                             : "diffuse_reflectance";  // of 0.x
     set_base(m, color_texture(node, name, kGrey, true));
     if (type == "roughdiffuse") skip(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
     if (type == "difftrans") skip(node, "'difftrans' is not modelled; diffuse reflection is used");

@@ -59,9 +59,8 @@ std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type,
         return {};
     }
     if (type == "serialized") return serialized_mesh(node, path);
-    Mesh mesh =
-        type == "obj" ? read_obj(path, nullptr, where(node)).at(0)
-                      : read_ply(path, loading_, where(node), &colors);
+    Mesh mesh = type == "obj" ? read_obj(path, loading_, false, where(node)).at(0)
+                              : read_ply(path, loading_, where(node), &colors);
     // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
     if (!boolean(node, "flip_tex_coords", type == "obj"))
         for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
