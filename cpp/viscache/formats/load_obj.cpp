@@ -129,7 +129,8 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
         m.roughness = clamp_roughness(std::sqrt(2.f / (in.shininess + 2.f)));
     }
     const std::string where = mtl + ": material '" + in.name + "'";
-    if (!in.diffuse_texname.empty())
+    // It would tint the glass
+    if (!in.diffuse_texname.empty() && m.kind != MaterialKind::kDielectric)
         m.base_texture = loading.add_image(resolve(mtl, in.diffuse_texname), where, true);
     if (!in.alpha_texname.empty())
         m.alpha_texture = loading.add_image(resolve(mtl, in.alpha_texname), where, false);
