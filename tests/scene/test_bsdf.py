@@ -188,6 +188,21 @@ def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     return testing.sample_bsdf(sp, u)[1].astype(float).mean(0)
 
 
+def test_a_fresnel_mix_reflects_less_than_arrives_below_a_base_of_095():
+    cosines = (np.arange(8) + 0.5) / 8
+
+    def mean(base, roughness):
+        """Over light from all sides."""
+        f0 = (0.04, 0.04, 0.04)
+        look = {"specular": f0, "coat": CoatKind.FRESNEL_MIX}
+        all_sides = [albedo(glossy(c, roughness, (base,) * 3, **look))[0] for c in cosines]
+        return np.average(all_sides, weights=cosines)
+
+    assert max(mean(0.95, roughness) for roughness in (0.01, 0.1, 0.3, 0.6, 1.0)) < 1
+    # What the docs say of the formula
+    assert mean(1, 0.01) > 1
+
+
 def test_a_diffuse_surface_reflects_its_base_color():
     for cos_o in (1.0, 0.5, 0.01):
         sp = ShadingPoint(MaterialKind.DIFFUSE, direction(cos_o), base=(1, 0.5, 0))
