@@ -10,7 +10,7 @@ import pytest
 from skimage.io import imsave
 
 import viscache as vc
-from scene.test_load_gltf import document, load, png
+from scene.test_load_gltf import document, load, png, with_material
 from scene.test_texture_mapping import albedo, pbrt_wall
 
 PIXELS = np.random.default_rng(1).integers(30, 255, (5, 7, 3)).astype(np.uint8)
@@ -88,12 +88,8 @@ def test_images_of_a_gltf_material_share_their_transform(tmp_path):
             "baseColorTexture": {"index": 0} | moved,
             "metallicRoughnessTexture": {"index": 0} | second,
         }
-        doc = document(
-            materials=[{"pbrMetallicRoughness": pbr}],
-            textures=[{"source": 0}],
-            images=[{"uri": png(tmp_path, PIXELS)}],
-        )
-        doc["meshes"][0]["primitives"][0]["material"] = 0
+        doc = with_material(pbrMetallicRoughness=pbr)
+        doc |= {"textures": [{"source": 0}], "images": [{"uri": png(tmp_path, PIXELS)}]}
         return [what for _, what in load(tmp_path, doc).warnings]
 
     assert not warnings(moved)

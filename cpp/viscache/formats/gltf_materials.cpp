@@ -62,6 +62,32 @@ UvTransform uv_transform(const tinygltf::TextureInfo& info) {
     return {{{c * x, s * y, u}, {-s * x, c * y, v}}};
 }
 
+constexpr const char *kGlossiness = "KHR_materials_pbrSpecularGlossiness",
+                     *kTransform = "KHR_texture_transform";
+/// Roughness below which transmission counts as smooth: the smallest lobe.
+constexpr float kSmoothGlass = 1e-3f;
+
+/// The extension of an object; nullptr if it has none.
+const tinygltf::Value* extension_of(const tinygltf::ExtensionMap& extensions, const char* name) {
+    const auto found = extensions.find(name);
+    return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;
+}
+
+/// The `n` numbers of an array; empty if it is no such array.
+std::vector<double> numbers_of(const tinygltf::Value& value, int n) {
+    if (!value.IsArray() || value.ArrayLen() != size_t(n)) return {};
+    std::vector<double> numbers;
+    for (int i = 0; i < n; ++i) {
+        if (!value.Get(i).IsNumber()) return {};
+        numbers.push_back(value.Get(i).GetNumberAsDouble());
+    }
+    return numbers;
+}
+
+Rgb specular_of_glossiness(const tinygltf::Value& extension) {
+    return clamp01(gltf_rgb(numbers_of(extension.Get("specularFactor"), 3), {1, 1, 1}));
+}
+
 /// The texture coordinates of a mesh are those of the first of these images.
 int texcoord_of(const tinygltf::Material& in) {
     const auto& pbr = in.pbrMetallicRoughness;
@@ -137,7 +163,10 @@ int GltfReader::add_texture(Look& look, const tinygltf::TextureInfo& info, bool 
                             const std::string& where) {
     const int texture = info.index, source = image_source(texture, where);
     if (source < 0) {
-        loading_.warn(where, "a texture without an image is left out");
+        // Images of formats that an extension brings, without one of glTF itself
+        loading_.warn(where, model_.textures[size_t(texture)].extensions.empty()
+                                 ? "a texture without an image is left out"
+                                 : "the image of a texture's extension is not read; left out");
         return -1;
     }
     if (!look.uv.add(uv_transform(info).downwards()))
@@ -158,7 +187,7 @@ int GltfReader::add_texture(Look& look, const tinygltf::TextureInfo& info, bool 
 }
 
 double GltfReader::extension_number(const tinygltf::Material& in, const char* extension, const char* name,
-                                    double fallback) {
+                                    double fallback) const {
     const auto found = in.extensions.find(extension);
     if (found == in.extensions.end() || !found->second.IsObject() || !found->second.Has(name))
         return fallback;
@@ -171,14 +200,8 @@ Rgb GltfReader::dielectric_specular(const tinygltf::Material& in, const std::str
     const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
     const auto found = in.extensions.find("KHR_materials_specular");
     if (found == in.extensions.end() || !found->second.IsObject()) return {f0, f0, f0};
-    Rgb color{1, 1, 1};
-    if (const auto& given = found->second.Get("specularColorFactor");
-        given.IsArray() && given.ArrayLen() == 3) {
-        std::vector<double> values;
-        for (int i = 0; i < 3; ++i)
-            values.push_back(given.Get(i).IsNumber() ? given.Get(i).GetNumberAsDouble() : 1);
-        color = max({0, 0, 0}, gltf_rgb(values, {1, 1, 1}));
-    }
+    const Rgb color =
+        max({0, 0, 0}, gltf_rgb(numbers_of(found->second.Get("specularColorFactor"), 3), {1, 1, 1}));
     if (found->second.Has("specularTexture") || found->second.Has("specularColorTexture"))
         loading_.warn(where, "a specular image is not modelled; its factor is used");
     const double factor = extension_number(in, "KHR_materials_specular", "specularFactor", 1);
@@ -225,33 +248,143 @@ void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, 
     }
     metallic = std::clamp(metallic, 0.0, 1.0);
     m.roughness = clamp_roughness(float(roughness * roughness));
-    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0 || look.colored) {
+    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0 || metallic < 1 || look.colored) {
         m.metallic = float(metallic);
-    } else {  // the same mixture everywhere
-        m.specular = clamp01(m.specular * float(1 - metallic) + m.base_color * float(metallic));
-        m.base_color = m.base_color * float(1 - metallic);
+    } else {  // metal everywhere
+        m.specular = m.base_color;
+        m.base_color = {0, 0, 0};
+        m.f90 = 1;
     }
+}
+
+/// The material of KHR_materials_pbrSpecularGlossiness in the words of metallic-roughness. Its specular
+/// colour is that of `surface`.
+tinygltf::Material GltfReader::as_metallic_roughness(tinygltf::Material in, const std::string& where) {
+    const tinygltf::Value* given = extension_of(in.extensions, kGlossiness);
+    if (!given) return in;
+    auto& pbr = in.pbrMetallicRoughness;
+    pbr = {};
+    pbr.metallicFactor = 0;
+    pbr.roughnessFactor = 1 - std::clamp(extension_number(in, kGlossiness, "glossinessFactor", 1), 0.0, 1.0);
+    const Rgb specular = specular_of_glossiness(*given);
+    const auto diffuse = numbers_of(given->Get("diffuseFactor"), 4);
+    if (!diffuse.empty()) pbr.baseColorFactor = diffuse;
+    // Its page: the diffuse colour loses the largest channel of the specular one
+    for (size_t c = 0; c < 3; ++c) pbr.baseColorFactor[c] *= double(1 - max_component(specular));
+    if (const tinygltf::Value& texture = given->Get("diffuseTexture"); texture.IsObject()) {
+        pbr.baseColorTexture.index =
+            texture.Get("index").IsInt() ? texture.Get("index").GetNumberAsInt() : -1;
+        if (texture.Get("texCoord").IsInt())
+            pbr.baseColorTexture.texCoord = texture.Get("texCoord").GetNumberAsInt();
+        if (texture.Get("extensions").Has(kTransform))
+            pbr.baseColorTexture.extensions[kTransform] = texture.Get("extensions").Get(kTransform);
+    }
+    if (given->Has("specularGlossinessTexture"))
+        loading_.warn(where, "an image of specular and glossiness is not modelled; its factors are used");
+    return in;
+}
+
+/// Warns of layers that are not modelled, where the file switches them on.
+void GltfReader::check_layers(const tinygltf::Material& in, const std::string& where) {
+    for (const GltfLayer& layer : kGltfLayers) {
+        const tinygltf::Value* given = extension_of(in.extensions, layer.extension);
+        if (!given) continue;
+        const tinygltf::Value& factor = given->Get(layer.factor);
+        bool is_on = factor.IsNumber() && factor.GetNumberAsDouble() != 0;
+        for (const double channel : numbers_of(factor, 3)) is_on = is_on || channel != 0;
+        if (is_on)
+            loading_.warn(where,
+                          "the extension '" + std::string(layer.extension) + "' is not modelled; ignored");
+    }
+}
+
+/// KHR_materials_transmission and KHR_materials_volume. Needs the rest of the material.
+void GltfReader::transmission(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
+    constexpr const char *kTransmission = "KHR_materials_transmission", *kVolume = "KHR_materials_volume";
+    double share = std::clamp(extension_number(in, kTransmission, "transmissionFactor", 0), 0.0, 1.0);
+    // Metals let nothing through
+    if (!(share > 0) || (m.metallic_roughness_texture < 0 && in.pbrMetallicRoughness.metallicFactor >= 1))
+        return;
+    const tinygltf::Value& image = extension_of(in.extensions, kTransmission)->Get("transmissionTexture");
+    if (image.IsObject()) {
+        loading_.warn(where, "an image of transmission is not modelled; its mean is used");
+        const int index = image.Get("index").IsInt() ? image.Get("index").GetNumberAsInt() : -1;
+        if (const auto pixels = decoded(index, false, where)) share *= double(mean_of(*pixels).color.x);
+    }
+    const double thickness = extension_number(in, kVolume, "thicknessFactor", 0);
+    const bool is_solid = thickness > 0, is_whole = m.metallic == 0 && share >= 1;
+    const bool is_smooth = m.roughness <= kSmoothGlass;
+    m.two_sided = true;
+    m.transmission = m.base_color * float(share);
+    if (is_solid && extension_number(in, kVolume, "attenuationDistance", 0) > 0) {
+        const auto color = numbers_of(extension_of(in.extensions, kVolume)->Get("attenuationColor"), 3);
+        const double power = thickness / extension_number(in, kVolume, "attenuationDistance", 0) / 2;
+        const auto kept = [&](size_t c) { return float(std::pow(std::clamp(color[c], 0.0, 1.0), power)); };
+        if (!color.empty() && !(color[0] == 1 && color[1] == 1 && color[2] == 1)) {
+            m.transmission = m.transmission * Rgb{kept(0), kept(1), kept(2)};
+            loading_.warn(
+                where,
+                "attenuation by distance is not modelled; the two surfaces of the glass have the tint "
+                "of its thickness");
+        }
+    }
+    if (!is_smooth) loading_.warn(where, "rough transmission is not modelled; it is as through smooth glass");
+    const bool is_glass = is_whole && (is_solid || is_smooth);
+    if (is_glass) {
+        m.kind = MaterialKind::kDielectric;
+        m.metallic_roughness_texture = -1;
+    }
+    if (is_solid && is_glass) {
+        // Fresnel's own formulas, of which Schlick's is an approximation
+        m.coat = CoatKind::kNone;
+        m.f90 = 1;
+        m.eta = float(extension_number(in, "KHR_materials_ior", "ior", 1.5));
+        if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
+        if (in.extensions.contains("KHR_materials_specular"))
+            loading_.warn(where,
+                          "KHR_materials_specular is not modelled for solid glass; its index alone counts");
+        return;
+    }
+    if (is_solid) loading_.warn(where, "a solid that lets a part of the light through does not bend it here");
+    m.thin = true;
+    if (!is_glass) m.base_color = m.base_color * float(1 - share);
+}
+
+/// KHR_materials_unlit: a surface with the same colour under any light.
+void GltfReader::unlit(viscache::Material& m, Look& look, const std::string& where) {
+    loading_.warn(where, "an unlit material emits its base colour, and lights other surfaces with it");
+    look.emission = m.base_color;
+    look.emission_texture = m.base_texture;
+    m.kind = MaterialKind::kDiffuse;
+    m.coat = CoatKind::kNone;
+    m.base_color = {0, 0, 0};
+    m.base_texture = -1;
 }
 
 viscache::Material GltfReader::surface(const tinygltf::Material& in, Look& look, const std::string& where) {
     const auto& pbr = in.pbrMetallicRoughness;
     viscache::Material m;
     m.two_sided = in.doubleSided;
-    if (extension_number(in, "KHR_materials_transmission", "transmissionFactor", 0) > 0.5) {
-        m.kind = MaterialKind::kDielectric;
-        m.two_sided = true;
-        m.eta = float(extension_number(in, "KHR_materials_ior", "ior", 1.5));
-        if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
-        return m;
-    }
     m.kind = MaterialKind::kGlossy;
+    m.coat = CoatKind::kFresnelMix;
     m.base_color = clamp01(gltf_rgb(pbr.baseColorFactor, {1, 1, 1}));
     if (pbr.baseColorTexture.index >= 0)
         m.base_texture = add_texture(look, pbr.baseColorTexture, true, where);
+    alpha(m, in, where);
+    check_layers(in, where);
+    if (in.extensions.contains("KHR_materials_unlit")) {
+        unlit(m, look, where);
+        return m;
+    }
     m.specular = dielectric_specular(in, where);
+    m.f90 = std::clamp(float(extension_number(in, "KHR_materials_specular", "specularFactor", 1)), 0.f, 1.f);
+    if (const tinygltf::Value* given = extension_of(in.extensions, kGlossiness)) {
+        m.specular = specular_of_glossiness(*given);
+        m.f90 = 1;
+    }
     roughness(m, in, look, where);
     if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
-    alpha(m, in, where);
+    transmission(m, in, where);
     return m;
 }
 
@@ -276,13 +409,14 @@ const GltfReader::Look& GltfReader::look(int index) {
     const std::string where = path_ + ": material " + std::to_string(index);
     if (index >= 0 && size_t(index) >= model_.materials.size())
         fail(where, "the file has " + std::to_string(model_.materials.size()) + " materials");
-    const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
+    const tinygltf::Material in =
+        as_metallic_roughness(index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)], where);
     Look& look = found->second;
     look.texcoord = texcoord_of(in);
     look.colored = colored_.contains(index);
     look.material = loading_.add_material(surface(in, look, where));
     look.two_sided = in.doubleSided;
-    emission(look, in, where);
+    if (!in.extensions.contains("KHR_materials_unlit")) emission(look, in, where);
     return look;
 }
 

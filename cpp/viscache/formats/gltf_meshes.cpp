@@ -127,6 +127,19 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
     }
 }
 
+void GltfReader::check_attributes(const tinygltf::Primitive& p, const std::string& where) {
+    // Sets of coordinates that no image names change nothing. Tangents belong to normal maps, joints and
+    // weights to skins, which are warned of. Names with an underscore are the program's own. Colours of
+    // other sets than 0 have no use in glTF
+    constexpr std::string_view kStarts[] = {"POSITION", "NORMAL",  "TANGENT",  "TEXCOORD_",
+                                            "COLOR_",   "JOINTS_", "WEIGHTS_", "_"};
+    for (const auto& [name, accessor] : p.attributes) {
+        const auto starts = [&name = name](std::string_view start) { return name.starts_with(start); };
+        if (std::none_of(std::begin(kStarts), std::end(kStarts), starts))
+            loading_.warn(where + " " + printable(name.substr(0, 100)), "an attribute is not read");
+    }
+}
+
 std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primitive& p,
                                                          const std::string& where) {
     // A file that says nothing means triangles
@@ -141,7 +154,6 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
         loading_.warn(where, "a primitive without POSITION is skipped");
         return {};
     }
-    if (!p.targets.empty()) loading_.warn(where, "morph targets are not modelled; ignored");
     viscache::Mesh mesh;
     mesh.vertices = vec3s(position->second, where);
     const Look& seen = look(p.material);
@@ -155,6 +167,9 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
         for (size_t i = 0; i < e.count; ++i) mesh.uvs.push_back({float(e.get(i, 0)), 1 - float(e.get(i, 1))});
     }
     mesh.colors = colors(p, where);
+    if (mesh.uvs.empty() && uses_image(loading_.scene.materials[size_t(seen.material)]))
+        loading_.warn(where, "a mesh without texture coordinates shows one texel of its images");
+    check_attributes(p, where);
     // Once per mesh, so that textures are looked up without a matrix
     transform_uvs(mesh, seen.uv.get());
     tinygltf::Primitive known = p;

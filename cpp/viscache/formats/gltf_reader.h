@@ -10,6 +10,24 @@
 
 namespace viscache::loading {
 
+/// An extension of materials that is not modelled, and the number or colour that switches it on.
+struct GltfLayer {
+    const char *extension, *factor;
+};
+constexpr GltfLayer kGltfLayers[] = {
+    {"KHR_materials_anisotropy", "anisotropyStrength"},
+    {"KHR_materials_clearcoat", "clearcoatFactor"},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor"},
+    {"KHR_materials_dispersion", "dispersion"},
+    {"KHR_materials_iridescence", "iridescenceFactor"},
+    {"KHR_materials_sheen", "sheenColorFactor"},
+};
+
+/// Warns of keys and extensions that are not read. Refuses JSON that is nested too deep.
+void check_gltf_keys(std::string_view json, const std::string& path, Loading& loading);
+/// Whether a file that requires the extension has the right shapes here: it is read, or changes looks alone.
+bool reads_without(std::string_view extension);
+
 class GltfReader {
 public:
     GltfReader(const std::string& path, Loading& loading) : path_(path), loading_(loading) {}
@@ -56,16 +74,21 @@ private:
     std::vector<VertexColor> colors(const tinygltf::Primitive& p, const std::string& where) const;
     std::vector<viscache::Mesh> meshes_of(int mesh);
     std::optional<viscache::Mesh> primitive_mesh(const tinygltf::Primitive& p, const std::string& where);
+    void check_attributes(const tinygltf::Primitive& p, const std::string& where);
     void add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& p, const std::string& where);
 
     // gltf_materials.cpp
     const Look& look(int material);
     viscache::Material surface(const tinygltf::Material& in, Look& look, const std::string& where);
+    void transmission(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
+    void unlit(viscache::Material& m, Look& look, const std::string& where);
+    tinygltf::Material as_metallic_roughness(tinygltf::Material in, const std::string& where);
+    void check_layers(const tinygltf::Material& in, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
     void emission(Look& look, const tinygltf::Material& in, const std::string& where);
     Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
     double extension_number(const tinygltf::Material& in, const char* extension, const char* name,
-                            double fallback);
+                            double fallback) const;
     int image_source(int texture, const std::string& where) const;
     std::string image_bytes(int source, const std::string& where) const;
     std::string image_path(int source) const;

@@ -12,36 +12,8 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr int kMaxJsonDepth = 256;
 // A glTF camera has an aspect ratio and no number of pixels.
 constexpr float kDefaultHeight = 480;
-
-/// tinygltf recurses into nested values; this refuses files that would exhaust the stack.
-void check_depth(std::string_view json, const std::string& path) {
-    int depth = 0;
-    bool in_string = false;
-    for (size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (in_string) {
-            // Brackets in names do not nest, and an escaped quote does not end a string.
-            if (c == '\\') ++i;
-            in_string = c != '"';
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > kMaxJsonDepth) fail(path, "the JSON is nested more than 256 deep");
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-}
-
-bool is_known_extension(const std::string& extension) {
-    return extension == "KHR_lights_punctual" || extension == "KHR_materials_emissive_strength" ||
-           extension == "KHR_materials_ior" || extension == "KHR_materials_specular" ||
-           extension == "KHR_materials_transmission" || extension == "KHR_mesh_quantization" ||
-           extension == "KHR_texture_transform";
-}
 
 /// Looks at the required extensions before the buffers, which may be readable with them alone.
 void check_required(std::string_view json, const std::string& path) {
@@ -49,7 +21,7 @@ void check_required(std::string_view json, const std::string& path) {
     const auto root = nlohmann::json::parse(json, nullptr, false);
     if (!root.is_object() || !root.contains("extensionsRequired")) return;
     for (const auto& name : root["extensionsRequired"]) {
-        if (!name.is_string() || is_known_extension(name.get<std::string>())) continue;
+        if (!name.is_string() || reads_without(name.get<std::string>())) continue;
         const std::string text = name.get<std::string>();
         const bool compressed = text == "EXT_meshopt_compression" || text == "KHR_draco_mesh_compression";
         fail(path,
@@ -112,7 +84,7 @@ void GltfReader::parse() {
     if (binary && bytes.size() >= 20) std::memcpy(&json_bytes, bytes.data() + 12, 4);
     const std::string_view json =
         binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes;
-    check_depth(json, path_);
+    check_gltf_keys(json, path_, loading_);
     check_required(json, path_);
 
     tinygltf::TinyGLTF reader;
@@ -132,9 +104,8 @@ void GltfReader::parse() {
 }
 
 void GltfReader::check_extensions() {
-    for (const std::string& name : model_.extensionsUsed)
-        if (!is_known_extension(name))
-            loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
+    if (model_.extensions.contains("KHR_materials_variants"))
+        loading_.note(path_, "variants of materials are not read; each mesh has its default material");
     if (!model_.animations.empty())
         loading_.warn(path_, "animations are not modelled; the scene at rest is used");
 }
@@ -252,6 +223,11 @@ void GltfReader::visit(int index, const Affine& parent, int depth) {
         if (size_t(node.mesh) >= model_.meshes.size())
             fail(where, "mesh " + std::to_string(node.mesh) + ", the file has " +
                             std::to_string(model_.meshes.size()));
+        // Without weights the mesh is as its vertices say
+        const auto& own = model_.meshes[size_t(node.mesh)].weights;
+        const auto& weights = node.weights.empty() ? own : node.weights;
+        if (std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; }))
+            loading_.warn(where, "morph targets are not modelled; the mesh without them is used");
         if (node.skin >= 0) loading_.warn(where, "skins are not modelled; the mesh at rest is used");
         placed_.push_back({node.mesh, t});
     }
