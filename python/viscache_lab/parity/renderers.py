@@ -66,12 +66,12 @@ def load_viscache(path: Path, threads: int | None = None) -> Loaded:
         # The prepared copy of a shared scene names files of the scene itself
         scene = vc.load_scene(path, allow_outside=True)
     except (ValueError, OSError, MemoryError) as error:
-        return Loaded(warnings=[_brief(str(error), path)])
+        return Loaded(warnings=[brief(str(error), path)])
 
     def picture(spp: int, seed: int) -> FloatImage:
         return vc.render(scene, SAMPLES, spp=spp, seed=seed, threads=threads).image
 
-    return Loaded(render=picture, warnings=[_brief(text, path) for text in scene.warnings])
+    return Loaded(render=picture, warnings=[brief(text, path) for text in scene.warnings])
 
 
 def load_mitsuba(mi: Any, path: Path) -> Loaded:
@@ -80,7 +80,7 @@ def load_mitsuba(mi: Any, path: Path) -> Loaded:
         try:
             scene = mi.load_file(str(path), parallel=False)
         except (RuntimeError, ValueError, TypeError, KeyError) as error:
-            return Loaded(warnings=[_brief(str(error), path)])
+            return Loaded(warnings=[brief(str(error), path)])
     integrator = mi.load_dict(_integrator(path))
 
     def picture(spp: int, seed: int) -> FloatImage:
@@ -89,7 +89,7 @@ def load_mitsuba(mi: Any, path: Path) -> Loaded:
             made = mi.render(scene, integrator=integrator, spp=spp, seed=1000 + seed)
         return np.asarray(made, np.float32)[:, :, :3]
 
-    return Loaded(render=picture, warnings=[_brief(text, path) for text in log])
+    return Loaded(render=picture, warnings=[brief(text, path) for text in log])
 
 
 def _integrator(path: Path) -> dict[str, Any]:
@@ -126,6 +126,6 @@ def _kept_log(mi: Any) -> Iterator[list[str]]:
             logger.add_appender(appender)
 
 
-def _brief(text: str, path: Path) -> str:
+def brief(text: str, path: Path) -> str:
     """One line without the folder of the file."""
     return " ".join(text.replace(f"{path.parent}/", "").split())

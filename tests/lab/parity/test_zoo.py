@@ -1,12 +1,15 @@
-"""The zoo: how many scenes, of what, and that both renderers read them."""
+"""The zoos: how many files, of what; both renderers read Mitsuba's, formulas judge exporters'."""
 
+import math
 import re
 from collections import Counter
+from dataclasses import replace
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
-from viscache_lab.parity import renderers, zoo
+from viscache_lab.parity import exporters, renderers, zoo
 from viscache_lab.parity.zoo.surfaces import SHAPES, TRANSFORMS
 
 #: Surface and light plugins that Mitsuba 3 documents and RGB files use.
@@ -66,3 +69,72 @@ def test_both_renderers_load_the_quick_sample(tmp_path):
             for loaded in (renderers.load_viscache(path), renderers.load_mitsuba(mi, path)):
                 refused += [] if loaded.render is not None else [(name, loaded.warnings)]
     assert refused == []
+
+
+def verdicts(folder, rows):
+    paths = exporters.write(folder, rows)
+    return [exporters.judge_row(row, paths[row.name]) for row in rows]
+
+
+def row_named(name):
+    (row,) = [row for row in exporters.rows() if row.name == name]
+    return row
+
+
+def test_each_format_has_60_exporters_files_that_differ():
+    rows = exporters.rows()
+    counts = Counter(row.name.partition("/")[0] for row in rows)
+    assert set(counts) == {"gltf", "pbrt3", "pbrt4", "obj", "ply"} and min(counts.values()) >= 60
+    stems = [re.sub(r"[\w-]+\.mtl", "a.mtl", str([*row.files.values()])) for row in rows]
+    assert len({row.name for row in rows}) == len(rows)
+    twice = Counter(zip(stems, (row.feature in ("light", "camera") for row in rows), strict=True))
+    assert [stem for stem, count in twice.items() if count > 1] == []
+
+
+def test_the_quick_sample_has_each_feature_of_each_format_once():
+    kinds = [(row.name.partition("/")[0], row.feature) for row in exporters.rows(quick=True)]
+    full = {(row.name.partition("/")[0], row.feature) for row in exporters.rows()}
+    assert set(kinds) == full and len(kinds) == len(full)
+
+
+def test_no_exporters_file_of_the_sample_differs_without_a_warning(tmp_path):
+    found = verdicts(tmp_path, exporters.rows(quick=True))
+    assert [(r.name, r.why, r.about) for r in found if r.silent_miss] == []
+
+
+@pytest.mark.slow
+def test_no_exporters_file_differs_without_a_warning(tmp_path):
+    found = verdicts(tmp_path, exporters.rows())
+    assert [(r.name, r.why, r.about) for r in found if r.silent_miss] == []
+
+
+@pytest.mark.parametrize(
+    "name, right, verdict",
+    [
+        ("obj/kd-rgb", ".8,.6,.4", "agrees"),
+        ("obj/kd-rgb", ".8,.6,.41", "differs"),
+        ("obj/kd-rgb", "said", "differs"),
+        ("obj/map_kd-plain", "B A D C", "differs"),
+        ("obj/map_kd-missing", "A B C D", "warned"),
+        ("obj/map_kd-missing", ".502886", "warned though right"),
+        ("obj/face-word", ".5", "not loaded"),
+        ("pbrt3/light-point", "lit 2.6", "differs"),
+    ],
+)
+def test_a_file_is_judged_by_what_is_right(tmp_path, name, right, verdict):
+    (found,) = verdicts(tmp_path, [replace(row_named(name), right=right)])
+    assert found.verdict == verdict
+    assert found.about.endswith(f"; right: {right}")
+
+
+def test_what_is_right_has_its_closed_forms():
+    assert exporters.expected(".5").shape == (16, 16, 3)
+    assert exporters.expected("3 A B 3 3 C D 3").shape == (16, 32, 3)
+    top = exporters.expected(".1 .2 .3 .4")[0, :, 0]
+    assert top[0] == np.float32(0.1) and top[-1] == np.float32(0.2)
+    # A white furnace, and a metal that is almost a mirror
+    assert exporters.furnace(0.5, 0, 1, 0, 0) == pytest.approx(0.5, rel=1e-6)
+    assert exporters.furnace(0.8, 1, 0.1) == pytest.approx(exporters.BRIGHT * 0.8, rel=0.01)
+    # Under a lamp far away, and under one that covers the sky
+    assert exporters.lamp(1, 0.01, 10) == pytest.approx(0.5 * 0.02**2 / 100 / math.pi, rel=1e-3)
+    assert exporters.lamp(1, 1e4, 1) == pytest.approx(0.5, rel=1e-3)

@@ -46,7 +46,7 @@ def write_page(target: Path, results: Sequence[Judged], about: Mapping[str, str]
     ordered = sorted(results, key=lambda r: (VERDICTS.index(r.verdict), -sizes[r.name], r.name))
     pictures = json.dumps({"pictures": {r.name: _pictures(r) for r in ordered}})
     parts = [
-        "<p>Direct light of viscache and of Mitsuba 3 on the same files"
+        "<p>Direct light of viscache and of Mitsuba 3 on the same files, or of a formula"
         ' <button class="tool" id="theme" type="button">Dark / light</button></p>',
         f'<dl class="facts">{facts(about)}</dl>',
         f'<div class="verdicts" role="group" aria-label="Verdicts">{_counts(results)}</div>',
@@ -85,11 +85,13 @@ def _row(result: Judged) -> str:
         f'<td data-value="{VERDICTS.index(result.verdict)}"><span class="verdict '
         f'{_class(result.verdict)}">{result.verdict}</span></td>',
         *_numbers(result),
-        f'<td class="why">{html.escape(result.why)}</td>',
+        f'<td class="why">{html.escape(result.why or result.about)}</td>',
     ]
-    said = [f"viscache: {text}" for text in result.warnings]
+    said = [result.about] if result.about else []
+    said += [f"viscache: {text}" for text in result.warnings]
     said += [f"Mitsuba: {text}" for text in result.mitsuba]
-    said += [] if c is None else [f"energy {c.energy_ours:.5g}, Mitsuba {c.energy_theirs:.5g}"]
+    other = "right" if result.about else "Mitsuba"
+    said += [] if c is None else [f"energy {c.energy_ours:.5g}, {other} {c.energy_theirs:.5g}"]
     lines = "".join(f"<li>{html.escape(text)}</li>" for text in said)
     return (
         f'<tbody data-name="{html.escape(result.name)}" data-verdict="{_class(result.verdict)}">'
