@@ -61,11 +61,10 @@ void bind_shafts(py::module_& m) {
           py::arg("isa") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(),
           "The bits of RayCaster.visible_matrix by shafts, and what they did.");
     py::class_<ShaftSource, OracleSource>(m, "ShaftSource", "See viscache.Exact.")
-        .def(py::init([](const Scene& scene, const RayCaster& caster, const ShaftScene& shafts,
-                         OracleSource& exact, bool choose, float bounds,
-                         const std::optional<std::string>& isa) {
+        .def(py::init([](const Scene&, const RayCaster& caster, const ShaftScene& shafts, OracleSource& exact,
+                         bool choose, float bounds, const std::optional<std::string>& isa) {
                  const ShaftOptions options{.choose = choose, .bounds = bounds, .isa = isa_of(isa)};
-                 return std::make_unique<ShaftSource>(scene, caster, shafts, exact, options);
+                 return std::make_unique<ShaftSource>(caster, shafts, exact, options);
              }),
              py::arg("scene"), py::arg("caster"), py::arg("shafts"), py::arg("exact"), py::kw_only(),
              py::arg("choose") = false, py::arg("bounds") = 1, py::arg("isa") = py::none(),

@@ -29,9 +29,9 @@ const py::arg kScene("scene"), kCaster("caster");
 
 void bind_exact_sources(py::module_& m) {
     py::class_<ExactSource, OracleSource>(m, "ExactSource", "See viscache.Exact.")
-        .def(py::init([](const Scene& s, const RayCaster& c, std::optional<PacketOrder> order,
+        .def(py::init([](const Scene&, const RayCaster& c, std::optional<PacketOrder> order,
                          std::optional<bool> coherent) {
-                 return std::make_unique<ExactSource>(s, c, order, flag_of(coherent));
+                 return std::make_unique<ExactSource>(c, order, flag_of(coherent));
              }),
              kScene, kCaster, py::kw_only(), py::arg("order") = py::none(), py::arg("coherent") = py::none(),
              KeepScene(), KeepCaster());
@@ -39,9 +39,9 @@ void bind_exact_sources(py::module_& m) {
         .def(py::init<>());
     py::class_<AlignedSource, OracleSource>(m, "AlignedSource",
                                             "Exact rays. A batch may trace shared directions.")
-        .def(py::init([](const Scene& s, const RayCaster& c, const AlignedBatch& batch, bool choose,
+        .def(py::init([](const Scene&, const RayCaster& c, const AlignedBatch& batch, bool choose,
                          std::optional<PacketOrder> order, std::optional<bool> coherent) {
-                 return std::make_unique<AlignedSource>(s, c, batch, choose, order, flag_of(coherent));
+                 return std::make_unique<AlignedSource>(c, batch, choose, order, flag_of(coherent));
              }),
              kScene, kCaster, py::arg("batch"), py::kw_only(), py::arg("choose"),
              py::arg("order") = py::none(), py::arg("coherent") = py::none(), KeepScene(), KeepCaster(),
@@ -113,7 +113,7 @@ void bind_correct_source(py::module_& m) {
     py::class_<CorrectSettings> correct(m, "CorrectSettings", "See viscache.Correct.");
     bind_rows(correct, kCorrectRows);
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
-        .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
+        .def(py::init([](const Scene&, const RayCaster& c, OracleSource& inner, std::optional<double> share,
                          double certain, uint64_t seed, uint64_t lasting_seed, const ClassOctaves& octaves,
                          bool weighted) {
                  ResidualSettings settings;
@@ -123,7 +123,7 @@ void bind_correct_source(py::module_& m) {
                  settings.seed = seed;
                  settings.lasting_seed = lasting_seed;
                  settings.weighted = weighted;
-                 return std::make_unique<ResidualSource>(s, c, inner, settings);
+                 return std::make_unique<ResidualSource>(c, inner, settings);
              }),
              kScene, kCaster, py::arg("inner"), py::kw_only(), py::arg("share"),
              py::arg("certain") = 1.0 / 64, py::arg("seed"), py::arg("lasting_seed") = 0,

@@ -56,16 +56,14 @@ struct Call {
     AlignedInput input;
     py::array_t<uint64_t> bits;
 
-    Call(const Scene& scene, const FloatArray& positions, const FloatArray& normals, const FloatArray& frames,
+    Call(float extent, const FloatArray& positions, const FloatArray& normals, const FloatArray& frames,
          float t_max, const std::optional<OrderArray>& order = std::nullopt) {
         const auto p = usable(positions, "points"), n = units(normals, "normals");
         if (p.size() != n.size())
             throw py::value_error("points and normals must have equal numbers of rows, got " +
                                   shape_text(positions) + " and " + shape_text(normals));
         if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
-        // Referred to by a span: the vector must not grow afterwards.
-        origin.reserve(p.size());
-        for (size_t i = 0; i < p.size(); ++i) origin.push_back(spawn(p[i], n[i], scene.offset_extent()));
+        origin = spawned(p, n, extent);
         input = {origin, n, checked_frames(frames), t_max, {}};
         if (order) input.order = checked_order(*order, p.size());
         bits = py::array_t<uint64_t>({p.size(), words_for(input.axes.size())});
@@ -87,7 +85,7 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
                      const FloatArray& normals, const FloatArray& frames, float t_max,
                      const std::optional<OrderArray>& order, int threads,
                      const std::optional<std::string>& isa, const py::object& progress) {
-    Call call(scene, positions, normals, frames, t_max, order);
+    Call call(aligned_extent(scene), positions, normals, frames, t_max, order);
     // An unknown variant raises before anything is traced.
     const Isa variant = isa_of(isa);
     AlignedCounts counts;
@@ -108,7 +106,7 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
 py::dict sample(const AlignedBatch& batch, const Scene& scene, const FloatArray& positions,
                 const FloatArray& normals, const FloatArray& frames, float t_max,
                 const std::optional<OrderArray>& order, int threads) {
-    Call call(scene, positions, normals, frames, t_max, order);
+    Call call(scene.offset_extent(), positions, normals, frames, t_max, order);
     AlignedWork w;
     run_interruptible([&](Control& control) { w = sampled_work(batch, call.input, threads, control); });
     return py::dict(py::arg("blocks") = w.blocks, py::arg("nodes") = w.nodes, py::arg("pairs") = w.pairs,
@@ -121,7 +119,7 @@ std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& 
                                         const FloatArray& positions, const FloatArray& normals,
                                         const FloatArray& frames, float t_max,
                                         const std::optional<OrderArray>& order, int threads) {
-    Call call(scene, positions, normals, frames, t_max, order);
+    Call call(scene.offset_extent(), positions, normals, frames, t_max, order);
     EngineChoice c;
     run_interruptible([&](Control& control) { c = choose_engine(batch, call.input, threads, control); });
     return {c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns};
@@ -132,7 +130,7 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
                                   std::optional<bool> by_axis, int width, std::optional<bool> coherent,
                                   const std::optional<OrderArray>& sorted, int threads,
                                   const py::object& progress) {
-    Call call(caster.scene(), positions, normals, frames, t_max, sorted);
+    Call call(caster.scene().offset_extent(), positions, normals, frames, t_max, sorted);
     // Not given: the order that is predicted to be faster
     const AlignedOrder order = by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
                                        : embree_order(caster.scene().placed_triangles(), call.origin.size());
@@ -149,7 +147,7 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
 py::array_t<uint64_t> field_rows(const VisibilityField& field, const FloatArray& positions,
                                  const FloatArray& normals, const FloatArray& frames, float t_max,
                                  int threads, const py::object& progress) {
-    Call call(field.scene(), positions, normals, frames, t_max);
+    Call call(field.scene().offset_extent(), positions, normals, frames, t_max);
     call.run([&](std::span<Word> rows,
                  Control& control) { viscache::field_rows(field, call.input, rows, threads, control); },
              progress);

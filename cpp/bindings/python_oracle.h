@@ -11,7 +11,7 @@ namespace viscache::bindings {
 /// Traces exact rays for an oracle written in Python, on one thread.
 class PythonTracer {
 public:
-    PythonTracer(const RayCaster& caster, float extent) : exact_(caster, extent), extent_(extent) {}
+    PythonTracer(const RayCaster& caster, float extent) : exact_(caster), extent_(extent) {}
     void watch(const Control& control) { exact_.watch(control); }
     /// Bits (N, words) of eye points × far ends; `wanted` is None or (N, M) bool.
     pybind11::array_t<uint64_t> block(const pybind11::dict& eyes, const pybind11::dict& ends,

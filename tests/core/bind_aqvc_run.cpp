@@ -85,8 +85,8 @@ public:
         : caster_(caster),
           extent_(extent),
           eyes_(eye_block(eyes, extent)),
-          cache_(caster_, ExactAnswers{std::make_unique<ExactOracle>(caster_, extent)}, p, vec3(center),
-                 radius, extent, spp) {
+          cache_(caster_, ExactAnswers{std::make_unique<ExactOracle>(caster_)}, p, vec3(center), radius,
+                 spp) {
         cache_.begin_tile(eyes_);
     }
     py::tuple block(const py::dict& lights, const BoolArray& wanted, bool exact,
@@ -136,7 +136,7 @@ public:
         std::vector<bool> out;
         for (size_t i = 0; i < queries.size(); ++i) {
             uint8_t blocked = 0;
-            const Ray ray = shadow_ray(eyes_, queries[i], extent_);
+            const Ray ray = shadow_ray(eyes_, queries[i]);
             if (exact) caster_.occluded({&ray, 1}, {&blocked, 1});
             out.push_back(exact ? !blocked : answer.bits->get(0, i));
         }
@@ -179,7 +179,7 @@ private:
         visible.reset(ask.wanted.rows(), ask.wanted.columns());
         for (uint32_t i = 0; i < eyes_.size(); ++i)
             for_each_bit(ask.wanted.row_span(i), [&](size_t k) {
-                const Ray ray = shadow_ray(eyes_, i, ask.lights, k, extent_);
+                const Ray ray = shadow_ray(eyes_, i, ask.lights, k);
                 uint8_t blocked = 0;
                 caster_.occluded({&ray, 1}, {&blocked, 1});
                 if (!blocked) visible.set(i, k);

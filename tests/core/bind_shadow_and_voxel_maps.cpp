@@ -20,7 +20,7 @@ py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& setting
     light.pad();
     const std::array<const FarEnds*, 1> lights{&light.ends};
     Control control;
-    const ShadowMaps maps(caster, {center, radius, 2 * radius}, settings, lights, threads, control);
+    const ShadowMaps maps(caster, {center, radius}, settings, lights, threads, control);
     py::array_t<bool> lit{py::ssize_t(p.size())};
     for (size_t first = 0; first < p.size(); first += 16) {
         Receivers16 r;

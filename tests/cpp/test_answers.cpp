@@ -58,7 +58,7 @@ struct Example {
         lights.ty = lights.y;
         lights.tz = lights.z;
     }
-    std::unique_ptr<VisibilityOracle> exact() { return std::make_unique<ExactOracle>(caster, extent); }
+    std::unique_ptr<VisibilityOracle> exact() { return std::make_unique<ExactOracle>(caster); }
 };
 
 std::vector<Word> copy_of(std::span<const Word> bits) { return {bits.begin(), bits.end()}; }
@@ -75,12 +75,11 @@ void samples_are_answered_like_their_queries() {
     const std::pair<const char*, std::function<std::unique_ptr<VisibilityOracle>()>> every[] = {
         {"rays", [&] { return e.exact(); }},
         {"no shadows", [&] { return std::make_unique<UnoccludedOracle>(); }},
-        {"roulette", [&] { return std::make_unique<RouletteOracle>(voxels, e.caster, e.extent, 5); }},
-        {"learning", [&] { return std::make_unique<LearningOracle>(voxels, e.caster, e.extent); }},
+        {"roulette", [&] { return std::make_unique<RouletteOracle>(voxels, e.caster, 5); }},
+        {"learning", [&] { return std::make_unique<LearningOracle>(voxels, e.caster); }},
         {"the cache", [&] { return cache.make(); }},
         {"corrections", [&] {
-             return std::make_unique<ResidualOracle>(cache.make(), e.caster, e.extent,
-                                                     ResidualSettings{.share = 0.3});
+             return std::make_unique<ResidualOracle>(cache.make(), e.caster, ResidualSettings{.share = 0.3});
          }}};
     for (const auto& [name, make] : every) {
         std::vector<ShadowQuery> made;
@@ -102,8 +101,8 @@ void samples_are_answered_like_their_queries() {
 void corrections_of_all_answers_give_those_of_rays() {
     Example e;
     const auto exact = e.exact();
-    ResidualOracle corrected(std::make_unique<UnoccludedOracle>(), e.caster, e.extent, {.share = 1});
-    ResidualOracle needless(e.exact(), e.caster, e.extent, {.share = 1});
+    ResidualOracle corrected(std::make_unique<UnoccludedOracle>(), e.caster, {.share = 1});
+    ResidualOracle needless(e.exact(), e.caster, {.share = 1});
     Counters counters, none;
     for (VisibilityOracle* oracle :
          std::initializer_list<VisibilityOracle*>{exact.get(), &corrected, &needless})

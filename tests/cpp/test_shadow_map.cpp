@@ -49,7 +49,7 @@ const FarEnds kSuns = lights_at(Semantic::kDirection, {{0, 1, 0}, {0.6f, 0.8f, 0
 ShadowMaps maps_of_floor(int resolution, int threads) {
     const FarEnds* both[] = {&kLamps, &kSuns};
     Control control;
-    return ShadowMaps(Floor(), {{}, 1, 2}, {.resolution = resolution}, both, threads, control);
+    return ShadowMaps(Floor(), {{}, 1}, {.resolution = resolution}, both, threads, control);
 }
 
 void any_receiver_gets_an_answer() {
@@ -107,10 +107,10 @@ void maps_that_do_not_fit_are_refused() {
     const FarEnds* both[] = {&kLamps, &kSuns};
     Control control;
     check_throws<std::invalid_argument>(
-        [&] { ShadowMaps(Floor(), {{}, 1, 2}, {.resolution = 9, .max_bytes = 4000}, both, 1, control); },
+        [&] { ShadowMaps(Floor(), {{}, 1}, {.resolution = 9, .max_bytes = 4000}, both, 1, control); },
         "4 · 14 · 81 bytes");
     control.cancel = true;
-    check_throws<Cancelled>([&] { ShadowMaps(Floor(), {{}, 1, 2}, {.resolution = 9}, both, 2, control); },
+    check_throws<Cancelled>([&] { ShadowMaps(Floor(), {{}, 1}, {.resolution = 9}, both, 2, control); },
                             "cancelled");
 }
 

@@ -134,7 +134,7 @@ def test_the_paper_form_caches_every_group_unless_one_is_named(scene, preset):
 def test_a_kept_table_holds_no_bits_of_named_groups(scene):
     def second(**named):
         """Counts of a frame that finds the table of the one before."""
-        table = vc.AqvcTable(table_bytes=1 << 24)
+        table = vc.AqvcTable(table_bytes=1 << 25)  # large enough for every cell
         cache = vc.Aqvc(c_e=8, refinement="off", **named)
         return [render(scene, cache, keep=table) for _ in range(2)][1].counters
 

@@ -57,12 +57,10 @@ int AqvcSource::dealt_tile_edge() const {
 }
 
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
-    const float extent = scene_.offset_extent();
     // Without a source of its own, an exact group gets packets of rays.
-    auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);
+    auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_);
     return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_, few_},
-                                            parameters_, scene_.center(), scene_.radius(), extent, spp_,
-                                            table);
+                                            parameters_, scene_.center(), scene_.radius(), spp_, table);
 }
 
 std::unique_ptr<VisibilityOracle> KeptTableSource::make() {

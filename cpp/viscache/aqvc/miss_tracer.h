@@ -16,7 +16,7 @@ struct Miss {
 
 class MissTracer {
 public:
-    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
+    explicit MissTracer(const RayCaster& caster) : caster_(caster) {}
 
     /// `flush` throws `Cancelled` soon after `control` requests it.
     void watch(const Control& control) { control_ = &control; }
@@ -64,7 +64,7 @@ private:
             packet.dz[i] = lights.tz[m.light];
         }
         const Coherence flag = flag_from(caster_, packet);
-        aim16(packet, lights, extent_);
+        aim16(packet, lights);
         const uint32_t mask = (1u << rays.size()) - 1;
         uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag));
         for (; visible; visible &= visible - 1) {
@@ -74,7 +74,6 @@ private:
     }
 
     const RayCaster& caster_;
-    float extent_;
     const Control* control_ = nullptr;
     std::vector<Miss> misses_, sorted_;
     std::vector<uint32_t> begin_;

@@ -27,7 +27,6 @@ struct PairContext {
     const std::array<std::vector<double>, kLightGroups>& levels;  ///< C_E of every group and level
     const std::vector<uint32_t>& run_of_eye;  ///< queries of one run form a batch; if empty, each query does
     const RayCaster& caster;
-    float extent;
 };
 
 class Pairs {

@@ -31,18 +31,16 @@ void add_clamps(const ClampCounts& clamps, Counters& counters) {
 }  // namespace
 
 QuantizedCache::QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
-                               Vec3 scene_center, float scene_radius, float offset_extent, int spp,
-                               FrameTable* frame_table)
+                               Vec3 scene_center, float scene_radius, int spp, FrameTable* frame_table)
     : caster_(caster),
       parameters_(checked(parameters)),
       grid_(parameters_, scene_center, checked_radius(scene_radius)),
-      extent_(offset_extent),
       spp_(spp),
       shares_(frame_table != nullptr),
       exact_(std::move(exact), parameters_, shares_),
-      tracer_(caster, offset_extent),
+      tracer_(caster),
       pairs_(parameters_, frame_table),
-      sample_rows_(caster, offset_extent) {
+      sample_rows_(caster) {
     wrap(exact_.oracle());
     // By group: C_E and refinement may differ.
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
@@ -305,7 +303,7 @@ void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
     if (!shares_) make_order(eyes);
     make_anchors(eyes);
     ClampCounts clamps;
-    const PairContext context{tile_, parameters_, levels_, run_of_eye, caster_, extent_};
+    const PairContext context{tile_, parameters_, levels_, run_of_eye, caster_};
     pairs_.run(context, queries, visible, counters, clamps);
     add_clamps(clamps, counters);
 }

@@ -27,13 +27,11 @@ namespace viscache {
 
 class QuantizedCache final : public VisibilityOracle {
 public:
-    /// Center and radius are those of the bounding sphere of the scene. `offset_extent` is
-    /// Scene::offset_extent, `spp` the number of samples per pixel. `exact` answers the exact groups. A table
-    /// of the frame must outlive the cache; `pairs` then uses it for all tiles and accepts queries in any
-    /// order.
+    /// Center and radius are those of the bounding sphere of the scene, `spp` the number of samples per
+    /// pixel. `exact` answers the exact groups. A table of the frame must outlive the cache; `pairs` then
+    /// uses it for all tiles and accepts queries in any order.
     QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
-                   Vec3 scene_center, float scene_radius, float offset_extent, int spp,
-                   FrameTable* frame_table = nullptr);
+                   Vec3 scene_center, float scene_radius, int spp, FrameTable* frame_table = nullptr);
 
     /// Makes tiles read and extend a kept table, which must outlive the cache. Requires Form::kPairs and
     /// Storage::kTable.
@@ -84,7 +82,6 @@ private:
     const RayCaster& caster_;
     AqvcParameters parameters_;
     CellGrid grid_;
-    float extent_;
     int spp_;
     ContributionLevels contribution_levels_;
     bool shares_;  ///< uses the table of the frame

@@ -18,7 +18,7 @@ namespace viscache {
 
 class SampleRows {
 public:
-    SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
+    explicit SampleRows(const RayCaster& caster) : caster_(caster) {}
     void watch(const Control& control) { control_ = &control; }
 
     /// Begins a tile and a light group with the given C_E per level. Runs have at most `batch` eye points.
@@ -63,7 +63,6 @@ private:
     void answer(const LocalSamples& samples, size_t row, std::span<Word> visible) const;
 
     const RayCaster& caster_;
-    float extent_;
     const Control* control_ = nullptr;
     const RowKernels& kernels_ = row_kernels(active_isa());
     const TileAnchors* tile_ = nullptr;

@@ -32,7 +32,7 @@ WaldTriangle wald_triangle(Vec3 a, Vec3 b, Vec3 c, uint32_t id) {
     return tri;
 }
 
-ShearedRay::ShearedRay(const Ray& ray) : t_min(ray.t_min) {
+ShearedRay::ShearedRay(const Ray& ray) : o(ray.o), d(ray.d), t_min(ray.t_min) {
     const Vec3 size{std::fabs(ray.d.x), std::fabs(ray.d.y), std::fabs(ray.d.z)};
     z = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     x = (z + 1) % 3;
@@ -44,24 +44,33 @@ ShearedRay::ShearedRay(const Ray& ray) : t_min(ray.t_min) {
     o_z = component(ray.o, z);
     s_x = ray.d[int(x)] / along;
     s_y = ray.d[int(y)] / along;
-    s_z = 1 / along;
 }
 
-bool intersect_watertight_in_double(const std::array<float, 9>& sheared, const ShearedRay& ray, float limit,
-                                    TriangleHit& hit) {
-    const auto [ax, ay, az, bx, by, bz, cx, cy, cz] = [&] {
-        std::array<double, 9> d;
-        for (size_t i = 0; i < 9; ++i) d[i] = sheared[i];
-        return d;
-    }();
+float plane_distance(const WatertightTriangle& tri, const ShearedRay& ray) {
+    double e1[3], e2[3], height = 0, towards = 0;
+    for (int k = 0; k < 3; ++k) {
+        e1[k] = double(tri.b[k]) - tri.a[k];
+        e2[k] = double(tri.c[k]) - tri.a[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const double n = e1[i] * e2[j] - e1[j] * e2[i];
+        height += n * (double(tri.a[k]) - ray.o[k]);
+        towards += n * ray.d[k];
+    }
+    return float(height / towards);
+}
+
+bool within_in_double(const std::array<float, 6>& sheared, TriangleHit& hit) {
+    const double ax = sheared[0], ay = sheared[1], bx = sheared[2], by = sheared[3], cx = sheared[4],
+                 cy = sheared[5];
     // Products of floats are exact in double
     const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
     const double det = u + v + w;
     if (det == 0) return false;  // edge-on
-    const float t = float(ray.s_z * (u * az + v * bz + w * cz) / det);
-    if (!(t > ray.t_min && t <= limit)) return false;
-    hit = {t, float(v / det), float(w / det)};
+    hit.u = float(v / det);
+    hit.v = float(w / det);
     return true;
 }
 

@@ -84,8 +84,9 @@ inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit,
 /// Data of a ray for the watertight test: the ray sheared along its dominant axis [Woop, Benthin, Wald
 /// 2013].
 struct ShearedRay {
+    Vec3 o, d;                   ///< of the ray itself
     float o_x, o_y, o_z, t_min;  ///< in the order of the axes below
-    float s_x, s_y, s_z;
+    float s_x, s_y;
     uint32_t x, y, z;  ///< axis indices; z is the dominant axis, x and y keep the winding
 
     explicit ShearedRay(const Ray& ray);
@@ -99,11 +100,15 @@ struct WatertightTriangle {
 };
 static_assert(sizeof(WatertightTriangle) == 48);
 
-/// The test in double, for rays within rounding error of an edge and for triangles whose products leave
-/// single precision. It uses the corners as sheared in single precision, so that neighbouring triangles
-/// agree.
-bool intersect_watertight_in_double(const std::array<float, 9>& sheared, const ShearedRay& ray, float limit,
-                                    TriangleHit& hit);
+/// Where the ray meets the plane of the triangle, in double. Mean depths of the corners would cancel: at a
+/// point that a ray leaves, they are wrong by ulps of the triangle's size, for floors along the axes too. Not
+/// finite where the ray lies in the plane.
+float plane_distance(const WatertightTriangle& tri, const ShearedRay& ray);
+
+/// The test of the edges in double, for rays within rounding error of an edge and for triangles whose
+/// products leave single precision. It uses the corners as sheared in single precision, so that neighbouring
+/// triangles agree.
+bool within_in_double(const std::array<float, 6>& sheared, TriangleHit& hit);
 
 /// Neighbouring triangles compute a shared edge from the same two corners with products that differ only in
 /// sign (floating-point contraction is off), so a ray cannot lie outside both.
@@ -121,13 +126,17 @@ inline bool intersect_watertight(const WatertightTriangle& tri, const ShearedRay
     const float det = u + v + w;
     // Smaller products may have lost digits to underflow
     constexpr float kSmall = 1e-30f;
-    if (u == 0 || v == 0 || w == 0 || !(std::fabs(det) > kSmall))
-        return intersect_watertight_in_double({ax, ay, az, bx, by, bz, cx, cy, cz}, ray, limit, hit);
-    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-    const float inverse = 1 / det;
-    const float t = ray.s_z * ((u * inverse) * az + (v * inverse) * bz + (w * inverse) * cz);
-    if (!(t > ray.t_min && t <= limit)) return false;
-    hit = {t, v * inverse, w * inverse};
+    TriangleHit at;
+    if (u == 0 || v == 0 || w == 0 || !(std::fabs(det) > kSmall)) {
+        if (!within_in_double({ax, ay, bx, by, cx, cy}, at)) return false;
+    } else {
+        if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+        const float inverse = 1 / det;
+        at = {0, v * inverse, w * inverse};
+    }
+    at.t = plane_distance(tri, ray);
+    if (!(at.t > ray.t_min && at.t <= limit && at.t < kInfinity)) return false;
+    hit = at;
     return true;
 }
 

@@ -11,6 +11,7 @@
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
 #include "viscache/scene/film_camera.h"
+#include "viscache/visibility/surface_hit.h"
 
 namespace viscache {
 
@@ -162,9 +163,9 @@ private:
                 ++out.misses;
                 continue;
             }
-            const int instance = h.instance == kNoHit ? -1 : int(h.instance);
             // Normals are turned to the camera.
-            out.add(scene_.surface(h.mesh, h.triangle, instance, h.u, h.v), uint32_t(i), -rays[i - first].d);
+            const Ray& ray = rays[i - first];
+            out.add(surface_at(scene_, ray, h), uint32_t(i), -ray.d);
         }
     }
 

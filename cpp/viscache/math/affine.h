@@ -28,13 +28,14 @@ struct Affine {
         return std::sqrt(sum);
     }
 
-private:
-    /// Row i of the cofactor matrix.
+    /// Row i of the cofactor matrix: column i of the inverse, times the determinant.
     std::array<double, 3> cofactors(int i) const {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         return {m[j][1] * m[k][2] - m[j][2] * m[k][1], m[j][2] * m[k][0] - m[j][0] * m[k][2],
                 m[j][0] * m[k][1] - m[j][1] * m[k][0]};
     }
+
+private:
     Vec3 apply(Vec3 v, double w) const {
         double r[3];
         for (int i = 0; i < 3; ++i) r[i] = m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z + m[i][3] * w;

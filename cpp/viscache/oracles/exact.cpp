@@ -113,7 +113,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
                 packet.dy[i] = lights.ty[k];
                 packet.dz[i] = lights.tz[k];
             }
-            aim16(packet, lights, extent_);
+            aim16(packet, lights);
             answers[j] = uint16_t(columns[j] & ~caster_.occluded16(columns[j], packet, flag));
             rays += size_t(std::popcount(columns[j]));
         }
@@ -142,7 +142,7 @@ size_t ExactOracle::row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes,
         used = 0;
     };
     for_each_bit(wanted.row_span(row), [&](size_t k) {
-        set_lane(packet, used, shadow_ray(eyes, eye, lights, k, extent_));
+        set_lane(packet, used, shadow_ray(eyes, eye, lights, k));
         lane_light[used++] = k;
         if (used == 16) flush();
     });
@@ -159,9 +159,7 @@ struct QuerySource {
     uint32_t eye(size_t i) const { return queries[i].eye; }
     bool is_direction(size_t i) const { return viscache::is_direction(queries[i].semantic); }
     Vec3 target(size_t i) const { return is_direction(i) ? queries[i].far : queries[i].ray_end; }
-    Ray ray(const EyeBlock& eyes, size_t i, float extent) const {
-        return shadow_ray(eyes, queries[i], extent);
-    }
+    Ray ray(const EyeBlock& eyes, size_t i) const { return shadow_ray(eyes, queries[i]); }
 };
 
 struct SampleSource {
@@ -171,9 +169,7 @@ struct SampleSource {
     uint32_t eye(size_t i) const { return eye_of[i]; }
     bool is_direction(size_t) const { return samples.is_direction(); }
     Vec3 target(size_t i) const { return samples.target(i); }
-    Ray ray(const EyeBlock& eyes, size_t i, float extent) const {
-        return samples.ray(eyes, eye_of[i], i, extent);
-    }
+    Ray ray(const EyeBlock& eyes, size_t i) const { return samples.ray(eyes, eye_of[i], i); }
 };
 
 }  // namespace
@@ -219,7 +215,7 @@ void ExactOracle::trace_all(const Source& source, const EyeBlock& eyes, std::spa
         bool to_points = true;
         for (int i = 0; i < n; ++i) {
             const uint32_t connection = order[at + size_t(i)];
-            set_lane(packet, i, source.ray(eyes, connection, extent_));
+            set_lane(packet, i, source.ray(eyes, connection));
             to_points &= !source.is_direction(connection);
         }
         pad_lanes(packet, n);

@@ -13,10 +13,10 @@ namespace viscache {
 
 class ExactOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent. Without an order or a flag, each packet gets those that suit it.
-    ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
-                std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster), extent_(extent), order_given_(order), flag_given_(flag) {}
+    /// Without an order or a flag, each packet gets those that suit it.
+    explicit ExactOracle(const RayCaster& caster, std::optional<PacketOrder> order = std::nullopt,
+                         std::optional<Coherence> flag = std::nullopt)
+        : caster_(caster), order_given_(order), flag_given_(flag) {}
 
     void begin_tile(const EyeBlock&) override { order_.clear(); }
     Answer block(const BlockAsk& ask, Counters& counters) override;
@@ -39,7 +39,6 @@ private:
     void sort_by_direction(const Source& source, const EyeBlock& eyes, Counters& counters);
 
     const RayCaster& caster_;
-    float extent_;
     std::optional<PacketOrder> order_given_;
     std::optional<Coherence> flag_given_;
     std::vector<uint32_t> order_;  ///< the tile's eye points along a spatial tree; empty: not sorted so far

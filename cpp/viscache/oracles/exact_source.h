@@ -1,7 +1,6 @@
 #pragma once
 // Source of exact oracles.
 #include "viscache/oracles/exact.h"
-#include "viscache/scene/scene.h"
 #include "viscache/visibility/oracle_source.h"
 
 namespace viscache {
@@ -9,16 +8,15 @@ namespace viscache {
 class ExactSource final : public OracleSource {
 public:
     /// Without an order or a flag, each packet gets those that suit it.
-    ExactSource(const Scene& scene, const RayCaster& caster, std::optional<PacketOrder> order = std::nullopt,
-                std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster), extent_(scene.offset_extent()), order_(order), flag_(flag) {}
+    explicit ExactSource(const RayCaster& caster, std::optional<PacketOrder> order = std::nullopt,
+                         std::optional<Coherence> flag = std::nullopt)
+        : caster_(caster), order_(order), flag_(flag) {}
     std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<ExactOracle>(caster_, extent_, order_, flag_);
+        return std::make_unique<ExactOracle>(caster_, order_, flag_);
     }
 
 private:
     const RayCaster& caster_;
-    float extent_;
     std::optional<PacketOrder> order_;
     std::optional<Coherence> flag_;
 };

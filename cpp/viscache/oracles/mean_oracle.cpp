@@ -11,10 +11,9 @@ double deviation(double mean) { return std::sqrt(mean * (1 - mean)); }
 
 }  // namespace
 
-MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, float extent,
-                       const MeanSettings& s)
+MeanOracle::MeanOracle(const VoxelVisibility& map, const RayCaster& caster, const MeanSettings& s)
     : map_(map),
-      exact_(caster, extent, order_of_share(s.share.value_or(0))),
+      exact_(caster, order_of_share(s.share.value_or(0))),
       share_(s.share),
       keys_{s.seed, Purpose::kResidual, s.lasting_seed},
       weighted_(s.weighted),

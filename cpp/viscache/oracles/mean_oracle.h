@@ -37,8 +37,7 @@ struct MeanSettings {
 class MeanOracle final : public VisibilityOracle {
 public:
     /// `map` must outlive the oracle and is only read.
-    MeanOracle(const VoxelVisibility& map, const RayCaster& caster, float extent,
-               const MeanSettings& settings);
+    MeanOracle(const VoxelVisibility& map, const RayCaster& caster, const MeanSettings& settings);
 
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     Answer block(const BlockAsk& ask, Counters& counters) override;

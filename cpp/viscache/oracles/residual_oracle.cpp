@@ -7,10 +7,10 @@
 
 namespace viscache {
 
-ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
+ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster,
                                const ResidualSettings& s)
     : inner_(std::move(inner)),
-      exact_(caster, extent, order_of_share(s.share.value_or(0))),
+      exact_(caster, order_of_share(s.share.value_or(0))),
       has_share_(s.share.has_value()),
       share_(s.share.value_or(ResidualSettings::kPlainShare)),
       octaves_(s.octaves),

@@ -71,7 +71,7 @@ struct ResidualSettings {
 
 class ResidualOracle final : public VisibilityOracle {
 public:
-    ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
+    ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster,
                    const ResidualSettings& settings);
 
     VisibilityOracle& inner() { return *inner_; }

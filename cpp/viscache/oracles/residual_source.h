@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "viscache/oracles/residual_oracle.h"
-#include "viscache/scene/scene.h"
 #include "viscache/visibility/oracle_source.h"
 
 namespace viscache {
@@ -11,9 +10,8 @@ namespace viscache {
 class ResidualSource final : public OracleSource {
 public:
     /// `inner` must outlive the source and belong to it alone.
-    ResidualSource(const Scene& scene, const RayCaster& caster, OracleSource& inner,
-                   const ResidualSettings& settings)
-        : caster_(caster), extent_(scene.offset_extent()), inner_(inner), settings_(settings) {
+    ResidualSource(const RayCaster& caster, OracleSource& inner, const ResidualSettings& settings)
+        : caster_(caster), inner_(inner), settings_(settings) {
         if (settings.share && !(*settings.share > 0 && *settings.share <= 1))
             throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(*settings.share));
         if (!(settings.certain > 0))
@@ -26,7 +24,7 @@ public:
     }
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<ResidualOracle>(inner_.make(), caster_, extent_, settings_);
+        return std::make_unique<ResidualOracle>(inner_.make(), caster_, settings_);
     }
     bool corrects() const override { return true; }
     int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
@@ -44,7 +42,6 @@ public:
 
 private:
     const RayCaster& caster_;
-    float extent_;
     OracleSource& inner_;
     ResidualSettings settings_;
 };

@@ -16,9 +16,8 @@ namespace viscache {
 class LearningOracle final : public VisibilityOracle {
 public:
     /// `map` must outlive the oracle and may be shared by several. `journal`: records what was added.
-    LearningOracle(VoxelVisibility& map, const RayCaster& caster, float extent,
-                   VoxelJournal::Entries* journal = nullptr)
-        : map_(map), exact_(caster, extent), journal_(journal) {
+    LearningOracle(VoxelVisibility& map, const RayCaster& caster, VoxelJournal::Entries* journal = nullptr)
+        : map_(map), exact_(caster), journal_(journal) {
         wrap(exact_);
     }
 
@@ -43,13 +42,8 @@ class RouletteOracle final : public VisibilityOracle {
 public:
     /// `map` must outlive the oracle and is only read. Without `weighted`, visible connections have weight 1.
     /// This is biased on purpose, for tests that must detect it.
-    RouletteOracle(const VoxelVisibility& map, const RayCaster& caster, float extent, uint64_t seed,
-                   bool weighted = true)
-        : map_(map),
-          exact_(caster, extent),
-          keys_{seed, Purpose::kRoulette},
-          weighted_(weighted),
-          voxels_(map) {
+    RouletteOracle(const VoxelVisibility& map, const RayCaster& caster, uint64_t seed, bool weighted = true)
+        : map_(map), exact_(caster), keys_{seed, Purpose::kRoulette}, weighted_(weighted), voxels_(map) {
         wrap(exact_);
     }
 

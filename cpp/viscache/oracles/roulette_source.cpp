@@ -9,17 +9,15 @@ namespace {
 /// Source of the oracles of the small learning frame.
 class LearningSource final : public OracleSource {
 public:
-    LearningSource(VoxelVisibility& map, const RayCaster& caster, float extent, VoxelJournal* journal)
-        : map_(map), caster_(caster), extent_(extent), journal_(journal) {}
+    LearningSource(VoxelVisibility& map, const RayCaster& caster, VoxelJournal* journal)
+        : map_(map), caster_(caster), journal_(journal) {}
     std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<LearningOracle>(map_, caster_, extent_,
-                                                journal_ ? &journal_->of_thread() : nullptr);
+        return std::make_unique<LearningOracle>(map_, caster_, journal_ ? &journal_->of_thread() : nullptr);
     }
 
 private:
     VoxelVisibility& map_;
     const RayCaster& caster_;
-    float extent_;
     VoxelJournal* journal_;
 };
 
@@ -33,7 +31,6 @@ const NeePlusPlusSettings& checked(const NeePlusPlusSettings& settings) {
 RouletteSource::RouletteSource(const Scene& scene, const RayCaster& caster,
                                const NeePlusPlusSettings& settings, const RouletteOptions& options)
     : caster_(caster),
-      extent_(scene.offset_extent()),
       settings_(checked(settings)),
       options_(options),
       map_(options.keep ? options.keep->begin(scene.bounds(), settings)
@@ -53,15 +50,15 @@ void RouletteSource::prepare(FrameStart& frame, Control& control) {
     const int pixels = later ? settings_.relearn_pixels : settings_.learn_pixels;
     if (pixels > 0) {
         // The first frame's map is dropped as a whole if the frame is not finished
-        LearningSource learning(map_, caster_, extent_, later ? &options_.keep->journal() : nullptr);
+        LearningSource learning(map_, caster_, later ? &options_.keep->journal() : nullptr);
         learning_rays_ = frame.ask_small(size_t(pixels), learning, control).rays();
     }
     learning_s_ = wall_seconds() - start;
 }
 
 std::unique_ptr<VisibilityOracle> RouletteSource::make() {
-    if (options_.correct) return std::make_unique<MeanOracle>(map_, caster_, extent_, *options_.correct);
-    return std::make_unique<RouletteOracle>(map_, caster_, extent_, options_.seed, options_.weighted);
+    if (options_.correct) return std::make_unique<MeanOracle>(map_, caster_, *options_.correct);
+    return std::make_unique<RouletteOracle>(map_, caster_, options_.seed, options_.weighted);
 }
 
 void RouletteSource::report(Counters& counters, SourceReport& out) const {

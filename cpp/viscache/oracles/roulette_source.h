@@ -32,7 +32,6 @@ public:
 
 private:
     const RayCaster& caster_;
-    float extent_;
     NeePlusPlusSettings settings_;
     RouletteOptions options_;
     std::optional<VoxelVisibility> own_;  ///< without `keep`

@@ -118,7 +118,7 @@ Ray ShadowMaps::texel_ray(const FarEnds& lights, size_t k, size_t row, size_t co
     d[axis] = face % 2 ? -1.f : 1.f;
     d[(axis + 1) % 3] = u;
     d[(axis + 2) % 3] = v;
-    return {end, spawn_offset(end, extent_.offset_extent), {d[0], d[1], d[2]}, kInfinity};
+    return {end, spawn_offset(end, 0), {d[0], d[1], d[2]}, kInfinity};
 }
 
 bool ShadowMaps::covers(const FarEnds& lights) const {

@@ -57,8 +57,7 @@ struct Receivers16 {
 /// Data of a scene for its maps.
 struct ShadowMapExtent {
     Vec3 center;
-    float radius = 1;         ///< radius of the bounding sphere
-    float offset_extent = 1;  ///< Scene::offset_extent
+    float radius = 1;  ///< radius of the bounding sphere
 };
 
 /// The maps of the shared lights of a frame. Immutable after construction, and the same for any number of

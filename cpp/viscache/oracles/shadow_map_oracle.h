@@ -11,8 +11,7 @@ namespace viscache {
 class ShadowMapOracle final : public VisibilityOracle {
 public:
     /// `maps` must outlive the oracle and may be shared by several.
-    ShadowMapOracle(const ShadowMaps& maps, const RayCaster& caster, float extent)
-        : maps_(maps), exact_(caster, extent) {
+    ShadowMapOracle(const ShadowMaps& maps, const RayCaster& caster) : maps_(maps), exact_(caster) {
         wrap(exact_);
     }
 

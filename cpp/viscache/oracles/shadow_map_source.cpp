@@ -6,7 +6,7 @@ namespace viscache {
 
 ShadowMapSource::ShadowMapSource(const Scene& scene, const RayCaster& caster,
                                  const ShadowMapSettings& settings)
-    : caster_(caster), extent_{scene.center(), scene.radius(), scene.offset_extent()}, settings_(settings) {
+    : caster_(caster), extent_{scene.center(), scene.radius()}, settings_(settings) {
     settings_.validate();
 }
 
@@ -25,7 +25,7 @@ void ShadowMapSource::prepare(FrameStart& frame, Control& control) {
 }
 
 std::unique_ptr<VisibilityOracle> ShadowMapSource::make() {
-    return std::make_unique<ShadowMapOracle>(*maps_, caster_, extent_.offset_extent);
+    return std::make_unique<ShadowMapOracle>(*maps_, caster_);
 }
 
 void ShadowMapSource::report(Counters& counters, SourceReport& out) const {

@@ -14,7 +14,7 @@ class SkyWorker {
 public:
     SkyWorker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
               const Control& control)
-        : extent_(extent), sky_(sky), oracle_(caster, extent, order) {
+        : extent_(extent), sky_(sky), oracle_(caster, order) {
         oracle_.watch(control);
     }
     /// The rows of some neighbouring points; row i is that of points[i].

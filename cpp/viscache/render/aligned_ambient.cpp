@@ -20,16 +20,22 @@ struct Points {
 std::vector<Points> eye_points(const EyePathTracer& tracer, std::span<const Tile> tiles, int threads,
                                Control& control) {
     std::vector<Points> found(tiles.size());
-    std::vector<EyeTile> eyes(size_t(resolve_threads(threads)));
+    std::vector<EyeTile> traced(size_t(resolve_threads(threads)));
+    // All engines start from the points of the batch, except where it would lose shadows: there it must be
+    // asked for by name
+    const bool by_size =
+        !tracer.scene.is_coarse() || tracer.integrator.ambient_engine == AmbientEngine::kBatch;
     parallel_for(tiles.size(), threads, [&](size_t i, int worker) {
         control.check();
         // Only origins and normals are kept: with all the data of shading, the points of a frame
         // would take many times the memory
         Counters unused;  // shading traces the tiles again and counts there
-        EyeTile& tile = eyes[size_t(worker)];
+        EyeTile& tile = traced[size_t(worker)];
         tracer.trace(tiles[i], tile, unused, control);
         // Each tile has a slot of its own, so their order does not depend on threads
-        found[i] = {tile.block.origin, tile.block.normal};
+        const EyeBlock& eyes = tile.block;
+        found[i] = {by_size ? spawned(eyes.position, eyes.normal, aligned_extent(tracer.scene)) : eyes.origin,
+                    eyes.normal};
     });
     return found;
 }

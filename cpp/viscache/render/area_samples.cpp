@@ -62,8 +62,7 @@ public:
             const float cos_y = -dot(hit->normal, s->wi), d2 = length2(hit->point - x_);
             // The back of a light hides what is behind it and shines nothing
             if (!(cos_y > 0)) continue;
-            const AreaSample y = area_sample_at(lights_, scene_.offset_extent(), hit->light, hit->point,
-                                                hit->normal, hit->weights);
+            const AreaSample y = area_sample_at(lights_, hit->light, hit->point, hit->normal, hit->weights);
             // From per steradian at the eye point to per area at the light
             const float geometry = cos_y / d2;
             // Σ_t n_t p_t: the denominator of the balance heuristic, the same whichever technique
@@ -78,7 +77,7 @@ private:
     static constexpr size_t kBatch = 16;
 
     void add_light_sample(const LightPick& pick, Vec2 u) {
-        const auto y = sample_area_light(lights_, scene_.offset_extent(), pick, u);
+        const auto y = sample_area_light(lights_, pick, u);
         if (!y) return;
         const Vec3 d = y->point - x_;
         const float d2 = length2(d);

@@ -144,8 +144,7 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
         q.far_normal = dot(y.surface.ng, j.direction) <= 0 ? y.surface.ng : -y.surface.ng;
         q.far = y.position;
         q.ray_end = y.position;
-        if (q.semantic == Semantic::kSurface)
-            q.ray_end = spawn(y.position, q.far_normal, c_.scene.offset_extent());
+        if (q.semantic == Semantic::kSurface) q.ray_end = spawn(y.position, q.far_normal, y.extent);
     }
     add(q, j.value * float(weight / c_.frame.spp), pixel);
 }
@@ -196,7 +195,7 @@ uint32_t Connector::add_eye_point(const PathVertex& v, bool keyed) {
     eyes.position.push_back(v.position);
     // Without a normal a cache has no cell for the point and passes it on to rays
     eyes.normal.push_back(keyed ? v.surface.ng : Vec3{});
-    eyes.origin.push_back(spawn(v.position, v.surface.ng, c_.scene.offset_extent()));
+    eyes.origin.push_back(spawn(v.position, v.surface.ng, v.extent));
     // Eye samples of the whole frame per area: the cells of a cache are as large as C_E of them
     eyes.density.push_back(float(v.density * c_.samples()));
     return uint32_t(eyes.size() - 1);

@@ -2,6 +2,7 @@
 
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
+#include "viscache/visibility/surface_hit.h"
 
 namespace viscache {
 
@@ -134,8 +135,7 @@ private:
                 out_.emitted[b.pixel] += b.throughput * env->eval(b.ray.d) * inverse_spp_;
             return;
         }
-        const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
-        SurfacePoint s = t_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+        const SurfacePoint s = surface_at(t_.scene, b.ray, hit);
         const Vec3 wo = -b.ray.d;
         const bool front = dot(s.ng, wo) >= 0;
         // Seen directly or in mirrors. Lights that are found otherwise are connections
@@ -197,7 +197,7 @@ private:
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), kLeastCosine);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
-        out_.block.origin.push_back(spawn(s.position, ng, t_.scene.offset_extent()));
+        out_.block.origin.push_back(spawn(s, ng));
         out_.block.density.push_back(density(b, cos_eye));
         out_.block.order_x.push_back(b.order_x);
         out_.block.order_y.push_back(b.order_y);
@@ -237,7 +237,7 @@ private:
     void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
         if (branch.depth >= t_.integrator.max_depth) return lose(branch);
         // From the side on which the path goes on
-        branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
+        branch.ray = {spawn(s, side), 0, normalize(direction), kInfinity};
         // Branches are numbered as nodes of a binary heap: those of k are 2k + 1 and 2k + 2. After
         // nine levels numbers repeat, which correlates such deep branches and biases none
         const uint64_t number = branch.stream % kBranches;

@@ -26,8 +26,7 @@ public:
           estimators_(make_estimators(context)) {
         oracle_->watch(control);
         if (context.frame.audit_share > 0)
-            work_.audit =
-                &audit_.emplace(context.frame, context.caster, context.scene.offset_extent(), control);
+            work_.audit = &audit_.emplace(context.frame, context.caster, control);
     }
 
     void render(size_t number, const Tile& tile, FrameResult& out, TileRecord& record) {
@@ -146,7 +145,7 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
     for (const AuditPixel& pixel : drawn) once.emplace_back(pixel.x, pixel.y);
     std::sort(once.begin(), once.end());
     once.erase(std::unique(once.begin(), once.end()), once.end());
-    ExactSource source(c.scene, c.caster);
+    ExactSource source(c.caster);
     std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
     // Pixels along the curve in runs: tiles of one pixel are short work items
     constexpr size_t kRun = 64;

@@ -74,7 +74,8 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         std::vector<Vec3> places;
         for (const Vpl& v : vpls) places.push_back(v.position);
         for (const uint32_t i : morton_order(places)) {
-            const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
+            const Vec3 end = spawn(vpls[i].position, vpls[i].normal,
+                                   vpls[i].extent < 0 ? scene.offset_extent() : vpls[i].extent);
             lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
         }
         // The geometry factor treats VPLs as surfaces. The cache can key them as points (vpl_key)

@@ -81,15 +81,15 @@ Emission LightSampler::emit_through_scene(Vec3 towards_light, Rgb irradiance, Rn
 Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     const SceneDescription& d = scene_.description();
     const AreaLights& area = scene_.area_lights();
-    const float extent = scene_.offset_extent();
     // Lambertian emission: directions by the cosine, so flux is π·A·L for every ray
-    auto from_surface = [&](Vec3 p, Vec3 n, Rgb radiance, float surface_area, bool two_sided) {
+    auto from_surface = [&](Vec3 p, Vec3 n, float extent, Rgb radiance, float surface_area, bool two_sided) {
         const Vec3 local = square_to_cosine_hemisphere(rng.next2());
         return Emission{.ray = {spawn(p, n, extent), 0, frame_around(n).to_world(local), kInfinity},
                         .flux = radiance * (kPi * surface_area * (two_sided ? 2.f : 1.f)),
                         .kind = entry.kind,
                         .point = p,
                         .normal = n,
+                        .extent = extent,
                         .two_sided = two_sided,
                         .radiance = radiance,
                         .pdf_point = 1 / double(surface_area),
@@ -122,12 +122,13 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
             // One of both sides, which halves the density of the ray
             const bool back = t.two_sided && rng.next() < 0.5f;
             return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
-                                area.radiance_at(entry.index, b), t.area, t.two_sided);
+                                t.extent, area.radiance_at(entry.index, b), t.area, t.two_sided);
         }
         case LightKind::kSphere: {
             const SphereLight& s = area.spheres[entry.index];
             const Vec3 n = square_to_uniform_sphere(rng.next2());
-            return from_surface(s.center + n * s.radius, n, s.radiance, 4 * kPi * s.radius * s.radius, false);
+            return from_surface(s.center + n * s.radius, n, s.radius, s.radiance,
+                                4 * kPi * s.radius * s.radius, false);
         }
         case LightKind::kEnvironment: {
             // The direction by radiance, then a point on the disk across it
@@ -145,14 +146,13 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
 namespace {
 
 /// `weights`: barycentric weights of the vertices b and c at the point.
-AreaSample on_triangle(const LightsAt& at, float extent, size_t light, Vec3 p, Vec3 n, Vec2 weights,
-                       double pmf) {
+AreaSample on_triangle(const LightsAt& at, size_t light, Vec3 p, Vec3 n, Vec2 weights, double pmf) {
     const AreaLights& lights = at.lights();
     const EmissiveTriangle& t = lights.triangles[light];
     const auto by_power = float(lights.choice.pmf(light));
     return {p,
             n,
-            spawn(p, n, extent),
+            spawn(p, n, t.extent),
             lights.radiance_at(light, weights),
             float(pmf) / t.area,
             by_power / t.area,
@@ -174,15 +174,14 @@ float cone_pdf(const SphereLight& s, Vec3 from, Vec3 point, Vec3 normal) {
 }
 
 /// `pdf_cone`: density per area of sampling the cone that the sphere spans.
-AreaSample on_sphere(const LightsAt& at, float extent, size_t light, Vec3 p, Vec3 n, double pmf,
-                     float pdf_cone) {
+AreaSample on_sphere(const LightsAt& at, size_t light, Vec3 p, Vec3 n, double pmf, float pdf_cone) {
     const AreaLights& lights = at.lights();
     const SphereLight& s = lights.spheres[light - lights.triangles.size()];
     const auto by_power = float(lights.choice.pmf(light));
     // A point sees at most half of a sphere
     return {p,
             n,
-            spawn(p, n, extent),
+            spawn(p, n, s.radius),
             s.radiance,
             float(pmf) * pdf_cone,
             by_power / (2 * kPi * s.radius * s.radius),
@@ -191,7 +190,7 @@ AreaSample on_sphere(const LightsAt& at, float extent, size_t light, Vec3 p, Vec
 
 }  // namespace
 
-std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, const LightPick& pick, Vec2 u) {
+std::optional<AreaSample> sample_area_light(const LightsAt& at, const LightPick& pick, Vec2 u) {
     if (!(pick.pmf > 0)) return std::nullopt;
     const AreaLights& lights = at.lights();
     if (pick.light < lights.triangles.size()) {
@@ -201,23 +200,22 @@ std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, co
         // A one-sided light shows its back: no light, and no query
         const bool behind = dot(t.normal, at.position() - p) <= 0;
         if (behind && !t.two_sided) return std::nullopt;
-        return on_triangle(at, extent, pick.light, p, behind ? -t.normal : t.normal, b, pick.pmf);
+        return on_triangle(at, pick.light, p, behind ? -t.normal : t.normal, b, pick.pmf);
     }
     const SphereLight& s = lights.spheres[pick.light - lights.triangles.size()];
     const auto sample = sample_sphere_light(s.center, s.radius, at.position(), u);
     if (!sample) return std::nullopt;
-    return on_sphere(at, extent, pick.light, sample->p, sample->n, pick.pmf, sample->pdf_area);
+    return on_sphere(at, pick.light, sample->p, sample->n, pick.pmf, sample->pdf_area);
 }
 
-AreaSample area_sample_at(const LightsAt& at, float extent, size_t light, Vec3 point, Vec3 normal,
-                          Vec2 weights) {
+AreaSample area_sample_at(const LightsAt& at, size_t light, Vec3 point, Vec3 normal, Vec2 weights) {
     // What light sampling would have done here, for the weights of both techniques
     const double pmf = at.pmf(light);
     const AreaLights& lights = at.lights();
-    if (light < lights.triangles.size()) return on_triangle(at, extent, light, point, normal, weights, pmf);
+    if (light < lights.triangles.size()) return on_triangle(at, light, point, normal, weights, pmf);
     const SphereLight& s = lights.spheres[light - lights.triangles.size()];
     const float pdf = cone_pdf(s, at.position(), point, normal);
-    return on_sphere(at, extent, light, point, normal, pmf, pdf);
+    return on_sphere(at, light, point, normal, pmf, pdf);
 }
 
 }  // namespace viscache

@@ -24,6 +24,7 @@ struct Emission {
     LightKind kind = LightKind::kPoint;
     Vec3 point{};            ///< point on the light; origin of the ray for light from infinity
     Vec3 normal{};           ///< for area lights, on the side of the ray; otherwise zero
+    float extent = 0;        ///< of the light's surface (scene/surface_extent.h)
     bool two_sided = false;  ///< an area light that shines from both sides
     Rgb radiance{};          ///< emitted radiance, intensity (point) or irradiance (directional)
     SpotCone cone{};         ///< for point lights
@@ -71,12 +72,11 @@ struct AreaSample {
     size_t light;    ///< over triangles, then spheres
 };
 /// A point on a chosen light: triangles are sampled uniformly, spheres in the cone they span. Empty if the
-/// light faces away. `extent`: Scene::offset_extent.
-std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, const LightPick& pick, Vec2 u);
+/// light faces away.
+std::optional<AreaSample> sample_area_light(const LightsAt& at, const LightPick& pick, Vec2 u);
 
 /// A point on a light that was found in another way. `normal`: of the light, on the side of the eye point,
 /// which is outside of spheres; `weights`: barycentric weights of a triangle's vertices b and c.
-AreaSample area_sample_at(const LightsAt& at, float extent, size_t light, Vec3 point, Vec3 normal,
-                          Vec2 weights);
+AreaSample area_sample_at(const LightsAt& at, size_t light, Vec3 point, Vec3 normal, Vec2 weights);
 
 }  // namespace viscache

@@ -10,6 +10,7 @@ namespace viscache {
 
 struct PathVertex {
     Vec3 position;         ///< not used at infinity
+    float extent = 0;      ///< of the surface there (scene/surface_extent.h)
     ShadingPoint surface;  ///< wo: unit, to the previous vertex; normals on its side; lights: ng only
     Rgb beta;              ///< throughput up to the vertex: product of factors over densities
     double forward = 0;    ///< density in its own sub-path, per m² (per sr at infinity)

@@ -7,8 +7,8 @@ namespace viscache {
 /// The audit of one tile after another, on one thread.
 class QueryAudit {
 public:
-    QueryAudit(const FrameSettings& frame, const RayCaster& caster, float extent, const Control& control)
-        : frame_(frame), exact_(caster, extent) {
+    QueryAudit(const FrameSettings& frame, const RayCaster& caster, const Control& control)
+        : frame_(frame), exact_(caster) {
         exact_.watch(control);
     }
     void begin_tile(const EyeTile& eyes);

@@ -2,6 +2,7 @@
 
 #include "viscache/sampling/pixel_place.h"
 #include "viscache/visibility/shadow_ray.h"
+#include "viscache/visibility/surface_hit.h"
 
 namespace viscache {
 
@@ -127,8 +128,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
         if (light && c_.scene.environment()) hit_environment(w, out, *light, counters);
         return false;
     }
-    const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
-    const SurfacePoint s = c_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+    const SurfacePoint s = surface_at(c_.scene, w.ray, hit);
     // The side of the triangle's normal, for materials and lights with one side
     const bool front = dot(s.ng, w.ray.d) <= 0;
     if (light) {
@@ -165,6 +165,7 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
     PathVertex v;
     v.front = dot(s.ng, w.ray.d) <= 0;
     v.position = s.position;
+    v.extent = s.extent;
     v.surface.ng = v.front ? s.ng : -s.ng;
     v.surface.ns = v.front ? s.ns : -s.ns;
     v.surface.wo = -w.ray.d;
@@ -203,7 +204,7 @@ bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> 
         w.parallel_spread = false;
         w.distance = 0;
     }
-    w.ray = {spawn(v.position, s->side, c_.scene.offset_extent()), 0, s->direction, kInfinity};
+    w.ray = {spawn(v.position, s->side, v.extent), 0, s->direction, kInfinity};
     return is_finite(w.beta) && max_component(w.beta) > 0;
 }
 

@@ -6,6 +6,7 @@
 #include "viscache/render/scatter.h"
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
+#include "viscache/visibility/surface_hit.h"
 
 namespace viscache {
 
@@ -37,15 +38,15 @@ struct Landing {
 };
 
 /// Continues the photon. False if its flux is not finite.
-bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux, float extent) {
+bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux) {
     // From the side on which the photon leaves, off the surface by more than rounding
-    photon = {{spawn(l.s.position, side, extent), 0, direction, kInfinity}, flux};
+    photon = {{spawn(l.s, side), 0, direction, kInfinity}, flux};
     return is_finite(flux);
 }
 
 /// Reflects the photon by the rule of eye paths: with the shading normal, or with the geometric normal if the
 /// shading normal would reflect below the surface.
-bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
+bool mirror(Photon& photon, const Landing& l, Rgb factor) {
     Vec3 n = l.ns, direction = n * (2 * dot(l.wi, n)) - l.wi;
     // As in paths from the eye, so that both see the same mirror
     if (dot(direction, l.ng) <= 0) {
@@ -53,7 +54,7 @@ bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
         direction = n * (2 * dot(l.wi, n)) - l.wi;
     }
     return leave(photon, l, l.ng, normalize(direction),
-                 photon.flux * factor * adjoint(n, l.ng, l.wi, direction), extent);
+                 photon.flux * factor * adjoint(n, l.ng, l.wi, direction));
 }
 
 /// What a mirror reflects of a photon.
@@ -62,25 +63,24 @@ Rgb tint(const Landing& l, const Scene& scene) {
 }
 
 /// Glass reflects or refracts at random. False where an eye path would end as well.
-bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
+bool pass_glass(Photon& photon, const Landing& l, Rng& rng) {
     if (l.material.thin) {
         const float reflectance = plate_reflectance(dot(l.ns, l.wi), l.material.eta);
         // One branch at random, with the probability of its share: the photon keeps its flux
-        if (rng.next() < reflectance) return mirror(photon, l, {1, 1, 1}, extent);
-        return leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
+        if (rng.next() < reflectance) return mirror(photon, l, {1, 1, 1});
+        return leave(photon, l, -l.ng, -l.wi, photon.flux);
     }
     const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
-    if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
+    if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1});
     const auto through = refract(l.wi, l.ns, l.front ? 1 / eta : eta);
     // The shading normal would bend it back to its own side
     if (!through || dot(*through, l.ng) >= 0) return false;
-    return leave(photon, l, -l.ng, normalize(*through), photon.flux * adjoint(l.ns, l.ng, l.wi, *through),
-                 extent);
+    return leave(photon, l, -l.ng, normalize(*through), photon.flux * adjoint(l.ns, l.ng, l.wi, *through));
 }
 
 /// Stores a VPL and continues in a cosine-distributed direction, with the probability of the albedo. VPLs do
 /// not carry the glossy lobe: they reflect the rest diffusely.
-bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
+bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out) {
     // Only what the diffuse part of the albedo depends on
     ShadingPoint sp;
     sp.kind = l.material.kind;
@@ -96,27 +96,25 @@ bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<V
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
     if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
     // Over π: a Lambertian patch of this exitance
-    out.push_back({l.s.position, l.ng, reflected / kPi});
+    out.push_back({l.s.position, l.ng, reflected / kPi, l.s.extent});
     // Russian roulette by albedo: photons keep about the same flux. Below one, so that white scenes
     // end
     const float survive = std::min(0.95f, max_component(albedo));
     if (rng.next() >= survive) return false;
     const Vec3 local = square_to_cosine_hemisphere(rng.next2());
-    return leave(photon, l, l.ng, frame_around(l.ng).to_world(local), reflected / survive, extent);
+    return leave(photon, l, l.ng, frame_around(l.ng).to_world(local), reflected / survive);
 }
 
 /// Follows one light path and stores a VPL at every diffuse bounce.
 void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int max_depth, Rng& rng,
                 std::vector<Vpl>& out, Counters& counters) {
-    const float extent = scene.offset_extent();
     bool goes_on = true;
     for (int depth = 0; goes_on && depth < max_depth; ++depth) {
         Hit hit;
         caster.intersect({&photon.ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;
         if (!hit.valid()) return;
-        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
-                                             hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        const SurfacePoint s = surface_at(scene, photon.ray, hit);
         // A degenerate triangle has no sides
         if (length2(s.ng) == 0) return;
         const Material& material = scene.materials()[size_t(s.material)];
@@ -127,10 +125,10 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
             s,    material, scene.coat(s.material), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
             front};
         switch (material.kind) {
-            case MaterialKind::kMirror: goes_on = mirror(photon, l, tint(l, scene), extent); break;
-            case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng, extent); break;
+            case MaterialKind::kMirror: goes_on = mirror(photon, l, tint(l, scene)); break;
+            case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng); break;
             case MaterialKind::kDiffuse:
-            case MaterialKind::kGlossy: goes_on = reflect_diffusely(photon, l, rng, out, extent); break;
+            case MaterialKind::kGlossy: goes_on = reflect_diffusely(photon, l, rng, out); break;
         }
     }
 }
@@ -182,14 +180,19 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
 
 namespace {
 
-/// First diffuse or glossy hits of stratified camera samples. The candidates are weighted at these points.
-std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
-                                     int count, uint64_t seed, std::vector<float>& albedo,
-                                     Counters& counters) {
+/// A point at which candidates are weighted.
+struct JudgingPoint {
+    Vec3 position, normal, origin;
+    float albedo;
+};
+
+/// First diffuse or glossy hits of stratified camera samples.
+std::vector<JudgingPoint> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
+                                         int count, uint64_t seed, Counters& counters) {
     // A grid of about square cells with one random point in each
     const int columns = std::max(1, int(std::lround(std::sqrt(double(count) * film.width / film.height))));
     const int rows = std::max(1, (count + columns - 1) / columns);
-    std::vector<EyeShade> points;
+    std::vector<JudgingPoint> points;
     for (int i = 0; i < rows * columns; ++i) {
         Rng rng(seed, Purpose::kVplResampling, uint64_t(i), 1);
         const Vec2 u = rng.next2();
@@ -201,42 +204,39 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
         caster.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;
         if (!hit.valid()) continue;
-        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
-                                             hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        const SurfacePoint s = surface_at(scene, ray, hit);
         if (length2(s.ng) == 0) continue;
         // Normals on the side of the camera
-        const float side = dot(s.ng, ray.d) < 0 ? 1.f : -1.f;
-        points.push_back({s.position, s.ng * side, s.ns * side});
+        const Vec3 n = dot(s.ng, ray.d) < 0 ? s.ng : -s.ng;
         // Black surfaces count a little: what they do not show, lobes on them may
-        albedo.push_back(std::max(0.05f, luminance(s.base_color)));
+        points.push_back({s.position, n, spawn(s, n), std::max(0.05f, luminance(s.base_color))});
     }
     return points;
 }
 
 /// Exact contributions of the candidates in [first, last) to those points. Returns the number of rays.
 uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
-               const std::vector<EyeShade>& eyes, const std::vector<float>& albedo, float extent,
-               const RayCaster& caster, float bound2, std::vector<double>& value) {
+               const std::vector<JudgingPoint>& eyes, const RayCaster& caster, float bound2,
+               std::vector<double>& value) {
     uint64_t traced = 0;
     std::vector<Ray> rays;
     std::vector<size_t> who;
     std::vector<float> what;
     std::vector<uint8_t> blocked;
     // One eye point at a time, so that a call traces rays with one origin
-    for (size_t e = 0; e < eyes.size(); ++e) {
+    for (const JudgingPoint& eye : eyes) {
         rays.clear();
         who.clear();
         what.clear();
         for (size_t i = first; i < last; ++i) {
             const Vpl& v = candidates[i];
-            const Vec3 d = v.position - eyes[e].position;
-            const float d2 = length2(d), near_cos = dot(eyes[e].ng, d), far_cos = -dot(v.normal, d);
+            const Vec3 d = v.position - eye.position;
+            const float d2 = length2(d), near_cos = dot(eye.normal, d), far_cos = -dot(v.normal, d);
             if (!(near_cos > 0 && far_cos > 0 && d2 > 0)) continue;
-            const float g = near_cos * far_cos / (d2 * (d2 + bound2)) * luminance(v.flux) * albedo[e];
+            const float g = near_cos * far_cos / (d2 * (d2 + bound2)) * luminance(v.flux) * eye.albedo;
             // A candidate at the eye point itself would win against all others
             if (!std::isfinite(g)) continue;
-            rays.push_back(segment_to_point(spawn(eyes[e].position, eyes[e].ng, extent),
-                                            spawn(v.position, v.normal, extent), extent));
+            rays.push_back(segment_to_point(eye.origin, spawn(v.position, v.normal, v.extent)));
             who.push_back(i);
             what.push_back(g);
         }
@@ -251,9 +251,9 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
 }
 
 /// The same for all candidates, on all threads.
-std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
-                              const std::vector<float>& albedo, float extent, const RayCaster& caster,
-                              float bound2, int threads, Control& control, Counters& counters) {
+std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vector<JudgingPoint>& eyes,
+                              const RayCaster& caster, float bound2, int threads, Control& control,
+                              Counters& counters) {
     std::vector<double> value(candidates.size(), 0.0);
     // A count, whose order does not matter
     std::atomic<uint64_t> rays{0};
@@ -262,7 +262,7 @@ std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vec
                      control.check();
                      const size_t first = chunk * kCandidatesPerChunk,
                                   last = std::min(candidates.size(), first + kCandidatesPerChunk);
-                     rays += judge(candidates, first, last, eyes, albedo, extent, caster, bound2, value);
+                     rays += judge(candidates, first, last, eyes, caster, bound2, value);
                  });
     counters.light_rays += rays;
     return value;
@@ -275,14 +275,14 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
                                const IntegratorSettings& settings, const FrameSettings& frame,
                                Control& control, Counters& counters) {
     if (candidates.empty() || wanted == 0) return {};
-    std::vector<float> albedo;
     // Candidates that the camera's points see get most of the probability
-    const auto eyes = judging_points(scene, caster, film, kVplEyePoints, frame.seed, albedo, counters);
+    const auto eyes = judging_points(scene, caster, film, kVplEyePoints, frame.seed, counters);
     const float bound = float(settings.vpl_bound) * scene.bounds().diagonal();
     // With an unbounded geometry term single pairs would dominate: use the default bound here
+    // With an unbounded geometry term single pairs would dominate: use the default bound here
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
-    const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,
-                                 judge_bound * judge_bound, frame.threads, control, counters);
+    const auto value =
+        judge_all(candidates, eyes, caster, judge_bound * judge_bound, frame.threads, control, counters);
     // Two distributions: by contribution, and by flux for what no judging point sees
     double total_value = 0, total_flux = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {

@@ -16,6 +16,7 @@ struct Vpl {
     Vec3 position;
     Vec3 normal;  ///< unit geometric normal on the lit side
     Rgb flux;     ///< reflected radiant exitance × area / π: contribution = f · flux · cos·cos'/(d² + bound²)
+    float extent = -1;  ///< of its surface (scene/surface_extent.h); < 0: not known, take that of the scene
 };
 
 /// Traces about `candidates` VPLs, with as many light paths as that needs (up to a limit per candidate).

@@ -13,6 +13,7 @@ struct EmissiveTriangle {
     Vec3 normal;   ///< unit, on the emitting side
     Rgb radiance;  ///< mean over the triangle
     float area;
+    float extent;  ///< surface_extent.h
     bool two_sided;
     bool opaque;  ///< no holes: hides what lies behind it
 };

@@ -5,6 +5,7 @@
 #include "viscache/math/any_length.h"
 #include "viscache/scene/check.h"
 #include "viscache/scene/light_tree.h"
+#include "viscache/scene/surface_extent.h"
 #include "viscache/scene/vertex_limit.h"
 
 namespace viscache {
@@ -46,6 +47,11 @@ void warn_of_few_rows(const Image& sky, std::vector<Warning>& warnings) {
     // A scene made from the description of this one carries the warning already
     const auto same = [&](const Warning& w) { return w.where == sky.where && w.text == text; };
     if (std::none_of(warnings.begin(), warnings.end(), same)) warnings.push_back({sky.where, text});
+}
+
+float triangle_extent(const Mesh& mesh, Vec3u t, const Affine* to_world) {
+    const Vec3 a = mesh.vertices[t.x], b = mesh.vertices[t.y], c = mesh.vertices[t.z];
+    return to_world ? surface_extent(a, b, c, *to_world) : surface_extent(a, b, c);
 }
 
 Vec3 facing(Vec3 n, Vec3 side) { return dot(n, side) < 0 ? -n : n; }
@@ -98,15 +104,26 @@ static double area_of(const Mesh& mesh) {
     return area;
 }
 
+/// The largest extent of a mesh's triangles.
+static float extent_of(const Mesh& mesh) {
+    float most = 0;
+    for (const Vec3u t : mesh.triangles)
+        most = std::max(most, surface_extent(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]));
+    return most;
+}
+
 void Scene::measure() {
     double placed_area = 0;
+    std::vector<float> extents;
     for (const Mesh& mesh : d_.meshes) {
+        extents.push_back(extent_of(mesh));
         unique_triangles_ += mesh.triangles.size();
         memory_bytes_ += mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Vec3u) +
                          mesh.normals.size() * sizeof(Vec3) + mesh.uvs.size() * sizeof(Vec2);
         if (!mesh.in_world) continue;
         placed_triangles_ += mesh.triangles.size();
         placed_area += area_of(mesh);
+        most_extent_ = std::max(most_extent_, extents.back());
         for (Vec3u t : mesh.triangles)
             for (uint32_t v : {t.x, t.y, t.z}) bounds_.add(mesh.vertices[v]);
     }
@@ -118,7 +135,11 @@ void Scene::measure() {
             const Mesh& mesh = d_.meshes[size_t(index)];
             placed_triangles_ += mesh.triangles.size();
             placed_area += scale * scale * area_of(mesh);
-            for (Vec3 v : mesh.vertices) bounds_.add(instance.to_world.point(v));
+            Bounds placed;
+            for (Vec3 v : mesh.vertices) placed.add(instance.to_world.point(v));
+            bounds_.add(placed);
+            const float extent = instance_extent(extents[size_t(index)], placed, instance.to_world);
+            most_extent_ = std::max(most_extent_, extent);
         }
     }
     if (placed_triangles_) triangle_size_ = float(std::sqrt(placed_area / double(placed_triangles_)));
@@ -128,8 +149,35 @@ void Scene::measure() {
         throw SceneError("instances and sphere lights must stay below 1e12 in size, got " +
                          std::to_string(bounds_.magnitude()));
     for (const Image& image : d_.images) memory_bytes_ += image.memory_bytes();
+    // Offsets by ulps of the scene's size are a tenth of a triangle there
+    constexpr float kFinest = 1e5f;
+    is_coarse_ = placed_triangles_ && bounds_.diagonal() > kFinest * median_size();
     // Embree's BVH takes about 100 bytes per unique triangle (measured: 90–140) and 600 per instance.
     memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
+}
+
+/// Median diagonal of the bounds of placed triangles, of a few thousand that are evenly spread.
+float Scene::median_size() const {
+    const uint64_t step = placed_triangles_ / 4096 + 1;
+    uint64_t before = 0;  // triangles of the meshes so far
+    std::vector<float> sizes;
+    const auto add = [&](const Mesh& mesh, const Affine& to_world) {
+        const uint64_t count = mesh.triangles.size(), first = (step - before % step) % step;
+        for (uint64_t i = first; i < count; i += step) {
+            Bounds box;
+            for (uint32_t v : {mesh.triangles[i].x, mesh.triangles[i].y, mesh.triangles[i].z})
+                box.add(to_world.point(mesh.vertices[v]));
+            sizes.push_back(box.diagonal());
+        }
+        before += count;
+    };
+    for (const Mesh& mesh : d_.meshes)
+        if (mesh.in_world) add(mesh, {});
+    for (const Instance& instance : d_.instances)
+        for (int index : instance.meshes) add(d_.meshes[size_t(index)], instance.to_world);
+    const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return *middle;
 }
 
 /// Outside these lengths, products of edges and areas leave the range of single precision. Measured: images
@@ -186,12 +234,12 @@ void Scene::build_lights(int threads) {
                 for (Vec3& q : p) q = to_world->point(q);
             Vec3 n = cross(p[1] - p[0], p[2] - p[0]);
             if (to_world && to_world->determinant() < 0) n = -n;
-            const float area = 0.5f * any_length(n);
+            const float area = 0.5f * any_length(n), extent = triangle_extent(mesh, t, to_world);
             if (!(area > 0) || !std::isfinite(area)) continue;  // degenerate triangles emit nothing
             const Rgb radiance = mean_emission(uint32_t(index), uint32_t(i));
             if (!(max_component(radiance) > 0)) continue;
             area_lights_.triangles.push_back(
-                {p[0], p[1], p[2], any_direction(n), radiance, area, mesh.emits_two_sided, opaque});
+                {p[0], p[1], p[2], any_direction(n), radiance, area, extent, mesh.emits_two_sided, opaque});
             if (!emission_means_.empty()) area_lights_.images.push_back(emissive_image(mesh, t));
             power.push_back(double(area) * luminance(radiance) * (mesh.emits_two_sided ? 2 : 1));
         }
@@ -257,7 +305,35 @@ void Scene::mix_metal(const Material& material, SurfacePoint& s) const {
     s.base_color = s.base_color * (1 - metallic);
 }
 
-SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {
+/// The point of a triangle, in double until the end: the distance to its plane is the rounding of the point.
+/// `n`: any normal.
+static Vec3 in_plane(const Vec3 (&p)[3], const double (&n)[3], float u, float v, const Vec3* o,
+                     const Vec3* d) {
+    double q[3], size = 0;
+    for (int k = 0; k < 3; ++k) {
+        q[k] = p[0][k] * (1.0 - u - v) + double(p[1][k]) * u + double(p[2][k]) * v;
+        size = std::max(size, double(std::max(std::fabs(p[1][k] - p[0][k]), std::fabs(p[2][k] - p[0][k]))));
+    }
+    if (o) {
+        double towards = 0, height = 0, r[3], apart = 0;
+        for (int k = 0; k < 3; ++k) {
+            towards += n[k] * (*d)[k];
+            height += n[k] * (double(p[0][k]) - (*o)[k]);
+        }
+        const double t = height / towards;
+        for (int k = 0; k < 3; ++k) {
+            r[k] = (*o)[k] + t * (*d)[k];
+            apart = std::max(apart, std::fabs(r[k] - q[k]));
+        }
+        // Farther from what the caster found, the ray is nearly in the plane
+        constexpr double kMostApart = 1e-3;
+        if (apart <= kMostApart * size) return {float(r[0]), float(r[1]), float(r[2])};
+    }
+    return {float(q[0]), float(q[1]), float(q[2])};
+}
+
+SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v,
+                            const Vec3* o, const Vec3* d) const {
     const Mesh& mesh = d_.meshes[mesh_index];
     const Vec3u t = mesh.triangles[triangle];
     const Affine* to_world = instance >= 0 ? &d_.instances[size_t(instance)].to_world : nullptr;
@@ -266,11 +342,12 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
         for (Vec3& q : p) q = to_world->point(q);
     const float w = 1 - u - v;
     SurfacePoint s;
-    s.position = p[0] * w + p[1] * u + p[2] * v;
+    s.extent = triangle_extent(mesh, t, to_world);
     const Vec3 edge1 = p[1] - p[0], edge2 = p[2] - p[0];
     // In double, because the cross product of float edges cancels for thin triangles.
     const double a[3] = {edge1.x, edge1.y, edge1.z}, b[3] = {edge2.x, edge2.y, edge2.z};
     double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    s.position = in_plane(p, n, u, v, o, d);
     const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (norm > 0) s.ng = {float(n[0] / norm), float(n[1] / norm), float(n[2] / norm)};
     if (to_world && to_world->determinant() < 0) s.ng = -s.ng;

@@ -39,8 +39,11 @@ public:
     /// Centre and radius of the bounding sphere: c and B_R of the quantized cache.
     Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
     float radius() const { return std::max(0.5f * bounds_.diagonal(), 1e-30f); }
-    /// Together with |p|, the scale of self-intersection offsets (visibility/query.h).
-    float offset_extent() const { return bounds_.diagonal(); }
+    /// With |p|, the scale of self-intersection offsets of points whose triangle is not known: the size of
+    /// the scene; if it is coarse, the largest extent of a triangle (surface_extent.h).
+    float offset_extent() const { return is_coarse_ ? most_extent_ : bounds_.diagonal(); }
+    /// True if offsets by the size of the scene would lose shadows of its detail.
+    bool is_coarse() const { return is_coarse_; }
     /// Number of placed triangles, with instances expanded and without sphere lights.
     uint64_t placed_triangles() const { return placed_triangles_; }
     /// Root of the mean area of the placed triangles.
@@ -60,7 +63,10 @@ public:
     uint64_t first_triangle(uint32_t mesh) const { return first_triangle_[mesh]; }
 
     /// Surface at the barycentric coordinates (u, v) of a triangle; instance < 0 for meshes of the world.
-    SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v) const;
+    /// Where a ray from `o` along `d` found it, the position is that of the ray in the plane of the triangle:
+    /// u and v are rounded to a share of the triangle's size.
+    SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v,
+                         const Vec3* o = nullptr, const Vec3* d = nullptr) const;
     /// Mean radiance that a triangle of a mesh emits.
     Rgb mean_emission(uint32_t mesh, uint32_t triangle) const {
         return emission_means_.empty() || emission_means_[mesh].empty() ? d_.meshes[mesh].emission
@@ -81,11 +87,13 @@ private:
     void warn_of_size();
     void add_sphere_light_meshes();
     void measure();
+    float median_size() const;
 
     SceneDescription d_;
     size_t described_meshes_ = 0, described_materials_ = 0;
     Bounds bounds_;
-    float triangle_size_ = 0;
+    float triangle_size_ = 0, most_extent_ = 0;
+    bool is_coarse_ = false;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
     std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat

@@ -6,6 +6,7 @@ namespace viscache {
 
 struct SurfacePoint {
     Vec3 position;
+    float extent = 0;  ///< surface_extent.h; with the position, the scale of offsets
     Vec3 ng;  ///< unit geometric normal (orientation of the triangle); zero for a degenerate triangle
     Vec3 ns;  ///< unit shading normal, on the same side as ng
     Vec2 uv;

@@ -40,10 +40,9 @@ struct ShaftCounts {
 
 /// What rays leave out at their ends.
 struct ShaftEnds {
-    float least, most;  ///< before the light, as lengths along the rays: of all points
-    /// Not 0: at the point too. Then both ends leave out this, in units of the largest coordinate of point
-    /// and light.
-    float start = 0;
+    float most;       ///< before the light, as a length along the rays, of all points
+    float end;        ///< the same of one point, in units of the largest coordinate of point and light
+    float start = 0;  ///< at the point, in these units
 };
 
 /// One light and the points that ask for it. Coordinates are those of the tree.

@@ -144,14 +144,14 @@ private:
         constexpr float kShare = kSegmentUlps * kUlp;
         // Segments without normals leave out a share of their length that grows with coordinates
         // (segment_epsilon); its bounds for this tile
-        const float least = max_abs(at), most = std::max(least, tile.eyes.magnitude());
+        const float most = std::max(max_abs(at), tile.eyes.magnitude());
         TileSegments rays(q_.caster, q_.points, tile.order, target);
         const ShaftLight light{.tree = tree,
                                .eyes = tile.eyes,
                                .columns = columns_,
                                .column = j,
                                .light = {at.x, at.y, at.z},
-                               .ends = {kShare * least, kShare * most, kShare},
+                               .ends = {kShare * most, kShare, kShare},
                                .slack = 4e-6f * std::max(tree.bounds.magnitude(), most),
                                .bounds = q_.options.bounds,
                                .wanted = columns_.wanted(j),

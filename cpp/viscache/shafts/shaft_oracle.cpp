@@ -12,9 +12,8 @@ namespace {
 /// The rays of a tile towards one light, as the exact oracle aims them.
 class TileRays final : public ShaftRays {
 public:
-    TileRays(const RayCaster& caster, const EyeBlock& eyes, std::span<const uint32_t> order, Vec3 light,
-             float extent)
-        : caster_(caster), eyes_(eyes), order_(order), light_(light), extent_(extent) {}
+    TileRays(const RayCaster& caster, const EyeBlock& eyes, std::span<const uint32_t> order, Vec3 light)
+        : caster_(caster), eyes_(eyes), order_(order), light_(light) {}
 
     uint32_t occluded(size_t packet, uint32_t mask) override {
         RayPacket16 rays;
@@ -27,7 +26,7 @@ public:
             rays.dy[i] = light_.y;
             rays.dz[i] = light_.z;
         }
-        aim_at_points16(rays, extent_);
+        aim_at_points16(rays);
         return caster_.occluded16(uint16_t(mask), rays, Coherence::kCoherent);
     }
 
@@ -36,7 +35,6 @@ private:
     const EyeBlock& eyes_;
     std::span<const uint32_t> order_;
     Vec3 light_;
-    float extent_;
 };
 
 /// Number of queries to these lights of the first 64.
@@ -157,16 +155,16 @@ void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const F
         check_cancelled();
         const size_t j = size_t(std::countr_zero(rest)), k = w * kWordBits + j;
         const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]}, at = end * scale;
-        TileRays rays(caster_, eyes, order_, end, extent_);
+        TileRays rays(caster_, eyes, order_, end);
         // Covers the roundings of shafts, and how far outside of a triangle Embree may hit it
         const float size = std::max({tree.bounds.magnitude(), max_abs(at), eyes_.magnitude()});
-        const float offset = spawn_offset(end, extent_) * scale;
+        constexpr float kShare = kOffsetUlps * kUlp;
         const ShaftLight light{.tree = tree,
                                .eyes = eyes_,
                                .columns = columns_,
                                .column = j,
                                .light = {at.x, at.y, at.z},
-                               .ends = {offset, offset},
+                               .ends = {kShare * std::max(max_abs(at), eyes_.magnitude()), kShare},
                                .slack = 4e-6f * size,
                                .bounds = options_.bounds,
                                .wanted = columns_.wanted(j),

@@ -40,15 +40,10 @@ struct ShaftOptions {
 /// else to the exact oracle. The caster must be Embree's with robust rays.
 class ShaftOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent. All references must outlive the oracle.
-    ShaftOracle(const ShaftScene& scene, const RayCaster& caster, float extent,
-                std::unique_ptr<VisibilityOracle> exact, const ShaftOptions& options, ShaftTotals& totals)
-        : scene_(scene),
-          caster_(caster),
-          extent_(extent),
-          exact_(std::move(exact)),
-          options_(options),
-          totals_(totals) {
+    /// All references must outlive the oracle.
+    ShaftOracle(const ShaftScene& scene, const RayCaster& caster, std::unique_ptr<VisibilityOracle> exact,
+                const ShaftOptions& options, ShaftTotals& totals)
+        : scene_(scene), caster_(caster), exact_(std::move(exact)), options_(options), totals_(totals) {
         wrap(*exact_);
     }
 
@@ -71,7 +66,6 @@ private:
 
     const ShaftScene& scene_;
     const RayCaster& caster_;
-    float extent_;
     std::unique_ptr<VisibilityOracle> exact_;
     ShaftOptions options_;
     ShaftTotals& totals_;

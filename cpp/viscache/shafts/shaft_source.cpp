@@ -30,7 +30,7 @@ void ShaftSource::prepare(FrameStart& frame, Control& control) {
 
 std::unique_ptr<VisibilityOracle> ShaftSource::make() {
     if (!no_shafts_.empty()) return exact_.make();
-    return std::make_unique<ShaftOracle>(shafts_, caster_, extent_, exact_.make(), options_, totals_);
+    return std::make_unique<ShaftOracle>(shafts_, caster_, exact_.make(), options_, totals_);
 }
 
 void ShaftSource::report(Counters& counters, SourceReport& out) const {

@@ -8,13 +8,9 @@ namespace viscache {
 class ShaftSource final : public OracleSource {
 public:
     /// `exact` makes the oracles for all that shafts do not answer. It and `shafts` must outlive the source.
-    ShaftSource(const Scene& scene, const RayCaster& caster, const ShaftScene& shafts, OracleSource& exact,
+    ShaftSource(const RayCaster& caster, const ShaftScene& shafts, OracleSource& exact,
                 const ShaftOptions& options = {})
-        : caster_(caster),
-          extent_(scene.offset_extent()),
-          shafts_(shafts),
-          exact_(exact),
-          options_(options) {}
+        : caster_(caster), shafts_(shafts), exact_(exact), options_(options) {}
     /// Builds the tree, if the frame is to use it.
     void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override;
@@ -24,7 +20,6 @@ private:
     std::string reason_against(const FrameStart& frame) const;
 
     const RayCaster& caster_;
-    float extent_;
     const ShaftScene& shafts_;
     OracleSource& exact_;
     ShaftOptions options_;

@@ -84,9 +84,9 @@ struct LocalSamples {
         return q;
     }
     /// Ray of sample i.
-    Ray ray(const EyeBlock& eyes, uint32_t eye_point, size_t i, float extent) const {
+    Ray ray(const EyeBlock& eyes, uint32_t eye_point, size_t i) const {
         if (is_direction()) return {eyes.origin[eye_point], 0, far(i), t_max};
-        return segment_to_point(eyes.origin[eye_point], ray_end[i], extent);
+        return segment_to_point(eyes.origin[eye_point], ray_end[i]);
     }
 
 private:

@@ -4,6 +4,7 @@
 
 #include "viscache/sampling/pixel_place.h"
 #include "viscache/scene/film_camera.h"
+#include "viscache/visibility/surface_hit.h"
 
 namespace viscache {
 
@@ -35,8 +36,7 @@ private:
             ++out.misses;
             return {};
         }
-        const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
-        const SurfacePoint s = scene_.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+        const SurfacePoint s = surface_at(scene_, ray, hit);
         const float cos_surface = std::fabs(dot(s.ng, ray.d));
         // A normal is a unit vector, or zero for a degenerate triangle.
         if (!(length2(s.ng) > 0.5f) || !is_finite(s.ng) || !is_finite(s.position)) {
@@ -51,7 +51,7 @@ private:
         const float footprint = spread * std::sqrt(across);
         // reach × image width: d_max is given in pixels and turned into a length at the point.
         const float d_max = std::min(rules_.reach * float(film_.width) * footprint,
-                                     rules_.most_reach * scene_.offset_extent());
+                                     rules_.most_reach * scene_.bounds().diagonal());
         // Records belong to the side that the camera sees.
         return {s.position, dot(s.ng, ray.d) > 0 ? -s.ng : s.ng, d_max, footprint};
     }

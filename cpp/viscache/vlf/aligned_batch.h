@@ -11,10 +11,14 @@
 
 namespace viscache {
 
+/// Scale of the offsets of rays along shared directions: the batch rotates the scene, which rounds by its
+/// size, so points are offset by its size, whatever triangle they lie on.
+inline float aligned_extent(const Scene& scene) { return scene.bounds().diagonal(); }
+
 /// Points, and the axes along which all of them look.
 struct AlignedInput {
     // The three spans describe the rays: one per origin and axis.
-    std::span<const Vec3> origin;  ///< already offset from the surface (`spawn`)
+    std::span<const Vec3> origin;  ///< already offset from the surface (`spawned`)
     std::span<const Vec3> normal;  ///< unit vectors, one per origin
     std::span<const Frame3> axes;  ///< orthonormal; rays run along z or against it
     float t_max = kInfinity;       ///< length of the rays

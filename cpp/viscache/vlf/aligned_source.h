@@ -1,6 +1,5 @@
 #pragma once
 // Exact oracles of a frame whose shared directions may go through the aligned batch.
-#include "viscache/scene/scene.h"
 #include "viscache/visibility/oracle_source.h"
 #include "viscache/vlf/aligned_oracle.h"
 
@@ -9,16 +8,11 @@ namespace viscache {
 class AlignedSource final : public OracleSource {
 public:
     /// With `choose`, each tile takes the engine that is cheaper for it.
-    AlignedSource(const Scene& scene, const RayCaster& caster, const AlignedBatch& batch, bool choose,
+    AlignedSource(const RayCaster& caster, const AlignedBatch& batch, bool choose,
                   std::optional<PacketOrder> order, std::optional<Coherence> flag)
-        : batch_(batch),
-          caster_(caster),
-          extent_(scene.offset_extent()),
-          order_(order),
-          flag_(flag),
-          choose_(choose) {}
+        : batch_(batch), caster_(caster), order_(order), flag_(flag), choose_(choose) {}
     std::unique_ptr<VisibilityOracle> make() override {
-        ExactOracle exact(caster_, extent_, order_, flag_);
+        ExactOracle exact(caster_, order_, flag_);
         return std::make_unique<AlignedOracle>(batch_, std::move(exact), choose_);
     }
     void report(Counters& c, SourceReport& out) const override {
@@ -36,7 +30,6 @@ public:
 private:
     const AlignedBatch& batch_;
     const RayCaster& caster_;
-    float extent_;
     std::optional<PacketOrder> order_;
     std::optional<Coherence> flag_;
     bool choose_;

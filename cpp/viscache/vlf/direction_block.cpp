@@ -34,6 +34,7 @@ constexpr float kFarEnough = 0.99f * kFarthest;
 
 bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points) {
     const Placement& placement = batch.triangles().placement;
+    if (batch.triangles().scene->is_coarse()) return false;
     for (const Vec3 p : points)
         if (!(max_abs(placement.apply(p)) <= kFarEnough)) return false;
     return true;
@@ -42,7 +43,9 @@ bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points) {
 DirectionBlock::DirectionBlock(const AlignedBatch& batch, const EyeBlock& eyes, const FarEnds& lights,
                                const BitMatrix& wanted, int threads, const Control& control)
     : batch_(batch),
-      points_(batch.triangles().placement, eyes.origin, eyes.normal, control),
+      points_(batch.triangles().placement,
+              spawned(eyes.position, eyes.normal, aligned_extent(*batch.triangles().scene)), eyes.normal,
+              control),
       axes_(axes_of(directions_of(lights))),
       directions_(lights.count),
       t_max_(lights.t_max),

@@ -51,7 +51,8 @@ private:
     uint64_t rays_ = 0;
 };
 
-/// True if all points are close enough to the scene for the batch.
+/// True if all points are close enough to the scene for the batch, and its offsets are small beside
+/// triangles.
 bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points);
 
 }  // namespace viscache

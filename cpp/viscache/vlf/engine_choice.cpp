@@ -78,6 +78,7 @@ EngineChoice decided(EngineChoice costs, double share) {
 EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,
                            Control& control, Isa isa) {
     if (input.origin.empty() || input.axes.empty()) return {};
+    if (batch.triangles().scene->is_coarse()) return {AlignedEngine::kEmbree};
     const AlignedOrder order = embree_order(batch.triangles().triangles, input.origin.size());
     const float length = input.t_max / (2 * batch.triangles().scene->radius());
     // First step: a small sample. Second step, only if the batch has a chance: whole axes.

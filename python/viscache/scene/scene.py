@@ -262,8 +262,8 @@ class Scene:
 
     def overview_camera(self) -> _core.Camera:
         """A camera that sees the whole scene from a corner above."""
-        center, extent = np.array(self._core.center), self._core.offset_extent
-        origin = center + (self._core.radius if extent > 0 else 1.0) * np.array([1.2, 0.9, 1.6])
+        center, radius = np.array(self._core.center), self._core.radius
+        origin = center + (radius if radius > 2e-30 else 1.0) * np.array([1.2, 0.9, 1.6])
         return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), (0, 1, 0), 55.0)
 
     # Queries

@@ -46,7 +46,7 @@ class RecordInsertion:
         d_max: npt.ArrayLike | None,
         footprint: npt.ArrayLike | None,
     ) -> Cloud:
-        reach, extent = self.settings.d_max, self.scene._core.offset_extent
+        reach, extent = self.settings.d_max, 2 * self.scene._core.radius
         return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
 
     def asking_points(

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import viscache as vc
 from viscache_lab.experiment import FAMILIES, Case
 from viscache_lab.extremes import scenes
-from viscache_lab.extremes.moved import moved
+from viscache_lab.extremes.moved import description_of, moved
 from viscache_lab.extremes.pictures import (
     METHODS,
     Method,
@@ -136,6 +136,14 @@ def offsets(full: bool) -> Iterator[Case]:
                 limit=2e-3 if METHODS[name].maps else AT_HOME,
                 why=HOME_WHY,
             )
+    for name in (m for m in METHODS if METHODS[m].exact and not METHODS[m].maps):
+        for far_off in (1e3, 1e6) if full else (1e6,):
+            yield Case(
+                name=f"{name}, one triangle {far_off:g} sizes away: rel_l1",
+                measure=partial(_apart, METHODS[name], far_off),
+                limit=AT_HOME,
+                why="offsets follow the triangle that a ray leaves: measured 0, as for scales",
+            )
     for k in (2000, 4000, 7000, 9000, 20_000, 100_000):
         yield Case(
             name=f"{k} sizes from the origin: energy that is wrong without a warning",
@@ -149,6 +157,15 @@ def shift(sizes: float, scene: vc.Scene | None = None) -> np.ndarray:
     """The offset of so many sizes of a scene, the lit box by default."""
     bounds = (scene or scenes.lit_box()).bounds
     return AWAY * sizes * float(np.ptp(bounds, axis=0).max())
+
+
+def _apart(method: Method, sizes: float) -> float:
+    """The box as it is, and with a triangle far away."""
+    box = scenes.lit_box()
+    description = description_of(box)
+    away = sizes * float(np.ptp(box.bounds, axis=0).max())
+    description.add_mesh(np.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]], away), [[0, 1, 2]])
+    return rel_l1(picture(vc.Scene.from_description(description), method), picture(box, method))
 
 
 def _silent(sizes: float) -> float:
