@@ -99,6 +99,12 @@ def test_an_environment_of_the_caller_replaces_all(skies):
     np.testing.assert_allclose(frame.image.mean((0, 1)), [0.3] * 3, rtol=1e-3)
 
 
+def test_the_illuminance_of_an_image_is_warned_of(skies):
+    light = 'LightSource "infinite" "string mapname" "small.exr" "float illuminance" 3'
+    scene = described(skies, light, strict=False)
+    assert "'illuminance'" in scene.warnings[0][1] and scene.lights[0]["scale"] == [1, 1, 1]
+
+
 def test_their_number_is_bounded(skies):
     with pytest.raises(core.SceneError, match="at most 16 infinite lights"):
         described(skies, " ".join([image("small")] * 17))

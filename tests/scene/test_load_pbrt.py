@@ -171,6 +171,16 @@ def test_object_instances_are_placed_by_the_current_transform(tmp_path):
     np.testing.assert_allclose(scene.bounds(), [(2, 5, 0), (5, 7, 0)], atol=1e-6)
 
 
+def test_shapes_of_objects_shed_no_light_as_in_pbrt(tmp_path):
+    scene = load(
+        tmp_path,
+        f"""AreaLightSource "diffuse" ObjectBegin "o" {TRIANGLE} {TRIANGLE.strip()} "float alpha" 0
+        ObjectEnd ObjectInstance "o" """,
+    )
+    assert "as in pbrt" in scene.warnings[0][1]
+    assert len(scene.meshes) == 1 and not scene.lights
+
+
 def test_lights_have_our_units_and_directions(tmp_path):
     scene = load(
         tmp_path,

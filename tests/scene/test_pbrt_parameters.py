@@ -130,6 +130,18 @@ def test_media_make_the_picture_wrong_where_something_stands_in_them(tmp_path):
         load(tmp_path, 3, f'AreaLightSource "diffuse" {bounds}', strict=True)
 
 
+@pytest.mark.parametrize(
+    ("version", "text", "why"),
+    [
+        (3, 'LightSource "point" "point from" [0 0 0 1 1 1]', "'from' must be three numbers"),
+        (4, " ".join(f'Attribute "shape" "float a{i}" 1' for i in range(1001)), "more than 1,000"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(tmp_path, version, text, why):
+    with pytest.raises(core.SceneError, match=f"scene.pbrt:4: {why}"):
+        load(tmp_path, version, text)
+
+
 def test_the_exposure_of_version_4_is_warned_of(tmp_path):
     shutter = 'Camera "perspective" "float shutteropen" 0 "float shutterclose"'
     assert not load(tmp_path, 4, f"{shutter} 1", strict=True)

@@ -1,4 +1,3 @@
-
 """Area lights of opacity 0: they shine as a whole, throw no shadow and are not seen."""
 
 import numpy as np

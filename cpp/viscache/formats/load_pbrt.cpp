@@ -200,9 +200,11 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
     for (int i = 0; i < plugin->names; ++i) names.push_back(name_argument());
     const PbrtParams params = params_of(plugin->attribute);
     (this->*plugin->read)(names, params, where);
+    const PbrtParams::List unread = params.unread();
+    if (unread.empty()) return true;
     std::string of(plugin->word);
     if (plugin->shown >= 0) of += " '" + names[size_t(plugin->shown)] + "'";
-    warn_unread(params.unread(), of);
+    warn_unread(unread, of);
     return true;
 }
 

@@ -208,8 +208,7 @@ void PbrtReader::shape(const Names& names, const PbrtParams& params, const std::
     }
     const auto alpha = shape_alpha(type, params);
     const bool is_unseen = alpha && alpha->image < 0 && !(alpha->color.x > 0);
-    if (now_.area_light && object_)
-        loading_.warn(where, "emission inside an object is not modelled (as in pbrt); skipped");
+    if (now_.area_light && object_) loading_.note(where, "emission inside an object is left out, as in pbrt");
     const bool shines = now_.area_light && !object_;
     if (is_unseen && !shines) return params.ignore_all();
     if (type == "sphere" && !alpha && sphere_light(params, where)) return;
@@ -275,7 +274,8 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     env.scale = color(params, "L", kOne) * color(params, "scale", kOne);
     const char* const name = params.has("mapname") ? "mapname" : "filename";
     if (params.find("portal")) loading_.warn(where, "portals are not modelled; the whole sky shines");
-    const double illuminance = params.number("illuminance", 0);
+    // That of an image would need its pixels, which are read later
+    const double illuminance = params.has(name) ? 0 : params.number("illuminance", 0);
     // A constant sky of radiance L gives an upward surface π·L
     if (illuminance > 0) env.scale = env.scale * float(illuminance / kPi);
     if (is_v4_ && params.find(name))

@@ -158,8 +158,9 @@ bool PbrtParam::is_all(double value) const {
 }
 
 PbrtParams::List PbrtParams::unread() const {
-    List out = own();
-    std::erase_if(out, [](const auto& p) { return p->is_read; });
+    List out;
+    for (size_t i = 0; i < own_; ++i)
+        if (!params_[i]->is_read) out.push_back(params_[i]);
     return out;
 }
 

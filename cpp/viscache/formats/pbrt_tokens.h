@@ -67,6 +67,7 @@ public:
     void append(const PbrtParams& defaults) {
         params_.insert(params_.end(), defaults.params_.begin(), defaults.params_.end());
     }
+    size_t size() const { return params_.size(); }
     /// The parameters of the directive itself, before the defaults.
     List own() const { return {params_.begin(), params_.begin() + std::ptrdiff_t(own_)}; }
     /// What nothing has read, without the defaults.

@@ -23,6 +23,8 @@ bool PbrtReader::v4_directive(const PbrtToken& token) {
         const PbrtParams::List own = given.own();
         defaults_.insert(defaults_.end(), own.begin(), own.end());
         given.append((*changed)[target]);
+        // Each directive looks through all of them
+        if (given.size() > 1000) fail(where, "more than 1,000 parameters are set for '" + target + "'");
         (*changed)[target] = given;
         now_.defaults = changed;
     } else if (name == "Import") {

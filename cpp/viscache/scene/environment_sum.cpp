@@ -54,9 +54,10 @@ std::vector<Rgb> means_over_pixels(const EnvironmentMap& sky, int width, int hei
 
 void add_up_environments(SceneDescription& d, int threads) {
     if (d.added_environments.empty()) return;
-    std::vector<Environment> skies = std::move(d.added_environments);
-    d.added_environments.clear();
+    std::vector<Environment> skies;
     if (d.environment) skies.push_back(*d.environment);
+    skies.insert(skies.end(), d.added_environments.begin(), d.added_environments.end());
+    d.added_environments.clear();
     Rgb constant{};
     const Environment* largest = nullptr;
     const auto size = [&](const Environment& e) { return d.images[size_t(e.image)].size(); };
