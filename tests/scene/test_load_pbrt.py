@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+import viscache as vc
 from viscache import _core as core
 
 K = core.MaterialKind
@@ -147,6 +148,22 @@ def test_opacity_leaves_a_share_of_the_surface_and_alpha_all_that_is_not_0(tmp_p
     )
     shares = [scene.materials[m["material"]]["opacity"] for m in scene.meshes]
     assert shares == pytest.approx([1, 0.5, 1])
+
+
+def test_an_image_of_alpha_cuts_holes_where_it_is_0(tmp_path):
+    (tmp_path / "a.tga").write_bytes(bytes([0, 0, 3, *[0] * 9, 2, 0, 1, 0, 8, 0, 0, 1]))
+    square = '"point P" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] "integer indices" [0 1 2 0 2 3]'
+    load(
+        tmp_path,
+        f"""Texture "a" "float" "imagemap" "string filename" "a.tga" "bool gamma" "false"
+        Shape "trianglemesh" {square} "float uv" [.25 0 .75 0 .75 1 .25 1] "texture alpha" "a"
+        LightSource "point" """,
+    )
+    scene = vc.load_scene(tmp_path / "scene.pbrt")
+    x = np.linspace(-0.99, 0.99, 100)
+    a = np.stack([x, 0 * x, 0 * x + 1], 1)
+    # Between the two pixels every value but the first is above 0
+    assert scene.visible(a, a * [1, 1, -1]).sum() <= 2
 
 
 def test_attribute_blocks_restore_material_light_and_orientation(tmp_path):

@@ -49,7 +49,7 @@ DIRECTIVES = [
 ]  # fmt: skip
 
 
-def load(folder, version: int, text: str, strict: bool = False) -> list[tuple[str, str]]:
+def load(folder, version, text, strict=False):
     film, end = ("rgb", "") if version == 4 else ("image", "WorldEnd")
     (folder / "scene.pbrt").write_text(f'Film "{film}"\nWorldBegin\n\n{text}\n{end}\n')
     return core.load_scene_file(str(folder / "scene.pbrt"), strict).warnings

@@ -14,7 +14,7 @@ VIEW = 'LookAt 0 .3 3.5  0 .9 0  0 1 0 Camera "perspective" "float fov" 55'
 BELOW = 'LookAt 0 .5 0  0 0 0  0 0 -1 Camera "perspective" "float fov" .5'
 
 
-def written(folder, version: int, light: str, floor: str = "diffuse", view: str = VIEW) -> vc.Scene:
+def written(folder, version, light, floor="diffuse", view=VIEW):
     """A floor and a square light 1.5 above it."""
     film, end = ("rgb", "") if version == 4 else ("image", "WorldEnd")
     if floor == "diffuse":
@@ -83,7 +83,7 @@ def test_the_camera_sees_through_it(tmp_path, version):
 
 @pytest.mark.parametrize(
     "visibility",
-    [vc.Aqvc(), vc.NeePlusPlus(), vc.Unoccluded()],
+    [vc.Aqvc(), vc.NeePlusPlus(), vc.ShadowMap(), vc.Unoccluded()],
     ids=lambda v: type(v).__name__,
 )
 def test_caches_see_no_shadow_of_it(tmp_path, visibility):
