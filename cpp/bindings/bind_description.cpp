@@ -318,13 +318,18 @@ void bind_sky_and_cameras(py::class_<SceneDescription>& d) {
          "set_environment",
          [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {
              d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
+             d.added_environments.clear();
          },
          py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1,
          py::arg("to_world") = py::none(),
          "Light from infinity: constant radiance in W/(m²·sr), or a lat-long image (an index) times "
          "scale.")
         .def(
-            "clear_environment", [](SceneDescription& d) { d.environment.reset(); },
+            "clear_environment",
+            [](SceneDescription& d) {
+                d.environment.reset();
+                d.added_environments.clear();
+            },
             "Remove the environment.")
         .def(
             "add_camera",
@@ -369,7 +374,7 @@ void bind_what_was_added(py::class_<SceneDescription>& d) {
                 // Triangles would be too many to count here, and meshes are what the user has added
                 for (const Mesh& mesh : d.meshes) emitters += max_component(mesh.emission) > 0;
                 return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() +
-                       emitters + d.environment.has_value();
+                       emitters + d.environment.has_value() + d.added_environments.size();
             },
             "Lights added so far: emitting meshes and the environment count as one each.");
 }

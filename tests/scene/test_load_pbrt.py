@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+import viscache as vc
 from viscache import _core as core
 
 K = core.MaterialKind
@@ -138,7 +139,7 @@ def test_blocks_of_attributes_and_objects_end_each_other_and_alpha_0_is_invisibl
         load(tmp_path, "AttributeBegin TransformEnd")
 
 
-def test_constant_alpha_and_opacity_leave_a_share_of_the_surface(tmp_path):
+def test_opacity_leaves_a_share_of_the_surface_and_alpha_all_that_is_not_0(tmp_path):
     scene = load(
         tmp_path,
         f"""{TRIANGLE.strip()} "float alpha" .25
@@ -146,7 +147,23 @@ def test_constant_alpha_and_opacity_leave_a_share_of_the_surface(tmp_path):
         strict=False,
     )
     shares = [scene.materials[m["material"]]["opacity"] for m in scene.meshes]
-    assert shares == pytest.approx([0.25, 0.5, 1])
+    assert shares == pytest.approx([1, 0.5, 1])
+
+
+def test_an_image_of_alpha_cuts_holes_where_it_is_0(tmp_path):
+    (tmp_path / "a.tga").write_bytes(bytes([0, 0, 3, *[0] * 9, 2, 0, 1, 0, 8, 0, 0, 1]))
+    square = '"point P" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] "integer indices" [0 1 2 0 2 3]'
+    load(
+        tmp_path,
+        f"""Texture "a" "float" "imagemap" "string filename" "a.tga" "bool gamma" "false"
+        Shape "trianglemesh" {square} "float uv" [.25 0 .75 0 .75 1 .25 1] "texture alpha" "a"
+        LightSource "point" """,
+    )
+    scene = vc.load_scene(tmp_path / "scene.pbrt")
+    x = np.linspace(-0.99, 0.99, 100)
+    a = np.stack([x, 0 * x, 0 * x + 1], 1)
+    # Between the two pixels every value but the first is above 0
+    assert scene.visible(a, a * [1, 1, -1]).sum() <= 2
 
 
 def test_attribute_blocks_restore_material_light_and_orientation(tmp_path):
@@ -169,6 +186,16 @@ def test_object_instances_are_placed_by_the_current_transform(tmp_path):
     assert scene.triangle_count == 4 and len(scene.instances) == 2
     # First: (1, 0, 0) at definition, then (1, 5, 0); second: scaled by two around (1, 5, 0).
     np.testing.assert_allclose(scene.bounds(), [(2, 5, 0), (5, 7, 0)], atol=1e-6)
+
+
+def test_shapes_of_objects_shed_no_light_as_in_pbrt(tmp_path):
+    scene = load(
+        tmp_path,
+        f"""AreaLightSource "diffuse" ObjectBegin "o" {TRIANGLE} {TRIANGLE.strip()} "float alpha" 0
+        ObjectEnd ObjectInstance "o" """,
+    )
+    assert "as in pbrt" in scene.warnings[0][1]
+    assert len(scene.meshes) == 1 and not scene.lights
 
 
 def test_lights_have_our_units_and_directions(tmp_path):
@@ -248,7 +275,7 @@ def test_spot_lights_have_the_cone_of_pbrt(tmp_path):
         ('LightSource "goniometric"', "goniometric"),
         (f'Material "fourier" {TRIANGLE}', "fourier"),
         ('Shape "hyperboloid"', "hyperboloid"),
-        ('MakeNamedMedium "m" "string type" "homogeneous"', "media"),
+        ('MediumInterface "m" ""', "media"),
         (f'Material "uber" {TRIANGLE}', "uber"),
     ],
 )

@@ -175,6 +175,35 @@ def test_the_power_of_lights_is_spread_over_their_area(tmp_path):
     assert point["intensity"] == pytest.approx([10 / (4 * np.pi)] * 3)
     sky = load(tmp_path, 'LightSource "infinite" "float illuminance" 10').lights[0]
     assert sky["scale"] == pytest.approx([10 / np.pi] * 3)
+    sun = load(tmp_path, 'LightSource "distant" "rgb L" [1 2 3] "float illuminance" 10').lights[0]
+    assert sun["irradiance"] == pytest.approx([10, 20, 30])
+
+
+def test_the_power_of_a_spot_light_is_spread_over_its_cone(tmp_path):
+    """SpotLight::Create of pbrt-v4: half of the solid angle between both angles counts."""
+    spot = 'LightSource "spot" "rgb I" [1 2 3] "float scale" 3 "float coneangle" 40 "float conedeltaangle" 15'
+    bare, powered = (load(tmp_path, spot + p).lights[0] for p in ("", ' "float power" 100'))
+    inner, outer = np.cos(np.radians([25, 40]))
+    solid_angle = 2 * np.pi * ((1 - inner) + (inner - outer) / 2)
+    assert bare["intensity"] == pytest.approx([3, 6, 9])
+    assert powered["intensity"] == pytest.approx(np.array([300, 600, 900]) / solid_angle, rel=1e-5)
+
+
+def test_triangles_of_one_power_each_are_warned_of_if_they_differ(tmp_path):
+    lamp = 'AreaLightSource "diffuse" "float power" 10 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3]'
+    assert not load(tmp_path, f'{lamp} "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]').warnings
+    with pytest.raises(core.SceneError, match=r"scene.pbrt:4: a light of one power per triangle"):
+        load(tmp_path, f'{lamp} "point3 P" [0 0 0 1 0 0 1 1 0 0 3 0]')
+
+
+def test_alpha_is_a_share_of_the_surface(tmp_path):
+    (tmp_path / "a.tga").write_bytes(bytes([0, 0, 3, *[0] * 9, 1, 0, 1, 0, 8, 0, 128]))
+    image = 'Texture "a" "float" "imagemap" "string filename" "a.tga" "float scale" .5'
+    scene = load(tmp_path, f'{TRIANGLE} "float alpha" .25 {image} {TRIANGLE} "texture alpha" "a"')
+    number, picture = (scene.materials[m["material"]] for m in scene.meshes)
+    assert number["opacity"] == 0.25 and number["alpha_texture"] == -1
+    assert picture["opacity"] == 0.5 and picture["alpha_texture"] == 0
+    assert picture["alpha_cutoff"] == -1
 
 
 def test_the_world_ends_with_its_file(tmp_path):

@@ -81,10 +81,12 @@ void decode_images(Loading& loading) {
              {&m.base_texture, &m.alpha_texture, &m.metallic_roughness_texture, &m.roughness_texture})
             if (*t >= 0) *t = moved_to[size_t(*t)];
     }
-    if (scene.environment && scene.environment->image >= 0) {
-        scene.environment->image = moved_to[size_t(scene.environment->image)];
-        if (scene.environment->image < 0) scene.environment.reset();
-    }
+    // False for a sky whose image is gone
+    const auto moved = [&](Environment& sky) {
+        return sky.image < 0 || (sky.image = moved_to[size_t(sky.image)]) >= 0;
+    };
+    if (scene.environment && !moved(*scene.environment)) scene.environment.reset();
+    std::erase_if(scene.added_environments, [&](Environment& sky) { return !moved(sky); });
 }
 
 ImageMean mean_of(const Image& image) {

@@ -166,44 +166,65 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
     return true;
 }
 
+/// Directives with parameters.
+const PbrtReader::Plugin PbrtReader::kPlugins[] = {
+    {"Shape", "shape", 1, 0, &PbrtReader::shape},
+    {"Material", "material", 1, 0, &PbrtReader::set_material},
+    {"MakeNamedMaterial", "material", 1, -1, &PbrtReader::make_named_material},
+    {"NamedMaterial", "", 1, -1, &PbrtReader::set_named_material},
+    {"Texture", "texture", 3, 2, &PbrtReader::texture},
+    {"LightSource", "light", 1, 0, &PbrtReader::light},
+    {"AreaLightSource", "light", 1, 0, &PbrtReader::area_light},
+    {"Camera", "", 1, 0, &PbrtReader::camera},
+    {"Film", "", 1, 0, &PbrtReader::film},
+    {"MakeNamedMedium", "medium", 1, -1, &PbrtReader::make_named_medium},
+    {"Option", "", 0, -1, &PbrtReader::option},
+    // How the picture is computed does not belong to the scene. A filter keeps the mean of the picture
+    {"Integrator", "", 1, -1, &PbrtReader::rendering_settings},
+    {"Sampler", "", 1, -1, &PbrtReader::rendering_settings},
+    {"PixelFilter", "", 1, -1, &PbrtReader::rendering_settings},
+    {"Accelerator", "", 1, -1, &PbrtReader::rendering_settings},
+    {"SurfaceIntegrator", "", 1, -1, &PbrtReader::rendering_settings},
+    {"VolumeIntegrator", "", 1, -1, &PbrtReader::rendering_settings},
+    {"Renderer", "", 1, -1, &PbrtReader::rendering_settings},
+};
+
+/// Reads a directive with its parameters. Those that its reader left are warned of here: no reader can drop
+/// one in silence.
 bool PbrtReader::plugin_directive(const PbrtToken& token) {
-    const std::string_view name = token.text;
+    const auto* plugin = std::find_if(std::begin(kPlugins), std::end(kPlugins),
+                                      [&](const Plugin& p) { return p.word == token.text; });
+    if (plugin == std::end(kPlugins)) return medium_interface(token);
     const std::string where = token.where();
-    if (name == "Shape") {
-        shape(where);
-    } else if (name == "Material") {
-        const std::string type = name_argument();
-        now_.material = material(type, params_of("material"), where);
-    } else if (name == "MakeNamedMaterial") {
-        make_named_material(where);
-    } else if (name == "NamedMaterial") {
-        set_named_material(where);
-    } else if (name == "Texture") {
-        texture(where);
-    } else if (name == "LightSource") {
-        light(where);
-    } else if (name == "AreaLightSource") {
-        area_light(where);
-    } else if (name == "Camera") {
-        camera(where);
-    } else if (name == "Film") {
-        film(where);
-    } else if (name == "Integrator" || name == "Sampler" || name == "PixelFilter" || name == "Accelerator" ||
-               name == "SurfaceIntegrator" || name == "VolumeIntegrator" || name == "Renderer") {
-        name_argument();
-        PbrtParams::read(tokens_);  // rendering settings do not belong to the scene
-    } else if (name == "MakeNamedMedium") {
-        name_argument();
-        params_of("medium");
-        loading_.warn(where, "media are not modelled; skipped");
-    } else if (name == "MediumInterface") {
-        name_argument();
-        // The exterior medium may be left out.
-        if (tokens_.peek().kind == PbrtToken::kString) name_argument();
-        loading_.warn(where, "media are not modelled; skipped");
-    } else {
-        return false;
-    }
+    Names names;
+    for (int i = 0; i < plugin->names; ++i) names.push_back(name_argument());
+    const PbrtParams params = params_of(plugin->attribute);
+    (this->*plugin->read)(names, params, where);
+    const PbrtParams::List unread = params.unread();
+    if (unread.empty()) return true;
+    std::string of(plugin->word);
+    if (plugin->shown >= 0) of += " '" + names[size_t(plugin->shown)] + "'";
+    warn_unread(unread, of);
+    return true;
+}
+
+void PbrtReader::warn_unread(const PbrtParams::List& params, const std::string& of) {
+    for (const auto& p : params)
+        loading_.warn(p->where, "the parameter '" + p->name + "' of " + of + " is not read");
+}
+
+void PbrtReader::make_named_medium(const Names&, const PbrtParams& params, const std::string& where) {
+    // The picture is wrong only where a shape, a light or the camera stands in it
+    loading_.note(where, "a medium is left out; media are not modelled");
+    params.ignore_all();
+}
+
+bool PbrtReader::medium_interface(const PbrtToken& token) {
+    if (token.text != "MediumInterface") return false;
+    bool is_empty = name_argument().empty();
+    // The exterior medium may be left out.
+    if (tokens_.peek().kind == PbrtToken::kString) is_empty = name_argument().empty() && is_empty;
+    if (!is_empty) loading_.warn(token.where(), "media are not modelled; the space is empty");
     return true;
 }
 
@@ -232,6 +253,10 @@ void PbrtReader::read_scene(const std::string& path) {
                  "a directive must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
     }
     finish_camera();
+    // What no directive of its kind has read
+    PbrtParams::List unread = std::move(defaults_);
+    std::erase_if(unread, [](const auto& p) { return p->is_read; });
+    warn_unread(unread, "Attribute");
 }
 
 void load_pbrt(const std::string& path, Loading& loading) { PbrtReader(loading).read_scene(path); }

@@ -214,17 +214,30 @@ int Loading::add_mesh(Mesh mesh, const std::string& where) {
 }
 
 void Loading::set_environment(const Environment& environment, const std::string& where) {
-    // One sky is sampled by one distribution.
     if (scene.environment) return warn(where, "a second environment light is skipped; the first one is kept");
-    scene.environment = environment;
+    add_environment(environment, where);
+}
+
+void Loading::add_environment(Environment environment, const std::string& where) {
+    constexpr size_t kMostAdded = 15;  // each is as much work as a sky of its own
     // Keep the rotation: remove translation and scale.
-    auto& m = scene.environment->to_world.m;
+    auto& m = environment.to_world.m;
     for (int j = 0; j < 3; ++j) {
         const double l = std::sqrt(m[0][j] * m[0][j] + m[1][j] * m[1][j] + m[2][j] * m[2][j]);
         if (!(l > 0) || !std::isfinite(l)) fail(where, "the environment's transform is singular");
         for (int i = 0; i < 3; ++i) m[i][j] /= l;
     }
     for (int i = 0; i < 3; ++i) m[i][3] = 0;
+    if (!scene.environment) {
+        scene.environment = environment;
+    } else if (environment.image < 0 && scene.environment->image < 0) {
+        scene.environment->scale += environment.scale;
+    } else {
+        if (scene.added_environments.size() >= kMostAdded)
+            fail(where, "at most 16 infinite lights with images are added up");
+        scene.added_environments.push_back(environment);
+        note(where, "infinite lights with images add up; their sum is resampled into one map");
+    }
 }
 
 namespace {

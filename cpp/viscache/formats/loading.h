@@ -94,7 +94,10 @@ public:
     int add_checkerboard(Rgb first, Rgb second, const std::string& where);
     /// Checks and adds a mesh. Error messages start with `where`.
     int add_mesh(Mesh mesh, const std::string& where);
+    /// For formats with one environment: a second one is skipped, which is reported.
     void set_environment(const Environment& environment, const std::string& where);
+    /// For formats whose infinite lights add up.
+    void add_environment(Environment environment, const std::string& where);
 
 private:
     /// How often a text was reported, and where after the first time.

@@ -3,20 +3,23 @@
 
 namespace viscache::loading {
 
-void PbrtReader::camera(const std::string& where) {
-    const std::string type = name_argument();
-    const PbrtParams params = PbrtParams::read(tokens_);
+void PbrtReader::camera(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[0];
     const auto to_world = inverse_of(now_.ctm);
     if (!to_world) fail(where, "the camera's transform has no inverse");
     // Lights may be placed relative to the camera by this name.
     coordinate_systems_["camera"] = *to_world;
     const bool parallel = type == "orthographic";
-    if (type != "perspective" && !parallel)
+    if (type != "perspective" && !parallel) {
+        params.ignore_all();
         return loading_.warn(where, "camera '" + type + "' is not modelled; skipped");
+    }
+    params.ignore({"focaldistance"});  // of no effect without a lens
     if (params.number("lensradius", 0) > 0)
         loading_.warn(where, "depth of field is not modelled; all distances are sharp");
     PendingCamera pending;
     pending.where = where;
+    pending.exposure = params.number("shutterclose", 1) - params.number("shutteropen", 0);
     if (const PbrtParam* window = params.find("screenwindow")) {
         const auto& v = window->numbers;
         if (v.size() != 4 || !(v[1] > v[0] && v[3] > v[2]))
@@ -44,15 +47,18 @@ void PbrtReader::camera(const std::string& where) {
     camera_ = pending;
 }
 
-void PbrtReader::film(const std::string& where) {
-    const std::string type = name_argument();
-    const PbrtParams params = PbrtParams::read(tokens_);
+void PbrtReader::film(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[0];
     // pbrt-v3 knows one film, "image". Files of v4 have no WorldEnd.
     is_v4_ = is_v4_ || type == "rgb" || type == "gbuffer" || type == "spectral";
     if (const std::string sensor = params.string("sensor", "cie1931"); sensor != "cie1931")
         loading_.warn(where, "the sensor '" + sensor + "' is not modelled; colours are those of the scene");
-    if (params.number("iso", 100) != 100)
-        loading_.warn(where, "'iso' is not modelled; the picture has the radiance of the scene");
+    // The file of the picture, the size of a film behind lenses, and limits that keep noise down
+    params.ignore({"filename", "savefp16", "diagonal", "maxcomponentvalue", "maxsampleluminance",
+                   "coordinatesystem", "nbuckets", "lambdamin", "lambdamax"});
+    params.ignore_at(100, {"iso"});
+    params.ignore_at(1, {"scale"});
+    params.ignore_at(0, {"whitebalance"});
     film_width_ = params.integer("xresolution", film_width_);
     film_height_ = params.integer("yresolution", film_height_);
     if (film_width_ < 1 || film_height_ < 1) fail(where, "the film's resolution must be >= 1");
@@ -79,6 +85,9 @@ void PbrtReader::film(const std::string& where) {
 
 void PbrtReader::finish_camera() {
     if (!camera_) return;
+    // pbrt-v3 takes the shutter for motion alone
+    if (is_v4_ && std::abs(camera_->exposure - 1) > 1e-6)
+        loading_.warn(camera_->where, "exposure is not modelled; the picture has the radiance of the scene");
     Camera c = camera_->camera;
     c.width = film_width_;
     c.height = film_height_;

@@ -124,8 +124,10 @@ Rgb PbrtReader::color(const PbrtParams& params, const char* name, Rgb fallback) 
 
 /// The transform of texture coordinates that a texture asks for.
 UvTransform PbrtReader::mapping(const PbrtParams& params, const std::string& where) {
-    if (const std::string kind = params.string("mapping", "uv"); kind != "uv")
+    if (const std::string kind = params.string("mapping", "uv"); kind != "uv") {
+        params.ignore({"v1", "v2"});
         loading_.warn(where, "the mapping '" + kind + "' is not modelled; texture coordinates are used");
+    }
     UvTransform t;
     t.m[0][0] = params.number("uscale", 1);
     t.m[1][1] = params.number("vscale", 1);
@@ -153,10 +155,13 @@ PbrtTexture PbrtReader::image_map(const PbrtParams& params, const std::string& w
     const float scale = float(params.number("scale", 1));
     t.color = {scale, scale, scale};
     t.uv = mapping(params, where);
+    // How pbrt filters: the mean of what is seen stays
+    params.ignore({"maxanisotropy", "trilinear"});
     return t;
 }
 
 PbrtTexture PbrtReader::checkerboard(const PbrtParams& params, const std::string& where) {
+    params.ignore({"aamode"});  // smooths edges; the mean stays
     if (params.integer("dimension", 2) != 2) {
         loading_.warn(where, "a checkerboard in space is not modelled; its mean colour is used");
         return {(color(params, "tex1", kOne) + color(params, "tex2", kZero)) * 0.5f};
@@ -170,11 +175,9 @@ PbrtTexture PbrtReader::checkerboard(const PbrtParams& params, const std::string
     return t;
 }
 
-void PbrtReader::texture(const std::string& where) {
-    const std::string name = name_argument();
-    name_argument();  // type: float or spectrum
-    const std::string type = name_argument();
-    const PbrtParams params = params_of("texture");
+/// The names are that of the texture, float or spectrum, and the kind.
+void PbrtReader::texture(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[2];
     PbrtTexture t;
     if (type == "imagemap") {
         t = image_map(params, where);
@@ -191,11 +194,12 @@ void PbrtReader::texture(const std::string& where) {
         if (a.image >= 0 && b.image >= 0)
             loading_.warn(where, "the product of two images is not modelled; the first is used");
     } else {
+        params.ignore_all();
         loading_.warn(where, "texture '" + type + "' is not modelled; grey is used");
         t.color = kHalf;
     }
     auto changed = std::make_shared<std::map<std::string, PbrtTexture>>(*now_.textures);
-    (*changed)[name] = t;
+    (*changed)[names[0]] = t;
     now_.textures = changed;
 }
 

@@ -77,6 +77,7 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
         m.alpha_texture = opacity.image;
         if (opacity.image < 0) m.opacity = luminance(clamp01(opacity.color));
     }
+    params.ignore_at(0, {"Kr", "Kt"});
     if (type != "plastic")
         loading_.warn(where, "material '" + type +
                                  "' is not modelled in full; a glossy coat over a diffuse base is used");
@@ -90,6 +91,7 @@ int PbrtReader::mix(const PbrtParams& params, const std::string& where) {
         name = both->strings[0];
     const auto found = now_.named->find(name);
     if (found == now_.named->end()) fail(where, "the material 'mix' needs a defined namedmaterial1");
+    params.ignore({"namedmaterial2", "amount"});
     loading_.warn(where, "material 'mix' is not modelled; its first material is used");
     return found->second;
 }
@@ -118,8 +120,11 @@ int PbrtReader::surface(const std::string& type, const PbrtParams& params, const
         const PbrtTexture base = color_texture(params, "Kd", type == "matte" ? kHalf : kQuarter);
         m.base_color = clamp01(base.color);
         m.base_texture = base.image;
-        if (type == "translucent")
+        params.ignore_at(0, {"sigma"});
+        if (type == "translucent") {
+            params.ignore({"Ks", "reflect", "transmit", "roughness", "remaproughness"});
             loading_.warn(where, "material 'translucent' is not modelled; diffuse reflection is used");
+        }
     } else if (type == "plastic" || type == "uber" || type == "substrate" || type == "disney") {
         m = coated(type, params, where);
     } else if (type == "metal") {
@@ -131,29 +136,32 @@ int PbrtReader::surface(const std::string& type, const PbrtParams& params, const
         m.kind = MaterialKind::kDielectric;
         m.eta = float(params.number(params.has("index") ? "index" : "eta", 1.5));
         if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
-        if (params.number("uroughness", 0) > 0 || params.number("vroughness", 0) > 0)
-            loading_.warn(where, "rough glass is not modelled; smooth glass is used");
+        const double u = params.number("uroughness", 0), v = params.number("vroughness", 0);
+        params.ignore({"remaproughness"});
+        params.ignore_at(1, {"Kr", "Kt"});
+        if (u > 0 || v > 0) loading_.warn(where, "rough glass is not modelled; smooth glass is used");
     } else {
+        params.ignore_all();
         loading_.warn(where, "material '" + type + "' is not modelled; grey diffuse is used");
     }
     return loading_.add_material(m);
 }
 
-void PbrtReader::make_named_material(const std::string& where) {
-    const std::string name = name_argument();
-    const PbrtParams params = params_of("material");
+void PbrtReader::set_material(const Names& names, const PbrtParams& params, const std::string& where) {
+    now_.material = material(names[0], params, where);
+}
+
+void PbrtReader::make_named_material(const Names& names, const PbrtParams& params, const std::string& where) {
     if (!params.has("type")) fail(where, "MakeNamedMaterial needs \"string type\"");
     auto changed = std::make_shared<std::map<std::string, int>>(*now_.named);
-    (*changed)[name] = material(params.string("type", ""), params, where);
+    (*changed)[names[0]] = material(params.string("type", ""), params, where);
     now_.named = changed;
 }
 
-void PbrtReader::set_named_material(const std::string& where) {
-    const std::string name = name_argument();
-    PbrtParams::read(tokens_);
-    const auto found = now_.named->find(name);
+void PbrtReader::set_named_material(const Names& names, const PbrtParams&, const std::string& where) {
+    const auto found = now_.named->find(names[0]);
     if (found == now_.named->end())
-        return loading_.warn(where, "the material '" + name + "' is not defined; the one before is kept");
+        return loading_.warn(where, "the material '" + names[0] + "' is not defined; the one before is kept");
     now_.material = found->second;
 }
 

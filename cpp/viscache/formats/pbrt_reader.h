@@ -43,6 +43,15 @@ private:
         std::optional<AreaLight> area_light;
         bool reversed = false;
     };
+    using Names = std::vector<std::string>;
+    struct Plugin {
+        std::string_view word;
+        const char* attribute;  ///< the kind by which Attribute sets defaults; empty: none
+        int names;              ///< strings before the parameters
+        int shown;              ///< the name that warnings give; -1: none, as the file invents them
+        void (PbrtReader::*read)(const Names&, const PbrtParams&, const std::string& where);
+    };
+    static const Plugin kPlugins[];
     struct Saved {
         Graphics graphics;
         char kind;  ///< 'a' attribute, 't' transform, 'o' object
@@ -54,6 +63,12 @@ private:
     bool transform_directive(const PbrtToken& token);
     bool block_directive(const PbrtToken& token);
     bool plugin_directive(const PbrtToken& token);
+    void warn_unread(const PbrtParams::List& params, const std::string& of);
+    void make_named_medium(const Names& names, const PbrtParams& params, const std::string& where);
+    bool medium_interface(const PbrtToken& token);
+    void rendering_settings(const Names&, const PbrtParams& params, const std::string&) {
+        params.ignore_all();
+    }
     void end_of_file(const PbrtToken& token);
     void save(char kind, const PbrtToken& token);
     void restore(char kind, const PbrtToken& token);
@@ -72,14 +87,15 @@ private:
     std::vector<double> spectrum_file(const PbrtParam& param);
     Rgb color(const PbrtParams& params, const char* name, Rgb fallback);
     PbrtTexture color_texture(const PbrtParams& params, const char* name, Rgb fallback);
-    void texture(const std::string& where);
+    void texture(const Names& names, const PbrtParams& params, const std::string& where);
     PbrtTexture image_map(const PbrtParams& params, const std::string& where);
     PbrtTexture checkerboard(const PbrtParams& params, const std::string& where);
     UvTransform mapping(const PbrtParams& params, const std::string& where);
 
     // pbrt_v4.cpp
     bool v4_directive(const PbrtToken& token);
-    PbrtParams params_of(const char* kind);
+    void option(const Names& names, const PbrtParams& params, const std::string& where);
+    PbrtParams params_of(const std::string& kind);
     static bool is_v4_material(const std::string& type);
     float v4_alpha(const PbrtParams& params, const std::string& prefix, double fallback);
     float v4_eta(const PbrtParams& params, const char* name, double fallback, const std::string& where);
@@ -97,27 +113,29 @@ private:
     float roughness(const PbrtParams& params, double fallback);
     double plain_number(const PbrtParams& params, const std::string& name, double fallback);
     bool roughness_image(Material& m, const PbrtParams& params, const std::string& name);
-    void make_named_material(const std::string& where);
-    void set_named_material(const std::string& where);
+    void set_material(const Names& names, const PbrtParams& params, const std::string& where);
+    void make_named_material(const Names& names, const PbrtParams& params, const std::string& where);
+    void set_named_material(const Names& names, const PbrtParams& params, const std::string& where);
 
     // pbrt_shapes.cpp: shapes and lights
-    void shape(const std::string& where);
+    void shape(const Names& names, const PbrtParams& params, const std::string& where);
     std::optional<Mesh> shape_mesh(const std::string& type, const PbrtParams& params,
                                    const std::string& where);
     bool sphere_light(const PbrtParams& params, const std::string& where);
     Rgb radiance(const AreaLight& light, double area) const;
     Mesh bilinear_mesh(const PbrtParams& params, const std::string& where);
-    int shape_material(const PbrtParams& params, const std::string& where);
+    std::optional<PbrtTexture> shape_alpha(const std::string& type, const PbrtParams& params);
+    int shape_material(const std::optional<PbrtTexture>& alpha, const std::string& where);
     static void add_default_uvs(Mesh& mesh, const std::string& type, const PbrtParams& params);
     void orient(Mesh& mesh);
-    void light(const std::string& where);
+    void light(const Names& names, const PbrtParams& params, const std::string& where);
     void spot_light(const PbrtParams& params, const std::string& where);
     void infinite_light(const PbrtParams& params, const std::string& where);
-    void area_light(const std::string& where);
+    void area_light(const Names& names, const PbrtParams& params, const std::string& where);
 
     // pbrt_camera.cpp
-    void camera(const std::string& where);
-    void film(const std::string& where);
+    void camera(const Names& names, const PbrtParams& params, const std::string& where);
+    void film(const Names& names, const PbrtParams& params, const std::string& where);
     void finish_camera();
 
     Loading& loading_;
@@ -127,6 +145,7 @@ private:
     std::vector<Saved> saved_;
     std::map<std::string, Affine> coordinate_systems_;
     std::map<std::string, std::vector<int>> objects_;
+    PbrtParams::List defaults_;               ///< of all Attribute directives
     std::vector<int>* object_ = nullptr;      ///< the object being defined
     MaterialUv* uv_ = nullptr;                ///< of the material that is being read
     std::map<int, UvTransform> material_uv_;  ///< key: index of the material
@@ -136,6 +155,7 @@ private:
         double unit = 1;                              ///< size of one unit of the screen
         std::optional<std::array<double, 4>> window;  ///< of the screen: x from, to; y from, to
         std::optional<double> aspect;
+        double exposure = 1;  ///< time that the shutter is open
         std::string where;
     };
     std::optional<PendingCamera> camera_;

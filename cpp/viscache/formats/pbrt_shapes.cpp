@@ -41,20 +41,30 @@ Mesh inline_mesh(const PbrtParams& params, const std::string& where) {
     return mesh;
 }
 
-/// The area of one light: a shape, or one triangle of a mesh, to which pbrt gives the power of the light.
-double light_area(const Mesh& mesh, const std::string& type) {
-    double area = 0;
-    for (Vec3u t : mesh.triangles) {
-        const Vec3 a = mesh.vertices[t.x];
-        // In the world: the mesh is transformed already
-        area += length(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)) / 2;
-    }
+/// The area of a light: a shape, or a triangle of a mesh, to each of which pbrt gives the power of the light.
+struct LightArea {
+    double mean;
+    bool is_even;  ///< of all triangles of the mesh
+};
+
+LightArea light_area(const Mesh& mesh, const std::string& type) {
     const bool is_mesh = type == "trianglemesh" || type == "plymesh" || type == "loopsubdiv";
-    const bool is_patches = type == "bilinearmesh";
     // A patch is two triangles here, and one light in pbrt
-    return area / (is_mesh      ? double(mesh.triangles.size())
-                   : is_patches ? double(mesh.triangles.size()) / 2
-                                : 1);
+    const size_t count = mesh.triangles.size(), each = is_mesh ? 1 : type == "bilinearmesh" ? 2 : count;
+    double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+    for (size_t i = 0; i < count; i += each) {
+        double area = 0;
+        for (size_t k = i; k < i + each; ++k) {
+            const Vec3u t = mesh.triangles[k];
+            const Vec3 a = mesh.vertices[t.x];
+            // In the world: the mesh is transformed already
+            area += length(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)) / 2;
+        }
+        sum += area;
+        least = std::min(least, area);
+        most = std::max(most, area);
+    }
+    return {sum * double(each) / double(count), most <= 1.01 * least};
 }
 
 }  // namespace
@@ -63,6 +73,7 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
                                            const std::string& where) {
     if (type == "trianglemesh") return inline_mesh(params, where);
     if (type == "loopsubdiv") {
+        params.ignore({"levels", "nlevels", "scheme"});
         loading_.warn(where, "'loopsubdiv' is not modelled; its control mesh is used");
         return inline_mesh(params, where);
     }
@@ -155,18 +166,25 @@ bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where
     return true;
 }
 
-/// The current material, or a copy of it with the alpha cut-out of the shape.
-int PbrtReader::shape_material(const PbrtParams& params, const std::string& where) {
-    if (now_.material == kNoMaterial) now_.material = loading_.add_material({});
-    const PbrtParam* alpha = params.find("alpha");
-    if (!alpha) return now_.material;
+/// The alpha of a shape that has holes. In pbrt-v3 only meshes have one, whose holes are where it is exactly
+/// 0; in pbrt-v4 it is the share of rays that meet the surface.
+std::optional<PbrtTexture> PbrtReader::shape_alpha(const std::string& type, const PbrtParams& params) {
+    if (!params.has("alpha") || (!is_v4_ && type != "trianglemesh" && type != "plymesh")) return {};
     const PbrtTexture t = color_texture(params, "alpha", kOne);
-    if (t.image < 0 && t.color.x >= 1) return now_.material;
+    if (t.image < 0 && t.color.x >= (is_v4_ ? 1 : std::numeric_limits<float>::min())) return {};
+    return t;
+}
+
+/// The current material, or a copy of it with the alpha of the shape.
+int PbrtReader::shape_material(const std::optional<PbrtTexture>& alpha, const std::string& where) {
+    if (now_.material == kNoMaterial) now_.material = loading_.add_material({});
+    if (!alpha) return now_.material;
+    const PbrtTexture& t = *alpha;
     // A copy: other shapes have the same material without the cut-out
     Material m = loading_.scene.materials[size_t(now_.material)];
-    // A number below one is a share of the surface, an image a mask
-    if (t.image < 0) m.opacity = t.color.x;
+    if (t.image < 0 || is_v4_) m.opacity = std::min(1.f, t.color.x);
     m.alpha_texture = t.image;
+    if (t.image >= 0) m.alpha_cutoff = is_v4_ ? -1 : std::numeric_limits<float>::min();
     const int index = loading_.add_material(m);
     // The base colour is seen more clearly than the edges of holes
     material_uv_[index] = m.base_texture >= 0 ? material_uv_[now_.material] : t.uv;
@@ -177,31 +195,44 @@ int PbrtReader::shape_material(const PbrtParams& params, const std::string& wher
     return index;
 }
 
-void PbrtReader::shape(const std::string& where) {
-    const std::string type = name_argument();
-    const PbrtParams params = params_of("shape");
-    if (now_.material == kNoSurface)
-        return loading_.warn(where, "a shape without a surface (material \"none\") is skipped");
-    // An alpha of 0 makes a shape invisible
-    if (const PbrtParam* alpha = params.find("alpha"); alpha && alpha->numbers == std::vector<double>{0})
-        return;
-    if (type == "sphere" && sphere_light(params, where)) return;
+void PbrtReader::shape(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[0];
+    // Directions of tangents, which no material has here, and numbers of faces for textures by face
+    params.ignore({"S", "discarddegenerateUVs", "faceIndices"});
+    if (now_.material == kNoSurface) {
+        params.ignore_all();
+        // It bounds media alone. In pbrt-v4 it sheds no light, in v3 it does
+        if (now_.area_light && !is_v4_)
+            return loading_.warn(where, "an area light without a surface is not modelled; skipped");
+        return loading_.note(where, "a shape without a surface (material \"none\") is skipped");
+    }
+    const auto alpha = shape_alpha(type, params);
+    const bool is_unseen = alpha && alpha->image < 0 && !(alpha->color.x > 0);
+    if (now_.area_light && object_) loading_.note(where, "emission inside an object is left out, as in pbrt");
+    const bool shines = now_.area_light && !object_;
+    if (is_unseen && !shines) return params.ignore_all();
+    if (type == "sphere" && !alpha && sphere_light(params, where)) return;
     auto mesh = shape_mesh(type, params, where);
-    if (!mesh) return;
+    if (!mesh) return params.ignore_all();
     // Indices and normals must be valid before the winding is changed.
     check_mesh(*mesh, where);
-    mesh->material = shape_material(params, where);
-    const bool shines_image = now_.area_light && !object_ && now_.area_light->image >= 0;
+    mesh->material = shape_material(alpha, where);
+    const bool shines_image = shines && now_.area_light->image >= 0;
     // Coordinates cost memory, so only meshes with an image get those that pbrt makes up
     if (shines_image || uses_image(loading_.scene.materials[size_t(mesh->material)]))
         add_default_uvs(*mesh, type, params);
     orient(*mesh);
     transform_uvs(*mesh, material_uv_[mesh->material]);
     mesh->in_world = object_ == nullptr;
-    if (now_.area_light && object_) {
-        loading_.warn(where, "emission inside an object is not modelled (as in pbrt); skipped");
-    } else if (now_.area_light) {
-        mesh->emission = radiance(*now_.area_light, light_area(*mesh, type));
+    if (shines) {
+        // Without any alpha left it is a light as a whole that is not seen, as in pbrt
+        if (alpha && is_v4_ && !is_unseen)
+            loading_.warn(where, "an area light with holes lights as if it had none");
+        const LightArea area = light_area(*mesh, type);
+        if (now_.area_light->power > 0 && !area.is_even)
+            loading_.warn(where,
+                          "a light of one power per triangle is not modelled; they share the power evenly");
+        mesh->emission = radiance(*now_.area_light, area.mean);
         mesh->emission_texture = now_.area_light->image;
         mesh->emits_two_sided = now_.area_light->two_sided;
     }
@@ -217,11 +248,13 @@ Rgb PbrtReader::radiance(const AreaLight& light, double area) const {
     return light.radiance * float(light.power / (area * kPi * (light.two_sided ? 2 : 1)));
 }
 
-void PbrtReader::area_light(const std::string& where) {
-    const std::string type = name_argument();
-    const PbrtParams params = params_of("light");
-    if (type != "diffuse" && type != "area")
+void PbrtReader::area_light(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[0];
+    if (type != "diffuse" && type != "area") {
+        params.ignore_all();
         return loading_.warn(where, "area light '" + type + "' is not modelled; skipped");
+    }
+    params.ignore({"samples", "nsamples"});  // of pbrt's own sampling
     AreaLight light{color(params, "L", kOne) * color(params, "scale", kOne),
                     params.boolean("twosided", false)};
     light.power = params.number("power", 0);
@@ -240,11 +273,12 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     Environment env;
     env.scale = color(params, "L", kOne) * color(params, "scale", kOne);
     const char* const name = params.has("mapname") ? "mapname" : "filename";
-    if (params.has("portal")) loading_.warn(where, "portals are not modelled; the whole sky shines");
-    const double illuminance = params.number("illuminance", 0);
+    if (params.find("portal")) loading_.warn(where, "portals are not modelled; the whole sky shines");
+    // That of an image would need its pixels, which are read later
+    const double illuminance = params.has(name) ? 0 : params.number("illuminance", 0);
     // A constant sky of radiance L gives an upward surface π·L
     if (illuminance > 0) env.scale = env.scale * float(illuminance / kPi);
-    if (is_v4_ && params.has(name))
+    if (is_v4_ && params.find(name))
         return loading_.warn(where,
                              "environment maps of pbrt-v4 (equal-area squares) are not modelled; skipped");
     if (const PbrtParam* map = params.find(name)) {
@@ -255,7 +289,7 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     Affine ours_to_pbrt;
     ours_to_pbrt.m = {{{0, 0, -1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
     env.to_world = now_.ctm * ours_to_pbrt;
-    loading_.set_environment(env, where);
+    loading_.add_environment(env, where);
 }
 
 void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) {
@@ -270,13 +304,16 @@ void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) 
     // Versions differ in how light falls off between both angles
     const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis, float(std::cos(inner * kDegree)),
                         float(std::cos(outer * kDegree))};
-    loading_.scene.point_lights.push_back(
-        {now_.ctm.point(from), color(params, "I", kOne) * color(params, "scale", kOne), cone});
+    const double power = params.number("power", 0);
+    const Rgb intensity = color(params, "I", kOne) * color(params, "scale", kOne) *
+                          // Power of all of the cone
+                          float(power > 0 ? power / spot_integral(cone) : 1);
+    loading_.scene.point_lights.push_back({now_.ctm.point(from), intensity, cone});
 }
 
-void PbrtReader::light(const std::string& where) {
-    const std::string type = name_argument();
-    const PbrtParams params = params_of("light");
+void PbrtReader::light(const Names& names, const PbrtParams& params, const std::string& where) {
+    const std::string& type = names[0];
+    params.ignore({"samples", "nsamples"});  // of pbrt's own sampling
     if (type == "point") {
         const Vec3 position = now_.ctm.point(params.point("from", {0, 0, 0}));
         const double power = params.number("power", 0);
@@ -296,6 +333,7 @@ void PbrtReader::light(const std::string& where) {
     } else if (type == "infinite" || type == "exinfinite") {
         infinite_light(params, where);
     } else {
+        params.ignore_all();
         loading_.warn(where, "light '" + type + "' is not modelled; skipped");
     }
 }

@@ -146,22 +146,45 @@ PbrtParams PbrtParams::read(PbrtTokens& tokens) {
         // Each reader below looks at one of the two lists and would not see the other.
         if (!p.strings.empty() && !p.numbers.empty())
             fail(p.where, "numbers and strings are mixed in '" + p.name + "'");
-        out.params_.push_back(std::move(p));
+        out.params_.push_back(std::make_shared<const PbrtParam>(std::move(p)));
     }
+    out.own_ = out.params_.size();
     return out;
 }
 
-const PbrtParam* PbrtParams::find(const char* name) const {
+bool PbrtParam::is_all(double value) const {
+    return !numbers.empty() &&
+           std::all_of(numbers.begin(), numbers.end(), [=](double x) { return x == value; });
+}
+
+PbrtParams::List PbrtParams::unread() const {
+    List out;
+    for (size_t i = 0; i < own_; ++i)
+        if (!params_[i]->is_read) out.push_back(params_[i]);
+    return out;
+}
+
+const PbrtParam* PbrtParams::peek(const char* name) const {
     // The first of a name counts, so defaults that were appended never replace a value of the directive.
-    for (const PbrtParam& p : params_)
-        if (p.name == name) return &p;
+    for (const auto& p : params_)
+        if (p->name == name) return p.get();
     return nullptr;
 }
 
+const PbrtParam* PbrtParams::find(const char* name) const {
+    const PbrtParam* found = peek(name);
+    if (!found) return nullptr;
+    found->is_read = true;
+    // Defaults that yield to it were understood as well. A second value of the directive itself was not.
+    for (size_t i = own_; i < params_.size(); ++i)
+        if (params_[i]->name == name) params_[i]->is_read = true;
+    return found;
+}
+
 double PbrtParams::number(const char* name, double fallback) const {
+    // A texture varies over the surface and has no single number: it stays unread.
+    if (const PbrtParam* given = peek(name); !given || given->type == "texture") return fallback;
     const PbrtParam* p = find(name);
-    // A texture varies over the surface and has no single number.
-    if (!p || p->type == "texture") return fallback;
     if (p->numbers.size() != 1 || !std::isfinite(p->numbers[0]))
         fail(p->where, std::string("'") + name + "' must be one finite number");
     return p->numbers[0];
@@ -193,6 +216,7 @@ std::string PbrtParams::string(const char* name, const std::string& fallback) co
 Vec3 PbrtParams::point(const char* name, Vec3 fallback) const {
     const auto rows = vec3s(name);
     if (rows.empty()) return fallback;
+    if (rows.size() > 1) fail(find(name)->where, std::string("'") + name + "' must be three numbers");
     return rows[0];
 }
 

@@ -48,19 +48,34 @@ struct PbrtParam {
     std::string type, name, where;
     std::vector<double> numbers;
     std::vector<std::string> strings;
+    /// Defaults are shared by the directives that they hold for: one that reads them is enough.
+    mutable bool is_read = false;
+
+    /// True for numbers that all have this value.
+    bool is_all(double value) const;
 };
 
-/// The parameters of a directive. A value of the wrong type or length throws SceneError.
+/// The parameters of a directive, which record what was read of them. A value of the wrong type or length
+/// throws SceneError.
 class PbrtParams {
 public:
+    using List = std::vector<std::shared_ptr<const PbrtParam>>;
+
     static PbrtParams read(PbrtTokens& tokens);
 
     /// Adds parameters that hold where these do not name a value.
-    void append(const PbrtParams& others) {
-        params_.insert(params_.end(), others.params_.begin(), others.params_.end());
+    void append(const PbrtParams& defaults) {
+        params_.insert(params_.end(), defaults.params_.begin(), defaults.params_.end());
     }
+    size_t size() const { return params_.size(); }
+    /// The parameters of the directive itself, before the defaults.
+    List own() const { return {params_.begin(), params_.begin() + std::ptrdiff_t(own_)}; }
+    /// What nothing has read, without the defaults.
+    List unread() const;
+
+    /// The parameter, which counts as read.
     const PbrtParam* find(const char* name) const;
-    bool has(const char* name) const { return find(name) != nullptr; }
+    bool has(const char* name) const { return peek(name) != nullptr; }
     double number(const char* name, double fallback) const;
     int integer(const char* name, int fallback) const;
     bool boolean(const char* name, bool fallback) const;
@@ -70,8 +85,24 @@ public:
     std::vector<Vec3> vec3s(const char* name) const;
     std::vector<Vec2> vec2s(const char* name) const;
 
+    /// Takes parameters as read that leave the picture as it is, or that a warning speaks of already.
+    void ignore(std::initializer_list<const char*> names) const {
+        for (const char* name : names) find(name);
+    }
+    void ignore_all() const {
+        for (const auto& p : params_) p->is_read = true;
+    }
+    /// The same for numbers and colours that have the value of the picture without them.
+    void ignore_at(double value, std::initializer_list<const char*> names) const {
+        for (const char* name : names)
+            if (const PbrtParam* p = peek(name); p && p->is_all(value)) find(name);
+    }
+
 private:
-    std::vector<PbrtParam> params_;
+    const PbrtParam* peek(const char* name) const;
+
+    List params_;
+    size_t own_ = 0;
 };
 
 }  // namespace viscache::loading

@@ -13,16 +13,18 @@ constexpr float kSmooth = 1e-3f;  ///< pbrt takes surfaces of smaller alpha for 
 bool PbrtReader::v4_directive(const PbrtToken& token) {
     const std::string_view name = token.text;
     const std::string where = token.where();
-    if (name == "Option") {
-        PbrtParams::read(tokens_);  // rendering settings do not belong to the scene
-    } else if (name == "ColorSpace") {
+    if (name == "ColorSpace") {
         if (const std::string space = name_argument(); space != "srgb")
             loading_.warn(where, "the colour space '" + space + "' is not modelled; sRGB is used");
     } else if (name == "Attribute") {
         const std::string target = name_argument();
         auto changed = std::make_shared<std::map<std::string, PbrtParams>>(*now_.defaults);
         PbrtParams given = PbrtParams::read(tokens_);
+        const PbrtParams::List own = given.own();
+        defaults_.insert(defaults_.end(), own.begin(), own.end());
         given.append((*changed)[target]);
+        // Each directive looks through all of them
+        if (given.size() > 1000) fail(where, "more than 1,000 parameters are set for '" + target + "'");
         (*changed)[target] = given;
         now_.defaults = changed;
     } else if (name == "Import") {
@@ -35,11 +37,19 @@ bool PbrtReader::v4_directive(const PbrtToken& token) {
     return true;
 }
 
+void PbrtReader::option(const Names&, const PbrtParams& params, const std::string&) {
+    is_v4_ = true;
+    // Settings of the rendering, which the other directives do not repeat
+    params.ignore({"disablepixeljitter", "disablewavelengthjitter", "disabletexturefiltering",
+                   "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats",
+                   "rendercoordsys", "seed", "wavefront"});
+}
+
 /// The parameters of a directive, after them those that Attribute sets for this kind of directive.
-PbrtParams PbrtReader::params_of(const char* kind) {
+PbrtParams PbrtReader::params_of(const std::string& kind) {
     PbrtParams params = PbrtParams::read(tokens_);
     const auto found = now_.defaults->find(kind);
-    if (found != now_.defaults->end()) params.append(found->second);
+    if (!kind.empty() && found != now_.defaults->end()) params.append(found->second);
     return params;
 }
 
@@ -103,8 +113,11 @@ Material PbrtReader::v4_coated_diffuse(const PbrtParams& params, const std::stri
     m.beckmann = alpha < kSmooth;
     m.roughness = alpha < kSmooth ? kMirrorRoughness : clamp_roughness(alpha);
     m.nonlinear = true;
-    for (const char* inside : {"albedo", "g"})
-        if (params.has(inside)) loading_.warn(where, "the medium inside of a coat is not modelled; ignored");
+    // Without scattering inside, neither its phase function nor the thickness of the coat matters; the walks
+    // are pbrt's way to compute the sum
+    params.ignore({"maxdepth", "nsamples", "thickness", "g"});
+    if (max_component(color(params, "albedo", kZero)) > 0)
+        loading_.warn(where, "the medium inside of a coat is not modelled; ignored");
     return m;
 }
 
@@ -115,14 +128,18 @@ Material PbrtReader::v4_surface(const std::string& type, const PbrtParams& param
         const PbrtTexture base = color_texture(params, "reflectance", type == "diffuse" ? kHalf : kQuarter);
         m.base_color = clamp01(base.color);
         m.base_texture = base.image;
-        if (type != "diffuse")
+        if (type != "diffuse") {
+            params.ignore({"transmittance", "scale"});
             loading_.warn(where, "material '" + type + "' is not modelled; diffuse reflection is used");
+        }
     } else if (type == "coateddiffuse") {
         m = v4_coated_diffuse(params, where);
     } else if (type == "conductor") {
         m = v4_conductor(params, "");
     } else if (type == "coatedconductor") {
         m = v4_conductor(params, "conductor.");
+        params.ignore({"interface.roughness", "interface.uroughness", "interface.vroughness", "interface.eta",
+                       "thickness", "albedo", "g", "maxdepth", "nsamples"});
         loading_.warn(where, "the coat of 'coatedconductor' is not modelled; the conductor alone is used");
     } else if (type == "dielectric") {
         m.kind = MaterialKind::kDielectric;
@@ -134,6 +151,7 @@ Material PbrtReader::v4_surface(const std::string& type, const PbrtParams& param
         m.eta = v4_eta(params, "eta", 1.5, where);
         m.thin = true;
     } else {
+        params.ignore_all();
         loading_.warn(where, "material '" + type + "' is not modelled; grey diffuse is used");
     }
     return m;

@@ -48,8 +48,9 @@ Semantic semantic_of(LightKind kind) {
 
 StrategyRules Connector::rules(const Emission& e) const {
     // Points and parallel light have no extent, and spheres are sampled as spheres but traced as
-    // meshes
-    const bool hittable = e.kind == LightKind::kTriangle || e.kind == LightKind::kEnvironment;
+    // meshes. Lights with holes are sampled as a whole
+    const bool hittable =
+        (e.kind == LightKind::kTriangle && !e.has_holes) || e.kind == LightKind::kEnvironment;
     return {c_.to_camera(), hittable};
 }
 

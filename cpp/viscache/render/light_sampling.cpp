@@ -121,8 +121,11 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
             const Vec2 b = square_to_triangle(rng.next2());
             // One of both sides, which halves the density of the ray
             const bool back = t.two_sided && rng.next() < 0.5f;
-            return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
-                                t.extent, area.radiance_at(entry.index, b), t.area, t.two_sided);
+            Emission e =
+                from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
+                             t.extent, area.radiance_at(entry.index, b), t.area, t.two_sided);
+            e.has_holes = !t.opaque;
+            return e;
         }
         case LightKind::kSphere: {
             const SphereLight& s = area.spheres[entry.index];

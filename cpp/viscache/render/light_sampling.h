@@ -26,6 +26,7 @@ struct Emission {
     Vec3 normal{};           ///< for area lights, on the side of the ray; otherwise zero
     float extent = 0;        ///< of the light's surface (scene/surface_extent.h)
     bool two_sided = false;  ///< an area light that shines from both sides
+    bool has_holes = false;  ///< a triangle that rays may pass
     Rgb radiance{};          ///< emitted radiance, intensity (point) or irradiance (directional)
     SpotCone cone{};         ///< for point lights
     double pdf_point = 1;  ///< density of the point per m², or of the direction per sr (environment), choice

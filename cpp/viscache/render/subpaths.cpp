@@ -223,12 +223,12 @@ void SubpathTracer::hit_light(const Walker& w, const Hit& hit, const SurfacePoin
     const PathVertex& before = out.of(w.path).back();
     // Cosine emission from one side, or from either with half the density
     const double emitted = std::fabs(double(dot(s.ng, w.ray.d))) / M_PI * (s.emits_two_sided ? 0.5 : 1.0);
-    // Sphere lights are traced as meshes and sampled as spheres. Hits by chance count only where no other
-    // strategy finds the light
-    const bool sphere = c_.scene.sphere_light_of(hit.mesh) >= 0;
+    // Sphere lights are traced as meshes and sampled as spheres, and lights with holes are sampled as a
+    // whole. Hits by chance count only where no other strategy finds the light
+    const bool hittable = c_.scene.sphere_light_of(hit.mesh) < 0 && !c_.scene.has_cutout(hit.mesh);
     add_emitted(
         w, emitter, c_.lights.pdf_point(c_.scene.mean_emission(hit.mesh, hit.triangle), s.emits_two_sided),
-        to_area(emitted, emitter, before), s.emission, out, light, counters, {c_.to_camera(), !sphere});
+        to_area(emitted, emitter, before), s.emission, out, light, counters, {c_.to_camera(), hittable});
 }
 
 /// Adds the light of an emitter that the eye path has hit.

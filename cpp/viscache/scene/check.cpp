@@ -199,8 +199,9 @@ void check_description(const SceneDescription& d) {
                    " times as much as another, got ", ratio);
     }
     check_light_numbers(d);
-    if (d.environment) {
-        const Environment& e = *d.environment;
+    std::vector<Environment> skies = d.added_environments;
+    if (d.environment) skies.push_back(*d.environment);
+    for (const Environment& e : skies) {
         if (!usable_color(e.scale)) refuse("environment: scale must be finite and >= 0, got ", text(e.scale));
         if (e.image < -1 || e.image >= int(d.images.size()))
             refuse("environment: image must be -1 or in [0, ", d.images.size(), "), got ", e.image);

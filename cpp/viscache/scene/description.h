@@ -86,6 +86,7 @@ struct SceneDescription {
     std::vector<DirectionalLight> directional_lights;
     std::vector<SphereLight> sphere_lights;
     std::optional<Environment> environment;
+    std::vector<Environment> added_environments;  ///< become one with `environment` when frozen
     std::vector<Camera> cameras;
     std::vector<Warning> warnings;
 };

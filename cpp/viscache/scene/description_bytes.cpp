@@ -37,7 +37,7 @@ void fields(Archive& a, Warning& w) {
 template <class Archive>
 void fields(Archive& a, SceneDescription& d) {
     a(d.name, d.meshes, d.instances, d.materials, d.images, d.point_lights, d.directional_lights,
-      d.sphere_lights, d.environment, d.cameras, d.warnings, d.origin);
+      d.sphere_lights, d.environment, d.added_environments, d.cameras, d.warnings, d.origin);
 }
 
 template <class T>

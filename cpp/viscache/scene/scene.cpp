@@ -4,6 +4,7 @@
 
 #include "viscache/math/any_length.h"
 #include "viscache/scene/check.h"
+#include "viscache/scene/environment_sum.h"
 #include "viscache/scene/light_tree.h"
 #include "viscache/scene/surface_extent.h"
 #include "viscache/scene/vertex_limit.h"
@@ -77,6 +78,7 @@ float pattern(uint32_t mesh, uint32_t triangle, float u, float v) {
 std::shared_ptr<const Scene> Scene::freeze(SceneDescription description, int threads) {
     if (description.materials.empty()) description.materials.push_back({});
     check_description(description);
+    add_up_environments(description, threads);
     std::shared_ptr<Scene> scene(new Scene);
     scene->d_ = std::move(description);
     scene->described_meshes_ = scene->d_.meshes.size();
