@@ -9,6 +9,7 @@ import pytest
 from skimage.io import imsave
 
 import viscache as vc
+from scene import picture_files
 from scene import test_mitsuba_parity as parity
 
 BOX = """<shape type="cube"><transform name="to_world"><scale value="0.5"/>
@@ -47,12 +48,41 @@ def sky_scene(folder: Path, rows: int) -> Any:
     return vc.load_scene(parity.write(folder, body))
 
 
+def sunny_sky(folder: Path, row: int, column: int) -> Any:
+    """A dim sky whose light comes from one pixel; and its pixels."""
+    rgbe = np.full((128, 256, 4), (164, 164, 164, 136 - 13), np.uint8)
+    rgbe[row, column] = 187, 187, 187, 136 + 4
+    (folder / "sky.hdr").write_bytes(picture_files.hdr("-Y 128 +X 256", rgbe.tobytes()))
+    body = '\n<emitter type="envmap"><string name="filename" value="sky.hdr"/></emitter>'
+    pixels = rgbe[..., 0] * 2.0 ** (rgbe[..., 3].astype(float) - 136)
+    return vc.load_scene(parity.write(folder, body)), pixels
+
+
+def bright_row(folder: Path, row: int) -> Any:
+    return sunny_sky(folder, row, 90)[0]
+
+
+def test_a_sun_in_the_second_row_of_a_sky_lights_the_floor_by_its_solid_angle(tmp_path):
+    scene, pixels = sunny_sky(tmp_path, 1, 90)
+    rows = np.cos(np.arange(129) / 128 * np.pi)
+    # The integral of the cosine over the pixels of a row above the floor
+    up = np.maximum(rows, 0) ** 2
+    irradiance = (pixels.mean(1) * (up[:-1] - up[1:])).sum() * np.pi
+    image = vc.render(scene, vc.Direct(), spp=32).image
+    # A floor of the reflectance 1/2
+    assert image[-16:].mean() == pytest.approx(0.5 / np.pi * irradiance, rel=0.01)
+
+
 def test_skies_of_few_rows_are_warned_of_in_mitsuba_files(tmp_path):
     scene = sky_scene(tmp_path, 16)
     (warning,) = scene.warnings
     assert "scene.xml:" in warning and "a sky of 16 rows, which Mitsuba places" in warning
     assert pickle.loads(pickle.dumps(scene)).warnings == scene.warnings
     assert not sky_scene(tmp_path, 128).warnings
+    assert not bright_row(tmp_path, 64).warnings
+    for row in (0, 3, 127):
+        (warning,) = bright_row(tmp_path, row).warnings
+        assert "scene.xml:" in warning and "a sky bright at a pole, which Mitsuba" in warning
     # A sky from Python has no Mitsuba beside it
     array = np.ones((16, 32, 3), np.float32)
     plain = parity.write(tmp_path, "")

@@ -24,8 +24,8 @@ public:
     /// Resamples a lat-long image (convention in description.h) and scales the result to the power of the
     /// image. `resolution` is a power of two in [2, 4096]; 0 chooses texels no larger than the image's
     /// pixels at the equator. The map is the same for any number of threads. Throws SceneError for an image
-    /// without pixels, for negative or non-finite colours, for a `to_world` that is not a rotation, or when
-    /// resampling changes the power by more than 2 %.
+    /// without pixels, for negative or non-finite colours, or for a `to_world` that is not a rotation. Light
+    /// in the narrow pixels at the poles is kept too.
     static EnvironmentMap from_latlong(const Image& image, Rgb scale, const Affine& to_world,
                                        int resolution = 0, int threads = 0);
 

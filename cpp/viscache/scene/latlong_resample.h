@@ -14,6 +14,9 @@ struct ResampledImage {
 /// False for a colour that light cannot have.
 bool usable_radiance(Rgb c);
 
+/// Integral of the luminance of rows [first, last) over the sphere.
+double latlong_power(const Image& image, Rgb scale, int first, int last);
+
 /// See `EnvironmentMap::from_latlong`.
 ResampledImage resample_latlong(const Image& image, Rgb scale, const Affine& to_world, int resolution,
                                 int threads);

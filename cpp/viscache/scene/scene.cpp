@@ -5,6 +5,7 @@
 #include "viscache/math/any_length.h"
 #include "viscache/scene/check.h"
 #include "viscache/scene/environment_sum.h"
+#include "viscache/scene/latlong_resample.h"
 #include "viscache/scene/light_tree.h"
 #include "viscache/scene/surface_extent.h"
 #include "viscache/scene/vertex_limit.h"
@@ -40,11 +41,17 @@ Mesh tessellate(const SphereLight& light) {
 
 /// Mitsuba puts the first and the last row of a sky at the poles. Here they end there, as in pbrt, which
 /// moves rows by up to half their height.
-void warn_of_few_rows(const Image& sky, std::vector<Warning>& warnings) {
-    constexpr int kFewRows = 128;
-    if (sky.height >= kFewRows || sky.where.find(".xml:") == std::string::npos) return;
-    const std::string text = "a sky of " + std::to_string(sky.height) +
-                             " rows, which Mitsuba places up to half a row nearer to the poles";
+void warn_of_rows(const Image& sky, Rgb scale, double power, std::vector<Warning>& warnings) {
+    constexpr int kFewRows = 128, kAtPole = 4;
+    constexpr double kMuch = 0.02;
+    if (sky.where.find(".xml:") == std::string::npos) return;
+    const int n = sky.height;
+    if (n >= kFewRows &&
+        latlong_power(sky, scale, 0, kAtPole) + latlong_power(sky, scale, n - kAtPole, n) <= kMuch * power)
+        return;
+    const std::string text =
+        (n < kFewRows ? "a sky of " + std::to_string(n) + " rows" : "a sky bright at a pole") +
+        ", which Mitsuba places up to half a row nearer to the poles";
     // A scene made from the description of this one carries the warning already
     const auto same = [&](const Warning& w) { return w.where == sky.where && w.text == text; };
     if (std::none_of(warnings.begin(), warnings.end(), same)) warnings.push_back({sky.where, text});
@@ -273,12 +280,13 @@ void Scene::build_lights(int threads) {
 
     if (!d_.environment || !(max_component(d_.environment->scale) > 0)) return;
     const Environment& e = *d_.environment;
-    if (e.image >= 0) warn_of_few_rows(d_.images[size_t(e.image)], d_.warnings);
     environment_ = std::make_unique<EnvironmentMap>(
         e.image < 0
             ? EnvironmentMap::constant(e.scale)
             : EnvironmentMap::from_latlong(d_.images[size_t(e.image)], e.scale, e.to_world, 0, threads));
     memory_bytes_ += environment_->memory_bytes();
+    if (e.image >= 0)
+        warn_of_rows(d_.images[size_t(e.image)], e.scale, environment_->total_power(), d_.warnings);
 }
 
 const LightTree& Scene::light_tree() const {
