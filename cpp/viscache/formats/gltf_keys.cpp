@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMaxJsonDepth = 256;
 // Texts of warnings with a name in them; a hostile file could bring a million names.
-constexpr size_t kMostNames = 32;
+constexpr size_t kMostNames = 32, kLongestName = 100;
 
 /// The keys of a kind of object, which is its place in the document or the name of an extension. "key:kind"
 /// holds objects of another kind. All of them are read, or warned of where they are read, but these, which
@@ -172,13 +172,16 @@ private:
 
     void report(std::string_view name, bool is_extension) {
         std::string where = path_ + ": ";
-        for (const Level& level : levels_)
+        // Names may be as long as the file, and this may be asked a million times
+        for (size_t i = 0; i < levels_.size() && where.size() < path_.size() + 500; ++i) {
+            const Level& level = levels_[i];
             where += level.is_array ? "[" + std::to_string(level.index) + "]"
-                                    : (&level == &levels_.front() ? "" : ".") + std::string(level.key);
+                                    : (i ? "." : "") + std::string(level.key.substr(0, kLongestName));
+        }
         const bool is_named = names_.size() < kMostNames || names_.contains(name);
         if (is_named) names_.insert(name);
-        const std::string shown = is_named ? " '" + std::string(name.substr(0, 100)) + "'" : "";
-        loading_.warn(printable(where.substr(0, 500)),
+        const std::string shown = is_named ? " '" + std::string(name.substr(0, kLongestName)) + "'" : "";
+        loading_.warn(printable(where),
                       printable(is_extension ? "the extension" + shown + " is not modelled; ignored"
                                              : "the property" + shown + " is not read"));
     }

@@ -63,7 +63,7 @@ UvTransform uv_transform(const tinygltf::TextureInfo& info) {
 }
 
 constexpr const char *kGlossiness = "KHR_materials_pbrSpecularGlossiness",
-                     *kTransform = "KHR_texture_transform";
+                     *kTransform = "KHR_texture_transform", *kVolume = "KHR_materials_volume";
 /// Roughness below which transmission counts as smooth: the smallest lobe.
 constexpr float kSmoothGlass = 1e-3f;
 
@@ -298,36 +298,47 @@ void GltfReader::check_layers(const tinygltf::Material& in, const std::string& w
     }
 }
 
+double GltfReader::transmitted_share(const tinygltf::Material& in, const std::string& where) {
+    constexpr const char* kTransmission = "KHR_materials_transmission";
+    const double share = std::clamp(extension_number(in, kTransmission, "transmissionFactor", 0), 0.0, 1.0);
+    if (!(share > 0)) return 0;
+    const tinygltf::Value& image = extension_of(in.extensions, kTransmission)->Get("transmissionTexture");
+    if (!image.IsObject()) return share;
+    loading_.warn(where, "an image of transmission is not modelled; its mean is used");
+    const int index = image.Get("index").IsInt() ? image.Get("index").GetNumberAsInt() : -1;
+    const auto pixels = decoded(index, false, where);
+    return pixels ? share * double(mean_of(*pixels).color.x) : share;
+}
+
+/// The tint of one of two surfaces between which light goes the given way.
+Rgb GltfReader::attenuation(const tinygltf::Material& in, double thickness, const std::string& where) {
+    const double distance = extension_number(in, kVolume, "attenuationDistance", 0);
+    const auto color = numbers_of(extension_of(in.extensions, kVolume)->Get("attenuationColor"), 3);
+    if (!(distance > 0) || color.empty() ||
+        std::all_of(color.begin(), color.end(), [](double c) { return c == 1; }))
+        return {1, 1, 1};
+    loading_.warn(
+        where,
+        "attenuation by distance is not modelled; the two surfaces of the glass have the tint of its "
+        "thickness");
+    const auto kept = [&](double c) {
+        return float(std::pow(std::clamp(c, 0.0, 1.0), thickness / distance / 2));
+    };
+    return {kept(color[0]), kept(color[1]), kept(color[2])};
+}
+
 /// KHR_materials_transmission and KHR_materials_volume. Needs the rest of the material.
 void GltfReader::transmission(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
-    constexpr const char *kTransmission = "KHR_materials_transmission", *kVolume = "KHR_materials_volume";
-    double share = std::clamp(extension_number(in, kTransmission, "transmissionFactor", 0), 0.0, 1.0);
+    const double share = transmitted_share(in, where);
     // Metals let nothing through
     if (!(share > 0) || (m.metallic_roughness_texture < 0 && in.pbrMetallicRoughness.metallicFactor >= 1))
         return;
-    const tinygltf::Value& image = extension_of(in.extensions, kTransmission)->Get("transmissionTexture");
-    if (image.IsObject()) {
-        loading_.warn(where, "an image of transmission is not modelled; its mean is used");
-        const int index = image.Get("index").IsInt() ? image.Get("index").GetNumberAsInt() : -1;
-        if (const auto pixels = decoded(index, false, where)) share *= double(mean_of(*pixels).color.x);
-    }
     const double thickness = extension_number(in, kVolume, "thicknessFactor", 0);
     const bool is_solid = thickness > 0, is_whole = m.metallic == 0 && share >= 1;
     const bool is_smooth = m.roughness <= kSmoothGlass;
     m.two_sided = true;
     m.transmission = m.base_color * float(share);
-    if (is_solid && extension_number(in, kVolume, "attenuationDistance", 0) > 0) {
-        const auto color = numbers_of(extension_of(in.extensions, kVolume)->Get("attenuationColor"), 3);
-        const double power = thickness / extension_number(in, kVolume, "attenuationDistance", 0) / 2;
-        const auto kept = [&](size_t c) { return float(std::pow(std::clamp(color[c], 0.0, 1.0), power)); };
-        if (!color.empty() && !(color[0] == 1 && color[1] == 1 && color[2] == 1)) {
-            m.transmission = m.transmission * Rgb{kept(0), kept(1), kept(2)};
-            loading_.warn(
-                where,
-                "attenuation by distance is not modelled; the two surfaces of the glass have the tint "
-                "of its thickness");
-        }
-    }
+    if (is_solid) m.transmission = m.transmission * attenuation(in, thickness, where);
     if (!is_smooth) loading_.warn(where, "rough transmission is not modelled; it is as through smooth glass");
     const bool is_glass = is_whole && (is_solid || is_smooth);
     if (is_glass) {

@@ -81,6 +81,8 @@ private:
     const Look& look(int material);
     viscache::Material surface(const tinygltf::Material& in, Look& look, const std::string& where);
     void transmission(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
+    double transmitted_share(const tinygltf::Material& in, const std::string& where);
+    Rgb attenuation(const tinygltf::Material& in, double thickness, const std::string& where);
     void unlit(viscache::Material& m, Look& look, const std::string& where);
     tinygltf::Material as_metallic_roughness(tinygltf::Material in, const std::string& where);
     void check_layers(const tinygltf::Material& in, const std::string& where);

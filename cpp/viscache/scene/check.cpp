@@ -78,6 +78,22 @@ void check_metal(const Material& m, const std::string& name) {
         refuse(name, ": only mirrors and glossy materials with a base_color of 0 have metal_eta and metal_k");
 }
 
+/// Fresnel mixes, sheets and glass.
+void check_transmission(const Material& m, const std::string& name) {
+    const bool mix = m.coat == CoatKind::kFresnelMix, glass = m.kind == MaterialKind::kDielectric;
+    if (mix && m.kind != MaterialKind::kGlossy && !(glass && m.thin))
+        refuse(name, ": only a glossy material or a thin dielectric is a fresnel_mix");
+    if (m.thin && !glass && !mix) refuse(name, ": only a dielectric or a fresnel_mix can be thin");
+    if (!(m.f90 >= max_component(m.specular) || !mix) || !(m.f90 <= 1))
+        refuse(name, ": f90 must be in [specular, 1], got ", m.f90);
+    if (!mix && m.f90 != 1) refuse(name, ": only a fresnel_mix has f90");
+    if (!usable_color(m.transmission) || max_component(m.transmission) > 1)
+        refuse(name, ": transmission must be in [0, 1], got ", text(m.transmission));
+    if (m.kind == MaterialKind::kGlossy && m.thin && max_component(m.transmission + m.base_color) > 1 + 1e-5f)
+        refuse(name, ": base_color and transmission of a sheet must add up to at most 1, got ",
+               text(m.base_color), " and ", text(m.transmission));
+}
+
 void check_material(const Material& m, size_t index, size_t images) {
     const std::string name = "material " + std::to_string(index);
     for (Rgb c : {m.base_color, m.specular})
@@ -88,21 +104,11 @@ void check_material(const Material& m, size_t index, size_t images) {
     // Also refuses NaN, as all conditions here that are written as what must hold
     if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
     // The rest are combinations that no part of the shading is written for.
-    const bool mix = m.coat == CoatKind::kFresnelMix, glass = m.kind == MaterialKind::kDielectric;
-    if (mix && m.kind != MaterialKind::kGlossy && !(glass && m.thin))
-        refuse(name, ": only a glossy material or a thin dielectric is a fresnel_mix");
+    const bool mix = m.coat == CoatKind::kFresnelMix;
+    check_transmission(m, name);
     if (!mix && m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
         refuse(name, ": only a glossy material has a coat");
-    if (!(m.f90 >= max_component(m.specular) || !mix) || !(m.f90 <= 1))
-        refuse(name, ": f90 must be in [specular, 1], got ", m.f90);
-    if (!mix && m.f90 != 1) refuse(name, ": only a fresnel_mix has f90");
-    if (!usable_color(m.transmission) || max_component(m.transmission) > 1)
-        refuse(name, ": transmission must be in [0, 1], got ", text(m.transmission));
-    if (m.kind == MaterialKind::kGlossy && m.thin && max_component(m.transmission + m.base_color) > 1 + 1e-5f)
-        refuse(name, ": base_color and transmission of a sheet must add up to at most 1, got ",
-               text(m.base_color), " and ", text(m.transmission));
     if (m.nonlinear && (m.coat == CoatKind::kNone || mix)) refuse(name, ": nonlinear needs a coat");
-    if (m.thin && !glass && !mix) refuse(name, ": only a dielectric or a fresnel_mix can be thin");
     if (!(m.opacity >= 0 && m.opacity <= 1)) refuse(name, ": opacity must be in [0, 1], got ", m.opacity);
     if (!(m.metallic >= 0 && m.metallic <= 1)) refuse(name, ": metallic must be in [0, 1], got ", m.metallic);
     if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || (m.coat != CoatKind::kNone && !mix)))

@@ -1,0 +1,263 @@
+"""glTF: what is not read is warned of; transmission, extensions of materials."""
+
+import re
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from scene.test_load_gltf import C, K, change, document, load, png, with_material
+from viscache import _core as core
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "where", "said"),
+    [
+        ("extra", 1, "extra", "the property 'extra' is not read"),
+        ("nodes.0.camra", 0, "nodes[0].camra", "the property 'camra' is not read"),
+        ("materials.0.ior", 2, "materials[0].ior", "the property 'ior' is not read"),
+        (
+            "materials.0.extensions",
+            {"KHR_materials_ior": {"iro": 2}},
+            "materials[0].extensions.KHR_materials_ior.iro",
+            "the property 'iro' is not read",
+        ),
+        (
+            "materials.0.extensions",
+            {"ACME_paint": {"a": [{"b": "}"}]}},
+            "materials[0].extensions.ACME_paint",
+            "the extension 'ACME_paint' is not modelled; ignored",
+        ),
+        (
+            "materials.0.extensions",
+            {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5}},
+            "material 0",
+            "the extension 'KHR_materials_clearcoat' is not modelled; ignored",
+        ),
+        (
+            "meshes.0.primitives.0.attributes.COLOUR",
+            0,
+            "mesh 0 primitive 0 COLOUR",
+            "an attribute is not read",
+        ),
+        (
+            "meshes.0.weights",
+            [0.5],
+            "node 0",
+            "morph targets are not modelled; the mesh without them is used",
+        ),
+    ],
+)
+def test_what_is_not_read_is_warned_of(tmp_path, path, value, where, said):
+    doc = change(with_material(name="a"), path, value)
+    scene = load(tmp_path, doc)
+    assert scene.warnings == [(f"{tmp_path}/scene.gltf: {where}", said)]
+    with pytest.raises(core.SceneError, match=re.escape(said)):
+        load(tmp_path, doc, strict=True)
+
+
+def test_what_leaves_the_picture_right_is_read_in_silence(tmp_path):
+    off = {
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0, "clearcoatRoughnessFactor": 0.1},
+        "KHR_materials_sheen": {"sheenColorFactor": [0, 0, 0]},
+    }
+    doc = with_material(name='quoted \\" {name', extras={"a": {"b": 1}}, extensions=off)
+    doc["extensionsUsed"] = [*off, "ACME_unused"]
+    doc["asset"] |= {"generator": "test", "extras": {"x": [1, {"y": 2}]}}
+    doc["nodes"][0] |= {"name": "n", "extras": {"weights": 1}}
+    doc["meshes"][0]["primitives"][0] |= {"targets": [{"POSITION": 0}], "extras": {}}
+    doc["meshes"][0]["primitives"][0]["attributes"] |= {"TEXCOORD_3": 0, "_MINE": 0}
+    doc["accessors"][0] |= {"min": [0, 0, 0], "max": [1, 1, 0], "normalized": False}
+    doc["bufferViews"][0]["target"] = 34962
+    doc["samplers"] = [{"minFilter": 9987, "name": "s"}]
+    assert load(tmp_path, doc, strict=True).warnings == []
+
+
+def test_a_file_of_strange_keys_has_few_warnings(tmp_path):
+    doc = document(**{f"key{i}": 1 for i in range(1000)})
+    warnings = load(tmp_path, doc).warnings
+    assert len(warnings) == 33 and warnings[-1][1].startswith("the property is not read (968 times")
+
+
+def glass(pbr=None, **extensions):
+    extensions = {
+        k if k.startswith("KHR") else "KHR_materials_" + k: v for k, v in extensions.items()
+    }
+    return with_material(
+        pbrMetallicRoughness={"metallicFactor": 0, "roughnessFactor": 0} | (pbr or {}),
+        extensions=extensions,
+        doubleSided=True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("doc", "want", "said"),
+    [
+        (
+            glass({"baseColorFactor": [1, 0.5, 0, 1]}, transmission={"transmissionFactor": 1}),
+            {
+                "kind": K.DIELECTRIC,
+                "thin": True,
+                "coat": C.FRESNEL_MIX,
+                "transmission": [1, 0.5, 0],
+            },
+            "",
+        ),
+        (
+            glass({"baseColorFactor": [1, 0.5, 0, 1]}, transmission={"transmissionFactor": 0.4}),
+            {
+                "kind": K.GLOSSY,
+                "thin": True,
+                "transmission": [0.4, 0.2, 0],
+                "base_color": [0.6, 0.3, 0],
+            },
+            "",
+        ),
+        (
+            glass({"roughnessFactor": 0.6}, transmission={"transmissionFactor": 1}),
+            {"kind": K.GLOSSY, "thin": True, "transmission": [1] * 3, "base_color": [0] * 3},
+            "rough transmission",
+        ),
+        (
+            glass(
+                {"baseColorFactor": [1, 0.5, 0, 1]},
+                transmission={"transmissionFactor": 1},
+                volume={"thicknessFactor": 2},
+                ior={"ior": 1.25},
+            ),
+            {
+                "kind": K.DIELECTRIC,
+                "thin": False,
+                "coat": C.NONE,
+                "transmission": [1, 0.5, 0],
+                "eta": 1.25,
+            },
+            "",
+        ),
+        (
+            glass(
+                transmission={"transmissionFactor": 1},
+                volume={
+                    "thicknessFactor": 2,
+                    "attenuationDistance": 1,
+                    "attenuationColor": [0.25, 1, 0],
+                },
+            ),
+            {"kind": K.DIELECTRIC, "thin": False, "transmission": [0.25, 1, 0]},
+            "attenuation by distance",
+        ),
+        (
+            glass(transmission={"transmissionFactor": 0.4}, volume={"thicknessFactor": 2}),
+            {"kind": K.GLOSSY, "thin": True, "transmission": [0.4] * 3, "base_color": [0.6] * 3},
+            "does not bend it",
+        ),
+        (
+            glass({"metallicFactor": 1}, transmission={"transmissionFactor": 1}),
+            {"kind": K.GLOSSY, "thin": False, "base_color": [0] * 3},
+            "",
+        ),
+    ],
+)
+def test_transmission_is_tinted_and_as_large_as_the_file_says(tmp_path, doc, want, said):
+    scene = load(tmp_path, doc)
+    m = scene.materials[0]
+    for name, value in want.items():
+        assert m[name] == (pytest.approx(value) if isinstance(value, list | float) else value)
+    assert [said in text for _, text in scene.warnings] == ([True] if said else [])
+
+
+@pytest.mark.parametrize(
+    "integrator", [vc.Whitted(), vc.Bdpt(max_depth=3)], ids=["whitted", "bdpt"]
+)
+@pytest.mark.parametrize("specular", [{"specularFactor": 0}, {}])
+@pytest.mark.parametrize("share", [0.4, 1])
+def test_a_sheet_passes_and_reflects_what_the_formula_says(tmp_path, integrator, specular, share):
+    """A sheet before a lamp, seen straight on."""
+    tint = np.array([0.9, 0.5, 0.1])
+    doc = glass(
+        {"baseColorFactor": [*tint, 1], "roughnessFactor": 1},
+        transmission={"transmissionFactor": share},
+        specular=specular,
+    )
+    doc["materials"].append({"emissiveFactor": [1, 1, 1]})
+    black = {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1}
+    doc["materials"][1]["pbrMetallicRoughness"] = black
+    doc["meshes"].append({"primitives": [doc["meshes"][0]["primitives"][0] | {"material": 1}]})
+    doc["nodes"] = [{"mesh": 0}, {"mesh": 1, "translation": [0, 0, -0.5]}]
+    doc["scenes"] = [{"nodes": [0, 1]}]
+    load(tmp_path, doc)
+    scene = vc.load_scene(tmp_path / "scene.gltf")
+    view = vc.look_at((0.5, 0.5, 4), (0.5, 0.5, 0), up=(0, 1, 0), fov_deg=2)
+    seen = vc.render(scene, integrator, camera=view, size=(8, 8), spp=400).image.mean((0, 1))
+    f0 = 0.04 if not specular else 0
+    np.testing.assert_allclose(seen, (1 - f0) * share * tint, rtol=0.03)
+
+
+def test_an_image_without_coordinates_is_warned_of(tmp_path):
+    doc = glass({"baseColorTexture": {"index": 0}})
+    doc["textures"], doc["images"] = [{"source": 0}], [{"uri": png(tmp_path, [[[255, 0, 0]] * 2])}]
+    del doc["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]
+    assert "without texture coordinates" in load(tmp_path, doc).warnings[0][1]
+
+
+def test_textures_tint_what_passes(tmp_path):
+    doc = glass({"baseColorTexture": {"index": 0}}, transmission={"transmissionFactor": 1})
+    doc["textures"], doc["images"] = [{"source": 0}], [{"uri": png(tmp_path, [[[255, 0, 0]] * 2])}]
+    load(tmp_path, doc, strict=True)
+    scene = vc.load_scene(tmp_path / "scene.gltf", env=1.0)
+    view = vc.look_at((0.5, 0.5, 4), (0.5, 0.5, 0), up=(0, 1, 0), fov_deg=2)
+    seen = vc.render(scene, vc.Direct(), camera=view, size=(8, 8), spp=4).image.mean((0, 1))
+    # The sky is mirrored, too
+    np.testing.assert_allclose(seen, [1, 0.04, 0.04], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "KHR_materials_unlit",
+        "KHR_materials_variants",
+        "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_sheen",
+        "KHR_texture_transform",
+        "EXT_texture_webp",
+        "KHR_mesh_quantization",
+    ],
+)
+def test_a_file_that_requires_what_changes_looks_alone_loads(tmp_path, name):
+    assert (
+        load(tmp_path, document(extensionsRequired=[name], extensionsUsed=[name])).triangle_count
+        == 2
+    )
+
+
+def test_an_unlit_material_emits_its_colour(tmp_path):
+    doc = with_material(
+        pbrMetallicRoughness={"baseColorFactor": [1, 0.5, 0.25, 1]},
+        extensions={"KHR_materials_unlit": {}},
+    )
+    scene = load(tmp_path, doc | {"extensionsRequired": ["KHR_materials_unlit"]})
+    assert scene.meshes[0]["emission"] == pytest.approx([1, 0.5, 0.25])
+    assert scene.materials[0]["base_color"] == pytest.approx([0, 0, 0])
+    assert ["emits its base colour" in text for _, text in scene.warnings] == [True]
+
+
+def test_specular_and_glossiness_are_read(tmp_path):
+    given = {
+        "diffuseFactor": [0.8, 0.4, 0.2, 0.5],
+        "specularFactor": [0.25, 0.5, 0.1],
+        "glossinessFactor": 0.4,
+    }
+    doc = with_material(
+        alphaMode="BLEND", extensions={"KHR_materials_pbrSpecularGlossiness": given}
+    )
+    m = load(tmp_path, doc, strict=True).materials[0]
+    assert m["base_color"] == pytest.approx([0.4, 0.2, 0.1])
+    assert m["specular"] == pytest.approx([0.25, 0.5, 0.1])
+    assert m["roughness"] == pytest.approx(0.36) and m["opacity"] == 0.5 and m["metallic"] == 0
+
+
+def test_variants_are_noted(tmp_path):
+    names = {"KHR_materials_variants": {"variants": [{"name": "red"}]}}
+    doc = document(extensions=names, extensionsRequired=list(names))
+    ((_, text),) = load(tmp_path, doc, strict=True).warnings
+    assert "default material" in text
