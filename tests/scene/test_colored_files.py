@@ -290,6 +290,19 @@ def test_pbrt_shows_no_colors_of_a_ply(tmp_path):
     assert len(vc.load_scene(tmp_path / "a.pbrt", env=1.0).meshes()[0]["colors"]) == 0
 
 
+def test_faces_of_an_element_without_colors_are_white(tmp_path):
+    plain = "element face 1\nproperty list uchar int vertex_index\n"
+    colored = plain + "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
+    head = "ply\nformat ascii 1.0\nelement vertex 4\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    points = "".join("{} {} {}\n".format(*p) for p in POINTS)
+    body = points + "3 0 1 2\n3 0 2 3 255 0 0\n3 0 1 3\n"
+    (tmp_path / "a.ply").write_text(head + plain + colored + plain + "end_header\n" + body)
+    (mesh,) = vc.load_scene(tmp_path / "a.ply", env=1.0).meshes()
+    of_faces = mesh["colors"][mesh["triangles"][:, 0], :3].tolist()
+    assert of_faces == [[1, 1, 1], [1, 0, 0], [1, 1, 1]]
+
+
 def test_binary_files_have_colors_of_faces_with_many_corners(tmp_path):
     header = (
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"

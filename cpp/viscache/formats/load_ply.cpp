@@ -329,6 +329,8 @@ void read_faces(Mesh& mesh, const Element& e, PlyValues& values, uint64_t vertic
     for (const Property& p : e.properties)
         found = found || (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"));
     if (!found) fail(values.where(), "faces must have the list vertex_indices");
+    // What another element has given is white
+    if (colors && color.given()) colors->faces.resize(mesh.triangles.size());
     for (uint64_t i = 0; i < e.count; ++i) {
         for (size_t k = 0; k < e.properties.size(); ++k) {
             const Property& p = e.properties[k];
@@ -386,6 +388,7 @@ Mesh read_ply(const std::string& path, const std::string& asked_at, FileColors* 
         }
     }
     if (mesh.triangles.empty()) fail(path, "the file has no faces");
+    if (colors && !colors->faces.empty()) colors->faces.resize(mesh.triangles.size());
     check_mesh(mesh, path);
     return mesh;
 }
