@@ -193,7 +193,6 @@ def test_arrays_of_many_kinds_make_a_scene():
         ({"triangles": [[0, 1]]}, r"triangles must have shape \(N, 3\)"),
         ({"base_color": (1, 1)}, "base_color must have 3 values, got 2"),
         ({"base_color": 3}, "base_color must be 3 numbers, got 3"),
-        ({"base_color": 3}, "base_color must be 3 numbers, got 3"),
         ({"base_color": "red"}, "base_color must be 3 numbers, got 'red'"),
         ({"vertices": np.array(CARD[0]) * 1j}, "vertices must be real numbers, got dtype complex"),
         ({"normals": np.ones((4, 3)) * 1j}, "normals must be real numbers, got dtype complex"),

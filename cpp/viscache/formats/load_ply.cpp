@@ -426,6 +426,8 @@ void read_faces(Mesh& mesh, Element& e, PlyValues& values, Loading& loading, Fil
         found = found || corners;
     }
     if (!found) fail(values.where(), e.name + (strips ? "" : "s") + " must have the list vertex_indices");
+    // What another element has given is white
+    if (color.given()) colors->faces.resize(mesh.triangles.size());
     for (uint64_t i = 0; i < e.count; ++i) {
         for (size_t k = 0; k < e.properties.size(); ++k) {
             const Property& p = e.properties[k];
@@ -511,6 +513,7 @@ Mesh read_ply(const std::string& path, Loading& loading, const std::string& aske
     }
     for (auto& [element, from] : later) read(*element, from);
     if (mesh.triangles.empty()) fail(path, "the file has no faces");
+    if (colors && !colors->faces.empty()) colors->faces.resize(mesh.triangles.size());
     check_mesh(mesh, path);
     tell_unread(header, path, asked_at.empty(), loading);
     return mesh;

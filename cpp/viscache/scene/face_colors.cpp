@@ -6,6 +6,9 @@
 namespace viscache {
 
 void color_faces(Mesh& mesh, std::span<const VertexColor> faces) {
+    if (faces.size() != mesh.triangles.size())
+        throw SceneError("colours of faces must be one per triangle (" +
+                         std::to_string(mesh.triangles.size()) + "), got " + std::to_string(faces.size()));
     std::vector<char> used(mesh.vertices.size(), 0);
     std::unordered_map<uint64_t, uint32_t> copies;  // by vertex and colour
     mesh.colors.assign(mesh.vertices.size(), {});

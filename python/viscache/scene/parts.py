@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +30,27 @@ def origin_of(given: Any) -> tuple[float, float, float]:
     return x, y, z
 
 
-def checked_meshes(value: Any) -> Sequence[Mesh]:
+def add_meshes(
+    description: SceneDescription,
+    vertices: npt.ArrayLike | Sequence[Mesh],
+    triangles: npt.ArrayLike | None,
+    base_color: Any,
+    normals: npt.ArrayLike | None,
+    colors: npt.ArrayLike | None,
+) -> None:
+    """Add one mesh, or a list of meshes in the place of vertices."""
+    if triangles is not None:
+        one = cast("npt.ArrayLike", vertices)
+        return add_mesh(description, one, triangles, base_color, normals, colors=colors)
+    for name, given in (("normals", normals), ("colors", colors)):
+        require(given is None, f"{name} must be left out with a list of meshes", given)
+    for mesh in _checked_meshes(vertices):
+        material = mesh[2] if len(mesh) > 2 and mesh[2] is not None else base_color
+        own = mesh[3] if len(mesh) > 3 else None
+        add_mesh(description, mesh[0], mesh[1], material, colors=own)
+
+
+def _checked_meshes(value: Any) -> Sequence[Mesh]:
     """The list of meshes; ValueError for anything else."""
     listed = isinstance(value, (list, tuple)) and all(
         isinstance(mesh, (list, tuple)) and 2 <= len(mesh) <= 4 for mesh in value

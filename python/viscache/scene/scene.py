@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
+from typing import Any, ClassVar, Literal, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,10 +19,10 @@ from viscache.scene import queries
 from viscache.scene.about import info, placed_coplanar_share, problems
 from viscache.scene.environments import apply_environment
 from viscache.scene.html import scene_html
-from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes, origin_of
+from viscache.scene.parts import Mesh, add_meshes, add_trimesh, origin_of
 from viscache.scene.queries import Intersection
 from viscache.scene.sky import Sky
-from viscache.settings.checks import checked_floats, checked_threads, require
+from viscache.settings.checks import checked_floats, checked_threads
 from viscache.settings.chosen_rays import check_rays
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf
 from viscache.settings.spelling import spelled
@@ -92,10 +92,9 @@ class Scene:
             Shading normals of a single mesh.
         colors : (V, 3), (V, 4), (T, 3) or (T, 4), optional
             Colours of the vertices or, if there are T of them and not V, of the triangles of a
-            single mesh. They multiply the base colour. Floats are linear and in [0, 1]; uint8 are
-            sRGB, as in pictures, scans and trimesh. A fourth value is alpha, and multiplies the
-            material's: the share of the surface that is there, or what a material with
-            `alpha_cutoff` >= 0 is cut by. Four bytes a vertex are kept.
+            single mesh; they multiply the base colour. Floats are linear, in [0, 1]; uint8 are
+            sRGB, as in pictures and trimesh. Alpha is the share of the surface that is there, or
+            what a material with `alpha_cutoff` >= 0 is cut by. A vertex keeps four bytes.
         base_color : (3,) float in [0, 1], optional
             Albedo of meshes without a material: 0.5 by default, and 1 with colours.
         env : Sky, path, float, (3,) or (H, W, 3), optional
@@ -122,16 +121,7 @@ class Scene:
         2
         """
         description = SceneDescription(origin_of(origin))
-        if triangles is None:
-            for name, given in (("normals", normals), ("colors", colors)):
-                require(given is None, f"{name} must be left out with a list of meshes", given)
-            for mesh in checked_meshes(vertices):
-                material = mesh[2] if len(mesh) > 2 and mesh[2] is not None else base_color
-                own = mesh[3] if len(mesh) > 3 else None
-                add_mesh(description, mesh[0], mesh[1], material, colors=own)
-        else:
-            one = cast("npt.ArrayLike", vertices)
-            add_mesh(description, one, triangles, base_color, normals, colors=colors)
+        add_meshes(description, vertices, triangles, base_color, normals, colors)
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
