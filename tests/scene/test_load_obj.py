@@ -236,6 +236,7 @@ def test_materials_mean_what_their_exporter_means(tmp_path, mtl, found):
         ("Tf 1 0 0\nNi 1.5\nillum 7", r"m\.mtl:1: the tint of glass \(Tf\) is not modelled"),
         ("illum 4\nTf 1 .2 .2", r"m\.mtl:1: coloured transparency \(Tf\) is not modelled"),
         ("Tr .25", r"m\.mtl:1: 'Tr' without 'd' is read as 1 - opacity"),
+        ("Kd 1 0 red", r"m\.mtl:2: 'Kd' needs finite numbers; the line is not read"),
         ("Kd spectral file.rfl", r"m\.mtl:2: 'Kd spectral' is not read"),
         ("Kd xyz .1 .2 .3", r"m\.mtl:2: 'Kd xyz' is not read"),
         ("d -halo .5", r"m\.mtl:2: a halo is not modelled"),
@@ -453,3 +454,16 @@ def test_a_lamp_keeps_its_own_image_when_another_is_missing(tmp_path, gone):
     is_lamp = here == "map_Ke"
     assert (lamp["emission_texture"], material["base_texture"]) == ((0, -1) if is_lamp else (-1, 0))
     assert lamp["emission"] == pytest.approx([float(is_lamp)] * 3)
+
+
+def test_objects_of_mitsuba_files_have_its_materials_and_notes_of_their_own(tmp_path):
+    (tmp_path / "model.obj").write_text(
+        "mtllib gone.mtl\nusemtl a\ns 1\n" + FOLD + "f 1 2 3 4\ns 2\nf 2 5 6 3\nf 1 2\n"
+    )
+    shape = '<shape type="obj"><string name="filename" value="model.obj"/></shape>'
+    (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">{shape}</scene>')
+    scene = core.load_scene_file(str(tmp_path / "s.xml"), True)
+    ((where, told),) = scene.warnings
+    assert where.endswith("model.obj:13") and "fewer than three corners" in told
+    # It smooths over all edges, whatever the groups are
+    assert len(scene.mesh_arrays(0)["vertices"]) == 6
