@@ -129,7 +129,8 @@ void bind_materials(py::class_<SceneDescription>& d) {
         [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
            float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff, CoatKind coat,
            bool nonlinear, bool thin, float opacity, float metallic, int metallic_roughness_texture,
-           int roughness_texture, Float3 metal_eta, Float3 metal_k, bool beckmann) {
+           int roughness_texture, Float3 metal_eta, Float3 metal_k, bool beckmann, float f90,
+           Float3 transmission) {
             d.materials.push_back({kind,
                                    vec3(base_color),
                                    vec3(specular),
@@ -147,7 +148,9 @@ void bind_materials(py::class_<SceneDescription>& d) {
                                    metallic_roughness_texture,
                                    roughness_texture,
                                    {vec3(metal_eta), vec3(metal_k)},
-                                   beckmann});
+                                   beckmann,
+                                   f90,
+                                   vec3(transmission)});
             return int(d.materials.size()) - 1;
         },
         py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
@@ -157,7 +160,8 @@ void bind_materials(py::class_<SceneDescription>& d) {
         py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
         py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
         py::arg("roughness_texture") = -1, py::arg("metal_eta") = Float3{0, 0, 0},
-        py::arg("metal_k") = Float3{0, 0, 0}, py::arg("beckmann") = false,
+        py::arg("metal_k") = Float3{0, 0, 0}, py::arg("beckmann") = false, py::arg("f90") = 1.f,
+        py::arg("transmission") = Float3{1, 1, 1},
         "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
         "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
         "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
@@ -174,7 +178,12 @@ void bind_materials(py::class_<SceneDescription>& d) {
         "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
         "0:\n"
         "its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with\n"
-        "beckmann=True; those of a rough coat are named by its kind.");
+        "beckmann=True; those of a rough coat are named by its kind.\n"
+        "With the coat fresnel_mix the base loses what the lobe's Schlick term, from specular to f90,\n"
+        "reflects at the half vector, as glTF defines it; a thin dielectric with it reflects by that\n"
+        "term. A thin glossy material with it is a sheet: it lets transmission, less what the lobe\n"
+        "reflects, straight through. transmission is also the tint of glass: the factor of light at each\n"
+        "surface that it passes; base_texture multiplies it. Rays to lights end at glass and sheets.");
 }
 
 void bind_instances(py::class_<SceneDescription>& d) {
@@ -337,6 +346,7 @@ void bind_description(py::module_& m) {
         .value("SMOOTH", CoatKind::kSmooth)
         .value("ROUGH", CoatKind::kRough)
         .value("BECKMANN", CoatKind::kBeckmann)
+        .value("FRESNEL_MIX", CoatKind::kFresnelMix)
         .finalize();
 
     py::class_<SceneDescription> d(

@@ -96,12 +96,15 @@ void bind_shading_point(py::module_& s) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta, CoatKind coat, bool nonlinear, Float3 metal_eta,
-                         Float3 metal_k, bool beckmann) {
+                         Float3 metal_k, bool beckmann, float f90) {
                  // In the order of the struct's members; what it has no place for is set below.
                  ShadingPoint sp{
                      vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
                      kind,     eta};
-                 if (coat != CoatKind::kNone) sp.coat = &coat_of(coat, eta, roughness, nonlinear);
+                 if (coat == CoatKind::kFresnelMix)
+                     sp.mix = {true, f90, max_component(sp.specular), f90};
+                 else if (coat != CoatKind::kNone)
+                     sp.coat = &coat_of(coat, eta, roughness, nonlinear);
                  const Conductor metal{vec3(metal_eta), vec3(metal_k)};
                  if (metal.is_given()) sp.metal = &kept(metal);
                  sp.beckmann = beckmann || coat == CoatKind::kBeckmann;
@@ -112,7 +115,7 @@ void bind_shading_point(py::module_& s) {
              py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f,
              py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false,
              py::arg("metal_eta") = Float3{0, 0, 0}, py::arg("metal_k") = Float3{0, 0, 0},
-             py::arg("beckmann") = false);
+             py::arg("beckmann") = false, py::arg("f90") = 1.f);
     s.def(
         "eval_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {

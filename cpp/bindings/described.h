@@ -64,7 +64,8 @@ inline py::dict material_dict(const Material& m) {
         py::arg("opacity") = m.opacity, py::arg("metallic") = m.metallic,
         py::arg("metallic_roughness_texture") = m.metallic_roughness_texture,
         py::arg("roughness_texture") = m.roughness_texture, py::arg("metal_eta") = array3(m.metal.eta),
-        py::arg("metal_k") = array3(m.metal.k), py::arg("beckmann") = m.beckmann);
+        py::arg("metal_k") = array3(m.metal.k), py::arg("beckmann") = m.beckmann, py::arg("f90") = m.f90,
+        py::arg("transmission") = array3(m.transmission));
 }
 
 /// Names of the falloffs of spot lights, in the order of `Falloff`.

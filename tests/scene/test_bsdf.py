@@ -57,6 +57,10 @@ POINTS = {
     "Beckmann's copper, tilted normals": glossy(0.7, 0.3, beckmann=True, **COPPER, **TILTED),
     "Beckmann's rough copper": glossy(0.3, 0.8, beckmann=True, **COPPER),
     "Beckmann's coat": glossy(0.5, 0.2, (0.2, 0.6, 0.3), coat=CoatKind.BECKMANN),
+    "mix": glossy(0.5, 0.2, (0.2, 0.6, 0.3), (0.04, 0.02, 0.03), coat=CoatKind.FRESNEL_MIX),
+    "mix, tilted normals": glossy(
+        0.5, 0.4, (0.2, 0.6, 0.3), (0.01, 0.02, 0), coat=CoatKind.FRESNEL_MIX, f90=0.5, **TILTED
+    ),
 }
 each_point = pytest.mark.parametrize("name", POINTS)
 
@@ -118,7 +122,11 @@ def test_reflection_is_the_same_both_ways(name):
                 base=(0.2, 0.6, 0.3),
                 specular=(0.04, 0.3, 1),
                 roughness=0.4,
-                coat=CoatKind.ROUGH if "coat" in name else CoatKind.NONE,
+                coat=CoatKind.ROUGH
+                if "coat" in name
+                else CoatKind.FRESNEL_MIX
+                if "mix" in name
+                else CoatKind.NONE,
                 beckmann="Beckmann" in name,
                 **normals,
             )
@@ -127,6 +135,44 @@ def test_reflection_is_the_same_both_ways(name):
     there = np.array([f(a, b) for a, b in w])
     assert there == pytest.approx(np.array([f(b, a) for a, b in w]), rel=1e-4, abs=1e-7)
     assert 20 < np.count_nonzero(there.any(1)) < 100
+
+
+#: (1 − V·H)⁵ times the reflectance at grazing incidence, and cosines and azimuths
+MIX_SPECULAR, MIX_BASE = np.array([0.04, 0.02, 0.01]), np.array([0.8, 0.5, 0.2])
+ANGLES = [(t, a) for t in (0, 20, 40, 60, 75, 85) for a in (0, 50, 180)]
+
+
+def gltf_formula(wo, wi, alpha, f90):
+    """dielectric_brdf of glTF 2.0, appendix B, with KHR_materials_specular."""
+    h = (wo + wi) / np.linalg.norm(wo + wi)
+    n_l, n_v, n_h, v_h, a2 = wi[2], wo[2], h[2], wo @ h, alpha**2
+    d = a2 / (np.pi * (n_h**2 * (a2 - 1) + 1) ** 2)
+    seen = [2 * x / (x + np.sqrt(a2 + (1 - a2) * x**2)) for x in (n_l, n_v)]
+    lobe = d * seen[0] * seen[1] / (4 * n_l * n_v)
+    fresnel = MIX_SPECULAR + (f90 - MIX_SPECULAR) * (1 - v_h) ** 5
+    return (1 - fresnel.max()) * MIX_BASE / np.pi + fresnel * lobe
+
+
+@pytest.mark.parametrize("f90", [1, 0.3])
+@pytest.mark.parametrize("alpha", [1.0, 0.25, 0.09])
+def test_a_fresnel_mix_is_the_formula_of_gltf(alpha, f90):
+    def at(theta, azimuth):
+        t, a = np.radians([theta, azimuth])
+        return np.array([np.sin(t) * np.cos(a), np.sin(t) * np.sin(a), np.cos(t)])
+
+    for theta in (0, 30, 60, 80):
+        wo, wi = at(theta, 180), np.array([at(*w) for w in ANGLES])
+        sp = ShadingPoint(
+            MaterialKind.GLOSSY,
+            tuple(wo),
+            base=tuple(MIX_BASE),
+            specular=tuple(MIX_SPECULAR),
+            roughness=alpha,
+            coat=CoatKind.FRESNEL_MIX,
+            f90=f90,
+        )
+        want = [gltf_formula(wo, w, alpha, f90) for w in wi]
+        np.testing.assert_allclose(eval_bsdf(sp, wi), want, rtol=1e-5, atol=1e-6)
 
 
 # Energy

@@ -27,6 +27,12 @@ POINTS = {
     "Beckmann": glossy(0.7, 0.3, base=(0.3, 0.2, 0.1), specular=(0.9, 0.5, 0.04), beckmann=True),
     "Beckmann's copper, bent": glossy(0.7, 0.5, beckmann=True, **COPPER, **BENT),
     "grazing Beckmann's coat": glossy(0.05, 0.1, base=(0.3, 0.2, 0.1), coat=CoatKind.BECKMANN),
+    "mix": glossy(
+        0.7, 0.3, base=(0.3, 0.2, 0.1), specular=(0.04, 0.02, 0), coat=CoatKind.FRESNEL_MIX
+    ),
+    "grazing mix": glossy(
+        0.05, 0.1, base=(0.3, 0.2, 0.1), specular=(0.01,) * 3, coat=CoatKind.FRESNEL_MIX, f90=0.4
+    ),
     "sharp Beckmann's copper": glossy(0.8, 1e-3, beckmann=True, **COPPER),
 }
 

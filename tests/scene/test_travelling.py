@@ -114,6 +114,8 @@ MATERIALS: tuple[dict[str, Any], ...] = (
     *(PLASTIC | {"coat": "rough", "nonlinear": more} for more in (False, True)),
     PLASTIC | {"coat": "smooth"},
     *({"kind": "dielectric", "thin": thin} for thin in (False, True)),
+    *({"kind": "dielectric", "transmission": tint} for tint in ((1, 0.5, 1), (1, 1, 0.5))),
+    *(GLOSSY | {"specular": (0.04,) * 3, "coat": "fresnel_mix", "f90": more} for more in (0.9, 1)),
     *({"opacity": opacity} for opacity in (0.4, 0.41, 1)),
 )
 
@@ -192,7 +194,10 @@ def test_a_light_has_its_cone_and_the_geometry_has_none():
         ({"coat": "smooth", "kind": "diffuse"}, "only a glossy material has a coat"),
         ({"coat": "wet"}, "coat of a material must be one of"),
         ({"nonlinear": True}, "nonlinear needs a coat"),
-        ({"thin": True}, "only a dielectric can be thin"),
+        ({"thin": True}, "only a dielectric or a fresnel_mix can be thin"),
+        ({"f90": 0.5}, "only a fresnel_mix has f90"),
+        ({"kind": "glossy", "coat": "fresnel_mix", "f90": 0.5}, "f90 must be in"),
+        ({"transmission": (1, 1, 2)}, "transmission must be in"),
         ({"opacity": 1.5}, r"opacity must be in \[0, 1\], got 1.5"),
     ],
 )

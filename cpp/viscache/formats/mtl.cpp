@@ -364,9 +364,7 @@ void MtlReader::glass(Material& m, const MtlMaterial& in) {
     m.kind = MaterialKind::kDielectric;
     m.eta = std::max(in.ni.value_or(1.5f), 1.f);
     if (!(m.eta < 10)) fail(where(in), "Ni must be below 10");
-    const Rgb tf = in.tf.value_or(Rgb{1, 1, 1});
-    if (std::min({tf.x, tf.y, tf.z}) < 1)
-        loading_.warn(where(in), "the tint of glass (Tf) is not modelled; it is clear");
+    m.transmission = clamp01(in.tf.value_or(Rgb{1, 1, 1}));
     if (in.pr.value_or(0) > 0) loading_.warn(where(in), "rough glass is not modelled; it is smooth");
 }
 
@@ -427,7 +425,10 @@ MtlReader::Look MtlReader::look(int index) {
         lobe(m, in, in.map_kd || !is_black(m.base_color));
         m.opacity = in.map_d && opaque == 0 ? 1 : opaque;
     }
-    if (in.map_kd) m.base_texture = add_image(out, *in.map_kd, path, true);
+    if (in.map_kd && m.kind == MaterialKind::kDielectric)  // it would tint the glass
+        loading_.warn(at_line(path, in.map_kd->line), "an image of Kd on glass is not modelled");
+    else if (in.map_kd)
+        m.base_texture = add_image(out, *in.map_kd, path, true);
     if (in.map_d) m.alpha_texture = add_image(out, *in.map_d, path, false);
     if (in.map_pr && m.kind == MaterialKind::kGlossy && m.metallic == 0)
         m.metallic_roughness_texture = add_image(out, *in.map_pr, path, false);

@@ -157,8 +157,11 @@ private:
             return;
         }
         switch (material.kind) {
-            case MaterialKind::kDiffuse:
-            case MaterialKind::kGlossy: store(b, s, material, front); break;
+            case MaterialKind::kDiffuse: store(b, s, material, front); break;
+            case MaterialKind::kGlossy:
+                store(b, s, material, front);
+                if (material.thin && (front || material.two_sided)) pass(b, s, front);
+                break;
             case MaterialKind::kMirror:
                 // The back of a one-sided mirror absorbs
                 if (material.two_sided || front)
@@ -177,21 +180,13 @@ private:
         // `Direct` shades what the camera sees itself; behind mirrors only emitters count
         if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
         const Vec3 ng = front ? s.ng : -s.ng;
-        ShadingPoint sp;
+        ShadingPoint sp = t_.scene.reflection(s);
         sp.ng = ng;
         sp.ns = front ? s.ns : -s.ns;
         sp.wo = -b.ray.d;
         // A shading normal that faces away from the eye would make the surface black: use the geometric
         // normal
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
-        sp.base = s.base_color;
-        sp.specular = s.specular;
-        sp.roughness = s.roughness;
-        sp.kind = material.kind;
-        sp.eta = material.eta;
-        sp.coat = t_.scene.coat(s.material);
-        sp.metal = t_.scene.metal(s.material);
-        sp.beckmann = material.has_beckmann();
         sp.mirror = material.coat == CoatKind::kSmooth;
         // Bounded below, since cells of a cache grow as the density falls
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), kLeastCosine);
@@ -265,17 +260,17 @@ private:
 
     /// Follows the reflected and the refracted branch of glass.
     void split(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
-        if (material.thin) return pass(b, s, material, front);
+        if (material.thin) return pass(b, s, front);
         const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
         const float cos_i = dot(s.ns, -b.ray.d);  // the sign tells the side
-        const float fresnel = fresnel_dielectric(cos_i, material.eta);
-        reflect(b, s, front, Rgb{fresnel, fresnel, fresnel});
-        // Total reflection
-        if (fresnel >= 1) return;
+        const GlassShares shares = glass_shares(t_.scene.reflection(s), cos_i);
+        reflect(b, s, front, shares.mirrored);
+        // Total reflection, or black glass
+        if (!(max_component(shares.passed) > 0)) return;
         const float eta = front ? 1 / material.eta : material.eta;  // incoming index over the other
         // The change of index compresses radiance. This cancels where the path leaves the glass again
         Branch through = b;
-        through.throughput = b.throughput * ((1 - fresnel) * eta * eta);
+        through.throughput = b.throughput * (shares.passed * eta * eta);
         // What `strength` undoes: a branch inside of glass is not weaker than it will be outside
         through.index2 = b.index2 / (eta * eta);
         const auto transmitted = viscache::refract(-b.ray.d, n, eta);
@@ -285,13 +280,13 @@ private:
         follow(through, s, -ng, *transmitted, 1);
     }
 
-    /// Follows the reflected branch of a thin plate, and the one that goes straight on.
-    void pass(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
-        const float reflectance = plate_reflectance(dot(s.ns, b.ray.d), material.eta);
-        if (reflectance > 0) reflect(b, s, front, Rgb{reflectance, reflectance, reflectance});
-        if (reflectance >= 1) return;
+    /// Follows the reflected branch of a thin plate, and the one that goes straight on, as through a sheet.
+    void pass(const Branch& b, const SurfacePoint& s, bool front) {
+        const GlassShares shares = glass_shares(t_.scene.reflection(s), dot(s.ns, b.ray.d));
+        if (max_component(shares.mirrored) > 0) reflect(b, s, front, shares.mirrored);
+        if (!(max_component(shares.passed) > 0)) return;
         Branch through = b;
-        through.throughput = b.throughput * (1 - reflectance);
+        through.throughput = b.throughput * shares.passed;
         follow(through, s, front ? -s.ng : s.ng, b.ray.d, 1);
     }
 

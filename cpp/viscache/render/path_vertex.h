@@ -19,6 +19,7 @@ struct PathVertex {
     double density = 0;
     bool front = true;     ///< hit on the side of the triangle normal
     bool connects = true;  ///< true for camera, light, diffuse and glossy vertices
+    bool passed = false;   ///< the path has gone on as in a mirror, or through glass or a glossy sheet
     bool infinite = false;
 };
 
@@ -40,7 +41,8 @@ inline Rgb reflected(const PathVertex& v, Vec3 eye, Vec3 light) {
 
 /// Density per sr of the direction to `to` for a path that came from `from`.
 inline double scatter_pdf(const PathVertex& v, Vec3 from, Vec3 to) {
-    return double(pdf_bsdf(shading_from(v, from), to));
+    const ShadingPoint sp = shading_from(v, from);
+    return double(pdf_bsdf(sp, to)) * (1 - double(pass_share(sp)));
 }
 
 /// Converts a density per sr at `from` to one per m² at `to`. It stays per sr if `to` is at infinity.

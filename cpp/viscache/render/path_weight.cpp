@@ -5,6 +5,11 @@ namespace viscache {
 double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> light,
                    const JoinDensities& join, StrategyRules rules) {
     const size_t t = eye.size(), s = light.size();
+    // Whether a connection could touch a vertex of this path. At the last one, the path scatters where it
+    // may pass a glossy sheet elsewhere
+    const auto rough = [](std::span<const PathVertex> path, size_t i) {
+        return path[i].connects && (i + 1 == path.size() || !path[i].passed);
+    };
     // All densities relative to the strategy that made the path: ratios stay in range where
     // products of ten densities would not
     double others = 0;
@@ -19,7 +24,7 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
         const bool allowed = i > 1 || (rules.to_camera && s + t > 2);
         // Strategies whose connection would touch a mirror cannot make this path, but ratios go on
         // through it
-        if (allowed && eye[i].connects && eye[i - 1].connects) others += ratio;
+        if (allowed && rough(eye, i) && rough(eye, i - 1)) others += ratio;
     }
     // Strategies with more eye vertices
     ratio = 1;
@@ -29,8 +34,8 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
                                             : light[i].reverse;
         ratio *= reverse / light[i].forward;
         // i = 0: the eye path finds the light itself, without a connection
-        const bool allowed = i == 0 ? rules.hittable : light[i - 1].connects;
-        if (allowed && light[i].connects) others += ratio;
+        const bool allowed = i == 0 ? rules.hittable : rough(light, i - 1);
+        if (allowed && rough(light, i)) others += ratio;
     }
     // An eye path may hit a light that is not hittable. The hit counts only if no other strategy finds this
     // path

@@ -9,7 +9,8 @@ struct SpecularEvent {
     Vec3 direction;
     Vec3 normal;  ///< normal that was used, on the side where the light arrives
     double probability = 1;
-    float eta = 1;  ///< index of the side of arrival over that of the other side; 1: reflected
+    float eta = 1;       ///< index of the side of arrival over that of the other side; 1: reflected
+    Rgb share{1, 1, 1};  ///< of the light
 };
 
 /// The event for a direction on either side of the surface. Mirrors use the shading normal, or the geometric
@@ -22,21 +23,25 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
     // A shading normal that faces away from the ray would reflect it into the surface
     if (dot(n, from) <= 0) n = ng;
     const bool glass = v.surface.kind == MaterialKind::kDielectric;
-    const bool plate = glass && v.surface.thin;
-    // The probability of reflection is Fresnel's share itself, so the factor of either branch is
-    // one
-    const double fresnel =
-        plate   ? double(plate_reflectance(dot(n, from), v.surface.eta))
-        : glass ? double(fresnel_dielectric(front ? dot(n, from) : -dot(n, from), v.surface.eta))
-                : 1.0;
+    ShadingPoint sp = v.surface;
+    sp.ns = n;
+    sp.wo = from;
+    // A sheet reflects as rough surfaces do
+    if (v.surface.kind == MaterialKind::kGlossy)
+        return SpecularEvent{-from, n, double(pass_share(sp)), 1, glass_shares(sp, dot(n, from)).passed};
+    const GlassShares shares =
+        glass ? glass_shares(sp, front ? dot(n, from) : -dot(n, from)) : GlassShares{{1, 1, 1}, {}};
+    // The probability of reflection is Fresnel's share itself, so the factor of either branch of
+    // clear glass is one
+    const double fresnel = double(max_component(shares.mirrored));
     // A thin plate does not bend the ray
-    if (through && plate) return SpecularEvent{-from, n, 1 - fresnel, 1};
+    if (through && v.surface.thin) return SpecularEvent{-from, n, 1 - fresnel, 1, shares.passed};
     if (through) {
         const float eta = front ? 1 / v.surface.eta : v.surface.eta;
         const auto direction = refract(from, n, eta);
         // Total reflection, or a shading normal that sends the ray back to its own side
         if (!direction || dot(*direction, ng) >= 0) return std::nullopt;
-        return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta};
+        return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta, shares.passed};
     }
     Vec3 direction = n * (2 * dot(from, n)) - from;
     // Reflected below the true surface: the geometric normal cannot do that
@@ -44,7 +49,7 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
         n = ng;
         direction = n * (2 * dot(from, n)) - from;
     }
-    return SpecularEvent{normalize(direction), n, fresnel, 1};
+    return SpecularEvent{normalize(direction), n, fresnel, 1, shares.mirrored};
 }
 
 std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport, Rng& rng) {
@@ -52,9 +57,10 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
     constexpr float kSameDirection = 0.999f;
     const bool glass = v.surface.kind == MaterialKind::kDielectric;
     const Vec3 from = v.surface.wo;
-    auto event = specular_event(v, from, false);
-    const bool through = glass && double(rng.next()) >= event->probability;
-    if (through) event = specular_event(v, from, true);
+    const bool sheet = v.surface.kind == MaterialKind::kGlossy;
+    auto event = specular_event(v, from, sheet);
+    const bool through = sheet || (glass && double(rng.next()) >= event->probability);
+    if (through && !sheet) event = specular_event(v, from, true);
     // The rest of the energy is lost here, as in paths from the eye
     if (!event || !(event->probability > 0)) return std::nullopt;
     Scatter s;
@@ -67,9 +73,10 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
     const auto back = specular_event(v, s.direction, through);
     if (back && dot(back->direction, from) > kSameDirection) s.pdf_back = back->probability;
     s.factor =
-        // Glass divides its share by the probability of the event, which is the same number
-        glass ? Rgb{1, 1, 1}
-              : mirror_reflectance(v.surface.specular, v.surface.metal, std::fabs(dot(v.surface.ns, from)));
+        // Clear glass divides its share by the probability of the event, which is the same number
+        glass || sheet
+            ? event->share / float(event->probability)
+            : mirror_reflectance(v.surface.specular, v.surface.metal, std::fabs(dot(v.surface.ns, from)));
     if (transport == Transport::kImportance)
         // Light paths: cosines of shading normals do not cancel (Veach 1997, Sec. 5.3). Radiance,
         // but not importance, is compressed by η²
@@ -89,15 +96,18 @@ std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, R
     Scatter s;
     s.direction = drawn->wi;
     s.side = sp.ng;
-    s.pdf = double(drawn->pdf);
+    // A path that does not pass a sheet
+    const float rest = 1 - pass_share(sp);
+    s.pdf = double(drawn->pdf * rest);
     // Density of the same edge walked the other way, which the weights of all strategies need
     s.pdf_back = scatter_pdf(v, drawn->wi, sp.wo);
-    s.factor = drawn->weight;
+    s.factor = drawn->weight / rest;
     if (transport == Transport::kImportance)
         s.factor =
             // For light paths the roles of the two directions change: the eye lies where the path
             // goes on
-            reflected(v, drawn->wi, sp.wo) * (dot(sp.ng, drawn->wi) / (dot(sp.ng, sp.wo) * drawn->pdf));
+            reflected(v, drawn->wi, sp.wo) *
+            (dot(sp.ng, drawn->wi) / (dot(sp.ng, sp.wo) * drawn->pdf * rest));
     return s;
 }
 
@@ -107,7 +117,12 @@ std::optional<Scatter> scatter(const PathVertex& v, Transport transport, Rng& rn
     std::optional<Scatter> s;
     switch (v.surface.kind) {
         case MaterialKind::kDiffuse:
-        case MaterialKind::kGlossy: s = scatter_rough(v, transport, rng); break;
+        case MaterialKind::kGlossy: {
+            const float pass = pass_share(shading_from(v, v.surface.wo));
+            s = pass > 0 && rng.next() < pass ? scatter_specular(v, transport, rng)
+                                              : scatter_rough(v, transport, rng);
+            break;
+        }
         case MaterialKind::kMirror:
         case MaterialKind::kDielectric: s = scatter_specular(v, transport, rng); break;
     }

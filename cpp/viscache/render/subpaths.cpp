@@ -147,15 +147,6 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     v = vertex_at(w, hit, s);
     // Unfolded length through mirrors and glass, over which the cache's density spreads
     w.distance += hit.t;
-    v.surface.base = s.base_color;
-    v.surface.specular = s.specular;
-    v.surface.roughness = s.roughness;
-    v.surface.kind = material.kind;
-    v.surface.eta = material.eta;
-    v.surface.coat = c_.scene.coat(s.material);
-    v.surface.metal = c_.scene.metal(s.material);
-    v.surface.beckmann = material.has_beckmann();
-    v.surface.thin = material.thin;
     v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
     return true;
 }
@@ -163,6 +154,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
 /// The vertex at the end of the ray of a walker: position, normals, densities.
 PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const SurfacePoint& s) const {
     PathVertex v;
+    v.surface = c_.scene.reflection(s);
     v.front = dot(s.ng, w.ray.d) <= 0;
     v.position = s.position;
     v.surface.ng = v.front ? s.ng : -s.ng;
@@ -180,7 +172,7 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
 
 /// Scatters at the last vertex. False if the sub-path ends.
 bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> path) const {
-    const PathVertex& v = path.back();
+    PathVertex& v = path.back();
     // The density of the way back is known only now that the path has gone on
     PathVertex& before = path[path.size() - 2];
     const auto purpose = transport == Transport::kRadiance ? Purpose::kEyeSubpath : Purpose::kLightSubpath;
@@ -188,6 +180,7 @@ bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> 
     Rng rng(c_.frame.seed, purpose, w.stream, path.size());
     const auto s = scatter(v, transport, rng);
     if (!s) return false;
+    v.passed = s->specular;
     before.reverse = to_area(s->pdf_back, v, before);
     w.beta = w.beta * s->factor;
     w.pdf = s->pdf;

@@ -31,7 +31,7 @@ struct Photon {
 struct Landing {
     const SurfacePoint& s;
     const Material& material;
-    const Coat* coat;
+    ShadingPoint sp;  ///< with the direction the photon came from, and normals on its side
     Vec3 ng, ns, wi;  ///< wi: direction the photon came from
     bool front;
 };
@@ -63,14 +63,13 @@ Rgb tint(const Landing& l, const Scene& scene) {
 
 /// Glass reflects or refracts at random. False where an eye path would end as well.
 bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
-    if (l.material.thin) {
-        const float reflectance = plate_reflectance(dot(l.ns, l.wi), l.material.eta);
-        // One branch at random, with the probability of its share: the photon keeps its flux
-        if (rng.next() < reflectance) return mirror(photon, l, {1, 1, 1}, extent);
-        return leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
-    }
-    const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
-    if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
+    // One branch at random, with the probability of its share: in clear glass the photon keeps its flux
+    const GlassShares shares = glass_shares(l.sp, dot(l.s.ns, l.wi));
+    const float fresnel = max_component(shares.mirrored);
+    if (rng.next() < fresnel) return mirror(photon, l, shares.mirrored / fresnel, extent);
+    photon.flux = photon.flux * (shares.passed / (1 - fresnel));
+    if (l.material.thin) return leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
+    const float eta = l.material.eta;
     const auto through = refract(l.wi, l.ns, l.front ? 1 / eta : eta);
     // The shading normal would bend it back to its own side
     if (!through || dot(*through, l.ng) >= 0) return false;
@@ -81,16 +80,7 @@ bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
 /// Stores a VPL and continues in a cosine-distributed direction, with the probability of the albedo. VPLs do
 /// not carry the glossy lobe: they reflect the rest diffusely.
 bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
-    // Only what the diffuse part of the albedo depends on
-    ShadingPoint sp;
-    sp.kind = l.material.kind;
-    sp.ng = l.ng;
-    sp.ns = l.ns;
-    sp.wo = l.wi;
-    sp.base = l.s.base_color;
-    sp.specular = l.s.specular;
-    sp.coat = l.coat;
-    const Rgb albedo = diffuse_albedo(sp);
+    const Rgb albedo = diffuse_albedo(l.sp);
     // Light arrives by the shading normal, flux by the geometric one: the quotient turns one into
     // the other
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
@@ -123,14 +113,30 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         const bool front = dot(s.ng, photon.ray.d) < 0;
         // Backs of one-sided surfaces absorb
         if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
-        const Landing l{
-            s,    material, scene.coat(s.material), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
+        Landing l{
+            s,    material, scene.reflection(s), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
             front};
+        l.sp.ng = l.ng;
+        l.sp.ns = l.ns;
+        l.sp.wo = l.wi;
         switch (material.kind) {
             case MaterialKind::kMirror: goes_on = mirror(photon, l, tint(l, scene), extent); break;
             case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng, extent); break;
             case MaterialKind::kDiffuse:
-            case MaterialKind::kGlossy: goes_on = reflect_diffusely(photon, l, rng, out, extent); break;
+            case MaterialKind::kGlossy: {
+                const float pass = pass_share(l.sp);
+                if (pass > 0) {
+                    const bool through = rng.next() < pass;
+                    photon.flux = through ? photon.flux * (glass_shares(l.sp, dot(l.ns, l.wi)).passed / pass)
+                                          : photon.flux / (1 - pass);
+                    if (through) {
+                        goes_on = leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
+                        break;
+                    }
+                }
+                goes_on = reflect_diffusely(photon, l, rng, out, extent);
+                break;
+            }
         }
     }
 }

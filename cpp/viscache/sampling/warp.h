@@ -157,10 +157,14 @@ inline Vec3 sample_beckmann(float alpha, Vec2 u) {
     return normalize({tan * std::cos(phi), tan * std::sin(phi), 1});
 }
 
+/// (1 − cos)⁵, with which Schlick's approximation goes from normal to grazing incidence.
+inline float schlick_weight(float cos) {
+    const float m = std::clamp(1 - cos, 0.f, 1.f);
+    return m * m * m * m * m;
+}
 /// Schlick's approximation of the Fresnel reflectance, from the reflectance at normal incidence.
-inline Rgb schlick(Rgb f0, float cos) {
-    const float m = std::clamp(1 - cos, 0.f, 1.f), m5 = m * m * m * m * m;
-    return f0 + (Rgb{1, 1, 1} - f0) * m5;
+inline Rgb schlick(Rgb f0, float cos, float f90 = 1) {
+    return f0 + (Rgb{f90, f90, f90} - f0) * schlick_weight(cos);
 }
 /// Unpolarised reflectance of a smooth dielectric; 1 at total internal reflection. cos_i > 0 is outside,
 /// cos_i < 0 is inside. eta = interior index of refraction over exterior index.

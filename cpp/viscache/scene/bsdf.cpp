@@ -14,7 +14,15 @@ bool reflects(const ShadingPoint& sp, Vec3 wi) {
 /// Fresnel term of the glossy lobe.
 Rgb lobe_fresnel(const ShadingPoint& sp, float cos) {
     if (sp.coat) return sp.specular * fresnel_outside(cos, sp.coat->eta);
-    return sp.metal ? sp.specular * fresnel_conductor(*sp.metal, cos) : schlick(sp.specular, cos);
+    return sp.metal ? sp.specular * fresnel_conductor(*sp.metal, cos) : schlick(sp.specular, cos, sp.mix.f90);
+}
+
+/// Mean of 1 − F' at the half vectors of diffuse light: the mean of Schlick's (1 − cos_h)⁵, cosine-weighted
+/// over the hemisphere, is a function of cos_o, here a polynomial to 1.1e-5.
+float mix_left(const FresnelMix& mix, float cos_o) {
+    const float m = 1 - cos_o;
+    const float mean = 8.3e-5f + m * (2.0078e-3f + m * (9.38195e-3f + m * (7.67217e-3f + m * 9.02115e-3f)));
+    return 1 - mix.taken - (mix.taken90 - mix.taken) * mean;
 }
 
 /// Fraction of the light that the Fresnel term of the glossy lobe leaves to the diffuse part, towards an eye
@@ -22,6 +30,7 @@ Rgb lobe_fresnel(const ShadingPoint& sp, float cos) {
 Rgb under_lobe(const ShadingPoint& sp, float cos_o) {
     if (sp.kind != MaterialKind::kGlossy) return sp.base;
     if (sp.coat) return coated_base(*sp.coat, sp.base) * transmitted(sp.coat->transmittance.data(), cos_o);
+    if (sp.mix.on) return sp.base * mix_left(sp.mix, cos_o);
     return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
 }
 
@@ -38,7 +47,9 @@ float diffuse_entry(const ShadingPoint& sp, float cos_i) {
 }
 
 /// Cosine-weighted mean of `diffuse_entry`, for a glossy surface.
-float mean_entry(const ShadingPoint& sp) { return sp.coat ? sp.coat->mean : kEntry * 20 / 21; }
+float mean_entry(const ShadingPoint& sp) {
+    return sp.mix.on ? 1 : sp.coat ? sp.coat->mean : kEntry * 20 / 21;
+}
 
 }  // namespace
 
@@ -66,12 +77,14 @@ struct Reflection {
 Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
     if (!reflects(sp, wi)) return {};
     const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo), share = glossy_share(sp);
-    Reflection r{under_lobe(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi), (1 - share) * cos_i / kPi};
+    Reflection r{{}, (1 - share) * cos_i / kPi};
+    if (!sp.mix.on) r.f = under_lobe(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi);
     if (sp.kind == MaterialKind::kGlossy) {
         const Vec3 h = normalize(wi + sp.wo), local = frame_around(sp.ns).to_local(h);
         const float d = sp.beckmann ? beckmann_d(local, sp.roughness) : ggx_d(local, sp.roughness);
         const float seen = lobe_g1(sp, cos_o),
                     shadowed = d / (4 * cos_i * cos_o) * (lobe_g1(sp, cos_i) * seen);
+        if (sp.mix.on) r.f = sp.base * (sp.mix.left(dot(wi, h)) / kPi);
         r.f += lobe_fresnel(sp, dot(wi, h)) * shadowed;
         // Density of the normal h, visible or any, times dω_h/dω_i = 1 / (4 cos(wo, h))
         r.pdf += sp.beckmann ? share * d * local.z / (4 * dot(sp.wo, h)) : share * d * seen / (4 * cos_o);
@@ -90,6 +103,24 @@ Rgb diffuse_albedo(const ShadingPoint& sp) {
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).f; }
 
 float pdf_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).pdf; }
+
+GlassShares glass_shares(const ShadingPoint& sp, float cos) {
+    if (sp.mix.on) {
+        // The lobe of a glossy sheet reflects, no mirror
+        const Rgb f = schlick(sp.specular, std::fabs(cos), sp.mix.f90);
+        return {sp.kind == MaterialKind::kDielectric ? f : Rgb{},
+                sp.transmission * std::max(0.f, sp.mix.left(std::fabs(cos)))};
+    }
+    const float f = sp.thin ? plate_reflectance(cos, sp.eta) : fresnel_dielectric(cos, sp.eta);
+    return {{f, f, f}, sp.transmission * (1 - f)};
+}
+
+float pass_share(const ShadingPoint& sp) {
+    if (sp.kind != MaterialKind::kGlossy || !sp.thin) return 0;
+    const float cos_o = dot(sp.ns, sp.wo), passed = luminance(glass_shares(sp, cos_o).passed);
+    const float rest = luminance(lobe_fresnel(sp, cos_o)) + luminance(under_lobe(sp, cos_o));
+    return passed > 0 ? passed / (passed + rest) : 0.f;
+}
 
 std::optional<BsdfSample> sample_bsdf(const ShadingPoint& sp, float u_lobe, Vec2 u) {
     if (!above(sp, sp.wo)) return std::nullopt;

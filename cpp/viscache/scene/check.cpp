@@ -86,19 +86,30 @@ void check_material(const Material& m, size_t index, size_t images) {
     // Also refuses NaN, as all conditions here that are written as what must hold
     if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
     // The rest are combinations that no part of the shading is written for.
-    if (m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
+    const bool mix = m.coat == CoatKind::kFresnelMix, glass = m.kind == MaterialKind::kDielectric;
+    if (mix && m.kind != MaterialKind::kGlossy && !(glass && m.thin))
+        refuse(name, ": only a glossy material or a thin dielectric is a fresnel_mix");
+    if (!mix && m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
         refuse(name, ": only a glossy material has a coat");
-    if (m.nonlinear && m.coat == CoatKind::kNone) refuse(name, ": nonlinear needs a coat");
-    if (m.thin && m.kind != MaterialKind::kDielectric) refuse(name, ": only a dielectric can be thin");
+    if (!(m.f90 >= max_component(m.specular) || !mix) || !(m.f90 <= 1))
+        refuse(name, ": f90 must be in [specular, 1], got ", m.f90);
+    if (!mix && m.f90 != 1) refuse(name, ": only a fresnel_mix has f90");
+    if (!usable_color(m.transmission) || max_component(m.transmission) > 1)
+        refuse(name, ": transmission must be in [0, 1], got ", text(m.transmission));
+    if (m.kind == MaterialKind::kGlossy && m.thin && max_component(m.transmission + m.base_color) > 1 + 1e-5f)
+        refuse(name, ": base_color and transmission of a sheet must add up to at most 1, got ",
+               text(m.base_color), " and ", text(m.transmission));
+    if (m.nonlinear && (m.coat == CoatKind::kNone || mix)) refuse(name, ": nonlinear needs a coat");
+    if (m.thin && !glass && !mix) refuse(name, ": only a dielectric or a fresnel_mix can be thin");
     if (!(m.opacity >= 0 && m.opacity <= 1)) refuse(name, ": opacity must be in [0, 1], got ", m.opacity);
     if (!(m.metallic >= 0 && m.metallic <= 1)) refuse(name, ": metallic must be in [0, 1], got ", m.metallic);
-    if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || m.coat != CoatKind::kNone))
+    if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || (m.coat != CoatKind::kNone && !mix)))
         refuse(name, ": only a glossy material without a coat is metallic or has images of its roughness");
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
         refuse(name, ": metallic_roughness_texture and roughness_texture exclude each other");
     check_metal(m, name);
     // A rough coat says by its kind which distribution it has
-    const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;
+    const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;  // or a mix, GGX's
     if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
         refuse(name,
                ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");

@@ -95,6 +95,11 @@ std::string content_hash(const SceneDescription& d) {
         if (m.mixes_metal())
             h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
         if (m.beckmann) h.word(6);
+        if (m.coat == CoatKind::kFresnelMix) h.floats({m.f90});
+        if (m.transmits() && (m.transmission.x != 1 || m.transmission.y != 1 || m.transmission.z != 1)) {
+            h.word(7);
+            h.vec(m.transmission);
+        }
         if (m.metal.is_given()) {
             h.vec(m.metal.eta);
             h.vec(m.metal.k);

@@ -18,6 +18,8 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
     // Under a lobe, `diffuse_albedo` is a mean over cosines of a term proportional to 1 − (1 − cos)⁵, whose
     // mean is 20/21, or to the transmittance of the coat
     k.diffuse = diffuse_albedo(p) * ((p.coat ? 1 / p.coat->mean : k.glossy ? 21.f / 20 : 1.f) / kPi);
+    k.mix = p.mix;
+    if (p.mix.on && !k.black) k.diffuse = p.base / kPi;
     if (p.coat) {
         k.eta = p.coat->eta;
         k.transmittance = p.coat->transmittance.data();

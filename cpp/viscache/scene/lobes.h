@@ -18,14 +18,16 @@ struct RgbBlock {
 /// Reflection at one point: all terms that do not depend on the incoming direction.
 struct LobeConstants {
     Vec3 ns, ng, wo;
-    Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵ or T(cos_i)
-    Rgb f0;       ///< F0 of the lobe; under a coat and of a metal, the factor of its reflection
+    Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵, T(cos_i) or 1 −
+                  ///< F'
+    Rgb f0;  ///< F0 of the lobe; under a coat and of a metal, the factor of its reflection
     float cos_o = 0, alpha2 = 1;
     float outgoing = 0;                    ///< G1(cos_o)/(4 cos_o)
     float share = 0;                       ///< probability of sampling the lobe
     float eta = 1;                         ///< of the coat
     const float* transmittance = nullptr;  ///< steps of the coat's T; nullptr: no coat
     const Conductor* metal = nullptr;      ///< nullptr: none
+    FresnelMix mix{};
     bool glossy = false;
     bool beckmann = false;
     bool black = true;  ///< the surface reflects no light
@@ -145,11 +147,26 @@ inline __attribute__((always_inline)) void coated16(const LobeConstants& k, cons
     }
 }
 
+/// f·cos of a Fresnel mix.
+inline __attribute__((always_inline)) void mixed16(const LobeConstants& k, const float* x, const float* y,
+                                                   const float* z, RgbBlock& out) {
+    const float left = 1 - k.mix.taken, falls = k.mix.taken90 - k.mix.taken;
+    for (int i = 0; i < 16; ++i) {
+        const LobeValue v = lobe_value<false>(k, x[i], y[i], z[i]);
+        const float m = 1 - v.half, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
+        const float entry = (left - falls * m5) * v.cos, lobe = v.shadowed;
+        out.r[i] = v.on * (k.diffuse.x * entry + (k.f0.x + (k.mix.f90 - k.f0.x) * m5) * lobe);
+        out.g[i] = v.on * (k.diffuse.y * entry + (k.f0.y + (k.mix.f90 - k.f0.y) * m5) * lobe);
+        out.b[i] = v.on * (k.diffuse.z * entry + (k.f0.z + (k.mix.f90 - k.f0.z) * m5) * lobe);
+    }
+}
+
 template <bool kBeckmann>
 inline __attribute__((always_inline)) void glossy16_of(const LobeConstants& k, const float* x, const float* y,
                                                        const float* z, RgbBlock& out) {
     if (k.transmittance) return coated16<kBeckmann>(k, x, y, z, out);
     if (k.metal) return metal16<kBeckmann>(k, x, y, z, out);
+    if (k.mix.on) return mixed16(k, x, y, z, out);
     for (int i = 0; i < 16; ++i) {
         const LobeValue v = lobe_value<kBeckmann>(k, x[i], y[i], z[i]);
         const float cos = v.cos, lobe = v.shadowed;

@@ -15,10 +15,12 @@ enum class MaterialKind : uint8_t {
 
 /// The layer over the Lambertian part of a glossy material.
 enum class CoatKind : uint8_t {
-    kNone,      ///< none: the lobe has Schlick's Fresnel term of `specular`
-    kSmooth,    ///< a smooth dielectric of index `eta`
-    kRough,     ///< a rough dielectric of index `eta` and of `roughness`
-    kBeckmann,  ///< the same with Beckmann's microfacets
+    kNone,        ///< none: the lobe has Schlick's Fresnel term of `specular`
+    kSmooth,      ///< a smooth dielectric of index `eta`
+    kRough,       ///< a rough dielectric of index `eta` and of `roughness`
+    kBeckmann,    ///< the same with Beckmann's microfacets
+    kFresnelMix,  ///< none, but what the lobe's Schlick term reflects at the half vector is what the base
+                  ///< loses (glTF); of a thin dielectric: its reflectance is that term
 };
 
 struct Material {
@@ -33,8 +35,9 @@ struct Material {
     float alpha_cutoff = 0.5f;         ///< absent where alpha is below; negative: alpha is a share
     CoatKind coat = CoatKind::kNone;  ///< of glossy materials; under a coat, `specular` scales its reflection
     bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
-    bool thin = false;       ///< a dielectric that is a plate without thickness
-    float opacity = 1;       ///< share of the surface that is there; the rest are small holes
+    bool thin = false;  ///< a dielectric that is a plate without thickness, or a glossy sheet (kFresnelMix)
+                        ///< that lets light straight through
+    float opacity = 1;  ///< share of the surface that is there; the rest are small holes
     float metallic =
         0;  ///< of glossy materials: the share that is metal, whose `specular` is the base colour
     int metallic_roughness_texture = -1;  ///< image, as in glTF: green multiplies √roughness, blue `metallic`
@@ -42,7 +45,12 @@ struct Material {
     Conductor metal{};      ///< of mirrors and of glossy materials without a base: the index of refraction;
                             ///< `specular` then scales the reflection
     bool beckmann = false;  ///< the lobe of a glossy material without a rough coat is Beckmann's, not GGX's
+    float f90 = 1;          ///< of kFresnelMix: reflectance of the lobe at grazing incidence
+    Rgb transmission{1, 1, 1};  ///< factor of what passes a dielectric or a glossy sheet, once per surface;
+                                ///< `base_texture` multiplies it
 
+    /// True if light passes it: through glass, or straight through a glossy sheet.
+    bool transmits() const { return kind == MaterialKind::kDielectric || thin; }
     bool has_beckmann() const { return beckmann || coat == CoatKind::kBeckmann; }
     /// True if base colour, `specular` and `roughness` have to be found for each point.
     bool mixes_metal() const {

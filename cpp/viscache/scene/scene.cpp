@@ -235,7 +235,9 @@ void Scene::add_sphere_light_meshes() {
 }
 
 void Scene::build_coats() {
-    const auto coated = [](const Material& m) { return m.coat != CoatKind::kNone; };
+    const auto coated = [](const Material& m) {
+        return m.coat != CoatKind::kNone && m.coat != CoatKind::kFresnelMix;
+    };
     if (std::none_of(d_.materials.begin(), d_.materials.end(), coated)) return;
     for (const Material& m : d_.materials)
         coats_.push_back(coated(m) ? &coat_of(m.coat, m.eta, m.roughness, m.nonlinear) : nullptr);
@@ -252,9 +254,10 @@ void Scene::mix_metal(const Material& material, SurfacePoint& s) const {
         metallic *= given.z;
     }
     s.roughness = std::clamp(s.roughness, 1e-3f, 1.f);
-    metallic = std::clamp(metallic, 0.f, 1.f);
+    s.metallic = metallic = std::clamp(metallic, 0.f, 1.f);
     s.specular = s.specular * (1 - metallic) + s.base_color * metallic;
     s.base_color = s.base_color * (1 - metallic);
+    s.transmission = s.transmission * (1 - metallic);
 }
 
 SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {
@@ -291,8 +294,12 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     s.material = mesh.material;
     const Material& material = d_.materials[size_t(mesh.material)];
     s.base_color = material.base_color;
-    if (material.base_texture >= 0)
-        s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
+    s.transmission = material.transmission;
+    if (material.base_texture >= 0) {
+        const Rgb texel = sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
+        s.base_color = s.base_color * texel;
+        s.transmission = s.transmission * texel;
+    }
     s.specular = material.specular;
     s.roughness = material.roughness;
     if (material.mixes_metal()) mix_metal(material, s);
@@ -301,6 +308,26 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
         s.emission = s.emission * sample_image(d_.images[size_t(mesh.emission_texture)], s.uv).rgb;
     s.emits_two_sided = mesh.emits_two_sided;
     return s;
+}
+
+ShadingPoint Scene::reflection(const SurfacePoint& s) const {
+    const Material& material = d_.materials[size_t(s.material)];
+    ShadingPoint sp;
+    sp.base = s.base_color;
+    sp.specular = s.specular;
+    sp.roughness = s.roughness;
+    sp.kind = material.kind;
+    sp.eta = material.eta;
+    sp.metal = metal(s.material);
+    sp.beckmann = material.has_beckmann();
+    sp.thin = material.thin;
+    sp.transmission = s.transmission;
+    if (material.coat == CoatKind::kFresnelMix)
+        sp.mix = {true, s.metallic + (1 - s.metallic) * material.f90, max_component(material.specular),
+                  material.f90};
+    else
+        sp.coat = coat(s.material);
+    return sp;
 }
 
 bool Scene::has_cutout(uint32_t mesh) const {

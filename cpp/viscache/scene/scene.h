@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "viscache/math/bounds.h"
-#include "viscache/scene/coat.h"
+#include "viscache/scene/bsdf.h"
 #include "viscache/scene/description.h"
 #include "viscache/scene/envmap.h"
 #include "viscache/scene/lights.h"
@@ -61,6 +61,8 @@ public:
 
     /// Surface at the barycentric coordinates (u, v) of a triangle; instance < 0 for meshes of the world.
     SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v) const;
+    /// What the material reflects at that point; normals and `wo` are the caller's.
+    ShadingPoint reflection(const SurfacePoint& s) const;
     /// Mean radiance that a triangle of a mesh emits.
     Rgb mean_emission(uint32_t mesh, uint32_t triangle) const {
         return emission_means_.empty() || emission_means_[mesh].empty() ? d_.meshes[mesh].emission

@@ -13,6 +13,8 @@ struct SurfacePoint {
     Rgb base_color;          ///< albedo of the Lambertian part, with its images applied
     Rgb specular;            ///< of the material, with its images applied
     float roughness = 0.1f;  ///< the same
+    Rgb transmission;        ///< the same, of materials that light passes
+    float metallic = 0;      ///< share of metal, with its image applied
     Rgb emission;            ///< radiance emitted on the side of ng (on both sides when emits_two_sided)
     bool emits_two_sided = false;
 };

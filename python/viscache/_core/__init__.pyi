@@ -33,6 +33,7 @@ class CoatKind(enum.Enum):
     Layers over a glossy material.
     """
     BECKMANN: typing.ClassVar[CoatKind]
+    FRESNEL_MIX: typing.ClassVar[CoatKind]
     NONE: typing.ClassVar[CoatKind]
     ROUGH: typing.ClassVar[CoatKind]
     SMOOTH: typing.ClassVar[CoatKind]
@@ -71,7 +72,7 @@ class SceneDescription:
         Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; returns
         its index.
         """
-    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5, coat: CoatKind = CoatKind.NONE, nonlinear: bool = False, thin: bool = False, opacity: typing.SupportsFloat | typing.SupportsIndex = 1.0, metallic: typing.SupportsFloat | typing.SupportsIndex = 0.0, metallic_roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, metal_eta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], metal_k: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], beckmann: bool = False) -> int:
+    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5, coat: CoatKind = CoatKind.NONE, nonlinear: bool = False, thin: bool = False, opacity: typing.SupportsFloat | typing.SupportsIndex = 1.0, metallic: typing.SupportsFloat | typing.SupportsIndex = 0.0, metallic_roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, metal_eta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], metal_k: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], beckmann: bool = False, f90: typing.SupportsFloat | typing.SupportsIndex = 1.0, transmission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0]) -> int:
         """
         Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of
         refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a
@@ -87,6 +88,11 @@ class SceneDescription:
         metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both 0:
         its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with
         beckmann=True; those of a rough coat are named by its kind.
+        With the coat fresnel_mix the base loses what the lobe's Schlick term, from specular to f90,
+        reflects at the half vector, as glTF defines it; a thin dielectric with it reflects by that
+        term. A thin glossy material with it is a sheet: it lets transmission, less what the lobe
+        reflects, straight through. transmission is also the tint of glass: the factor of light at each
+        surface that it passes; base_texture multiplies it. Rays to lights end at glass and sheets.
         """
     def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
         """
