@@ -214,6 +214,8 @@ LOBE = np.sqrt(2 / 32)
         ("Kd .5 .5 .5\nNi 1.5\nTf 0 0 0\nillum 4", {"kind": D}),
         ("illum 7", {"kind": T, "eta": 1.5}),
         ("Ni 1\nillum 6\nKd .5 .5 .5\nTf 1 1 1", {"kind": D}),
+        ("Tf .9 .2 .2\nNi 1.5\nillum 7", {"kind": T, "transmission": [0.9, 0.2, 0.2]}),
+        ("Kd .5 0 0\nKs 1 1 1\nTf 1 0 0\nNi 1\nillum 7", {"kind": T, "eta": 1}),
         ("Ni 1.5\nillum 9\nTf 1 1 1", {"kind": T, "eta": 1.5}),
         ("Kd .5", {"base_color": [0.5, 0.5, 0.5]}),
         ("Kd 1 .5 .25 # orange", {"base_color": [1, 0.5, 0.25]}),
@@ -233,9 +235,10 @@ def test_materials_mean_what_their_exporter_means(tmp_path, mtl, found):
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ("Tf 1 0 0\nNi 1.5\nillum 7", r"m\.mtl:1: the tint of glass \(Tf\) is not modelled"),
+        ("map_Kd a.png\nNi 1.5\nillum 7", r"m\.mtl:2: an image of Kd on glass is not modelled"),
         ("illum 4\nTf 1 .2 .2", r"m\.mtl:1: coloured transparency \(Tf\) is not modelled"),
         ("Tr .25", r"m\.mtl:1: 'Tr' without 'd' is read as 1 - opacity"),
+        ("Kd 1 0 red", r"m\.mtl:2: 'Kd' needs finite numbers; the line is not read"),
         ("Kd spectral file.rfl", r"m\.mtl:2: 'Kd spectral' is not read"),
         ("Kd xyz .1 .2 .3", r"m\.mtl:2: 'Kd xyz' is not read"),
         ("d -halo .5", r"m\.mtl:2: a halo is not modelled"),
@@ -311,12 +314,14 @@ TWICE = [0.875, 0.875, 0.125, 0.125] * 2
         ("Kd .5 .5 .5\nmap_d half.png", [0.5] * 4 + [0] * 4, [0.5] * 4 + [1] * 4),
         ("Kd .5 .5 .5\nKs 0 0 0\nTr 1", [0.5] * 8, [0.5] * 8),  # MeshLab
         ("Kd .5 .5 .5\nillum 4\nTf 1 1 1\nNi 1", [0.5] * 8, [0.5] * 8),  # Maya
+        ("Tf .25 1 1\nNi 1\nillum 7", None, [0.25] * 8),  # a filter: the sky behind is tinted
     ],
 )
 def test_pictures_of_materials(tmp_path, mtl, albedo, picture):
     """Images with their options, and opaque materials that look like glass or like nothing."""
     found = seen(tmp_path, mtl)
-    np.testing.assert_allclose(found[1][4, :, 0], albedo, atol=0.02)
+    if albedo is not None:
+        np.testing.assert_allclose(found[1][4, :, 0], albedo, atol=0.02)
     np.testing.assert_allclose(found[0][4, :, 0], picture, atol=0.02)
 
 
@@ -453,3 +458,16 @@ def test_a_lamp_keeps_its_own_image_when_another_is_missing(tmp_path, gone):
     is_lamp = here == "map_Ke"
     assert (lamp["emission_texture"], material["base_texture"]) == ((0, -1) if is_lamp else (-1, 0))
     assert lamp["emission"] == pytest.approx([float(is_lamp)] * 3)
+
+
+def test_objects_of_mitsuba_files_have_its_materials_and_notes_of_their_own(tmp_path):
+    (tmp_path / "model.obj").write_text(
+        "mtllib gone.mtl\nusemtl a\ns 1\n" + FOLD + "f 1 2 3 4\ns 2\nf 2 5 6 3\nf 1 2\n"
+    )
+    shape = '<shape type="obj"><string name="filename" value="model.obj"/></shape>'
+    (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">{shape}</scene>')
+    scene = core.load_scene_file(str(tmp_path / "s.xml"), True)
+    ((where, told),) = scene.warnings
+    assert where.endswith("model.obj:13") and "fewer than three corners" in told
+    # It smooths over all edges, whatever the groups are
+    assert len(scene.mesh_arrays(0)["vertices"]) == 6

@@ -9,6 +9,16 @@ namespace {
 
 constexpr size_t kMaxCorners = 1 << 20;  ///< maximum per face
 
+/// The numbers of the rest of a line, which must hold `least` or more.
+Numbers numbers(std::string_view rest, size_t least, const WavefrontLines& lines) {
+    const Numbers found = numbers_of(rest);
+    if (!found.wrong.empty())
+        fail(lines.where(), "a finite number must stand here, got " + quoted(found.wrong));
+    if (found.count < least)
+        fail(lines.where(), std::to_string(least) + " numbers are needed, got " + std::to_string(found.count));
+    return found;
+}
+
 /// What becomes of a line that is no geometry.
 enum class ObjLine { kHarmless, kMaterial, kMaterialFile, kSmoothing, kPointOrLine, kCurve, kUnread };
 
@@ -67,8 +77,9 @@ struct Collected {
     std::vector<Corner> corners;  ///< of all faces, in their order
     std::vector<Face> faces;
     std::vector<State> states{State{}};
-    std::vector<std::pair<std::string, std::string>> names,
-        files;  ///< of materials and MTL files, with places
+    std::map<std::string, int> name_ids;
+    /// Names of materials and of MTL files, with the first place.
+    std::vector<std::pair<std::string, std::string>> names, files;
 
     void take(std::string_view line, const WavefrontLines& lines);
 
@@ -138,25 +149,25 @@ void Collected::take_files(std::string_view rest, const WavefrontLines& lines) {
 void Collected::take(std::string_view line, const WavefrontLines& lines) {
     const std::string_view key = next_word(line);
     if (key == "v") {
-        size_t given;
-        Rgb color;
-        positions.push_back(numbers(line, 3, lines, &given, &color));
-        if (given == 6) {
+        const Numbers given = numbers(line, 3, lines);
+        positions.push_back(given.first);
+        if (given.count == 6) {
             colors.resize(positions.size() - 1, {1, 1, 1});
-            colors.push_back(color);
+            colors.push_back(given.next);
         }
     } else if (key == "vn") {
-        normals.push_back(numbers(line, 3, lines));
+        normals.push_back(numbers(line, 3, lines).first);
     } else if (key == "vt") {
-        const Vec3 uv = numbers(line, 1, lines);
+        const Vec3 uv = numbers(line, 1, lines).first;
         uvs.push_back({uv.x, uv.y});
     } else if (key == "f") {
         take_face(line, lines);
     } else if (!key.empty() && key[0] != '#') {
         const ObjLine kind = kind_of(key);
         if (kind == ObjLine::kMaterial) {
-            states.push_back({int(names.size()), states.back().smoothing});
-            names.emplace_back(trimmed(line), lines.where());
+            const auto [found, is_new] = name_ids.try_emplace(std::string(trimmed(line)), int(names.size()));
+            if (is_new) names.emplace_back(found->first, lines.where());
+            states.push_back({found->second, states.back().smoothing});
         } else if (kind == ObjLine::kMaterialFile) {
             take_files(line, lines);
         } else if (kind == ObjLine::kSmoothing) {
@@ -337,11 +348,8 @@ std::vector<Mesh> read_obj(const std::string& path, Loading& loading, bool with_
     // groups.
     MtlReader mtl(loading);
     std::vector<int> of_name(with_materials ? all.names.size() : 0, -1), material;
-    for (const auto& [name, where] : all.files) try {
-            if (with_materials) mtl.read(resolve(path, name), where);
-        } catch (const SceneError& error) {
-            loading.warn(where, std::string(error.what()) + "; its materials are left out");
-        }
+    if (with_materials)
+        for (const auto& [name, where] : all.files) mtl.read(resolve(path, name), where);
     for (size_t i = 0; i < of_name.size(); ++i)
         if ((of_name[i] = mtl.find(all.names[i].first)) < 0)
             loading.warn(all.names[i].second, "a material that no MTL file defines is grey");

@@ -173,27 +173,31 @@ bool WavefrontLines::next(std::string_view& line) {
     return true;
 }
 
-Vec3 numbers(std::string_view rest, size_t least, const WavefrontLines& lines, size_t* given, Vec3* next) {
-    float first[6] = {};
-    size_t n = 0;
-    for (std::string_view w; !(w = next_word(rest)).empty() && w[0] != '#'; ++n) {
+Numbers numbers_of(std::string_view rest) {
+    Numbers found;
+    float* const first[6] = {&found.first.x, &found.first.y, &found.first.z,
+                             &found.next.x,  &found.next.y,  &found.next.z};
+    for (std::string_view w; !(w = next_word(rest)).empty() && w[0] != '#'; ++found.count) {
         const auto x = parse_number(w);
-        if (!x || !std::isfinite(*x))
-            fail(lines.where(), "a finite number must stand here, got " + quoted(w));
-        if (n < 6) first[n] = float(*x);
+        if (!x || !std::isfinite(*x)) {
+            found.wrong = w;
+            return found;
+        }
+        if (found.count < 6) *first[found.count] = float(*x);
     }
-    if (n < least)
-        fail(lines.where(), std::to_string(least) + " numbers are needed, got " + std::to_string(n));
-    if (given) *given = n;
-    if (next) *next = {first[3], first[4], first[5]};
-    return {first[0], first[1], first[2]};
+    return found;
 }
 
 void MtlReader::read(const std::string& path, const std::string& asked_at) {
     // Files that were joined name their materials once for each part.
     for (const File& file : files_)
         if (file.path == path) return;
-    const std::string text = read_file(path, asked_at);
+    std::string text;
+    try {
+        text = read_file(path);
+    } catch (const SceneError& error) {
+        return loading_.warn(asked_at, std::string(error.what()) + "; its materials are left out");
+    }
     const size_t first = materials_.size();
     files_.push_back({path});
     WavefrontLines lines(text, path);
@@ -250,10 +254,12 @@ void MtlReader::read_line(std::string_view key, std::string_view rest, const Wav
         loading_.warn(lines.where(), "a halo is not modelled");
         rest = words;
     }
-    size_t given = 0;
-    Vec3 v = numbers(rest, 0, lines, &given);
-    if (given < 2) v.y = v.x;  // one number is a grey
-    if (given < 3) v.z = v.x;
+    const auto [first, next, count, wrong] = numbers_of(rest);
+    if (!wrong.empty())
+        return loading_.warn(lines.where(), "'" + name + "' needs finite numbers; the line is not read");
+    Vec3 v = first;
+    if (count < 2) v.y = v.x;  // one number is a grey
+    if (count < 3) v.z = v.x;
     const float least = std::min({v.x, v.y, v.z}), most = max_component(v);
     if (row->is_share && (least < 0 || most > 1)) {
         loading_.warn(lines.where(), name + " must be in [0, 1]; it is clamped");
@@ -280,11 +286,12 @@ MtlImage MtlReader::image(std::string_view rest, const WavefrontLines& lines) {
         }
         // The last word is the name of the file, whatever it is.
         Vec3 v = row->standard;
+        float* const values[3] = {&v.x, &v.y, &v.z};
         for (int i = 0; i < row->numbers; ++i) {
             after = rest;
             const auto x = parse_number(next_word(after));
             if (!x || !std::isfinite(*x) || trimmed(after).empty()) break;
-            (&v.x)[i] = float(*x);
+            *values[i] = float(*x);
             rest = trimmed(after);
         }
         std::string word;
@@ -419,8 +426,9 @@ MtlReader::Look MtlReader::look(int index) {
         lobe(m, in, in.map_kd || !is_black(m.base_color));
         m.opacity = in.map_d && opaque == 0 ? 1 : opaque;
     }
-    // It would tint glass
-    if (in.map_kd && m.kind != MaterialKind::kDielectric)
+    if (in.map_kd && m.kind == MaterialKind::kDielectric)  // it would tint the glass
+        loading_.warn(at_line(path, in.map_kd->line), "an image of Kd on glass is not modelled");
+    else if (in.map_kd)
         m.base_texture = add_image(out, *in.map_kd, path, true);
     if (in.map_d) m.alpha_texture = add_image(out, *in.map_d, path, false);
     if (in.map_pr && m.kind == MaterialKind::kGlossy && m.metallic == 0)

@@ -32,10 +32,13 @@ private:
     size_t begin_ = 0, newline_ = 0, number_ = 0, read_ = 0;
 };
 
-/// The first three numbers of the rest of a line, which must hold `least` or more. `given`: how many it
-/// holds; `next`: the three that follow.
-Vec3 numbers(std::string_view rest, size_t least, const WavefrontLines& lines, size_t* given = nullptr,
-             Vec3* next = nullptr);
+/// The numbers of the rest of a line.
+struct Numbers {
+    Vec3 first{}, next{};  ///< three of them, and the three that follow
+    size_t count = 0;
+    std::string_view wrong;  ///< a word that is no finite number; empty: none
+};
+Numbers numbers_of(std::string_view rest);
 
 /// A texture line: `map_Kd -s 2 2 2 my wood.png`.
 struct MtlImage {
