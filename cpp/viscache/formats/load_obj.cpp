@@ -15,7 +15,8 @@ Numbers numbers(std::string_view rest, size_t least, const WavefrontLines& lines
     if (!found.wrong.empty())
         fail(lines.where(), "a finite number must stand here, got " + quoted(found.wrong));
     if (found.count < least)
-        fail(lines.where(), std::to_string(least) + " numbers are needed, got " + std::to_string(found.count));
+        fail(lines.where(),
+             std::to_string(least) + " numbers are needed, got " + std::to_string(found.count));
     return found;
 }
 

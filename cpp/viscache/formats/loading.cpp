@@ -126,7 +126,7 @@ void Loading::warn(const std::string& where, const std::string& text) {
 }
 
 void Loading::note(const std::string& where, const std::string& text) {
-    const auto [at, is_new] = said_.try_emplace(text, Said{scene.warnings.size()});
+    const auto [at, is_new] = said_.try_emplace(text, Said{scene.warnings.size(), 1, {}});
     if (is_new) return scene.warnings.push_back({where, text});
     Said& said = at->second;
     ++said.times;

@@ -20,7 +20,7 @@ struct LobeConstants {
     Vec3 ns, ng, wo;
     Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵, T(cos_i) or 1 −
                   ///< F'
-    Rgb f0;  ///< F0 of the lobe; under a coat and of a metal, the factor of its reflection
+    Rgb f0;       ///< F0 of the lobe; under a coat and of a metal, the factor of its reflection
     float cos_o = 0, alpha2 = 1;
     float outgoing = 0;                    ///< G1(cos_o)/(4 cos_o)
     float share = 0;                       ///< probability of sampling the lobe
