@@ -225,7 +225,11 @@ def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(cosine, 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize("coat", list(CoatKind)[1:])
 def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(cosine, coat):
-    coated = {"coat": coat, "nonlinear": True}
+    coated = {
+        "coat": coat,
+        "nonlinear": coat != CoatKind.FRESNEL_MIX,
+        "specular": (0.04,) * 3,
+    }
     look, direction = Look(kind="glossy", base_color=(0.8,) * 3, **coated), from_the_side(cosine)
     coated |= {"base": look.base_color, "roughness": look.roughness}
     lit = ShadingPoint(MaterialKind.GLOSSY, (direction[0], 0, cosine), **coated)

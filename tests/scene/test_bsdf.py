@@ -188,6 +188,18 @@ def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     return testing.sample_bsdf(sp, u)[1].astype(float).mean(0)
 
 
+@pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.3, 0.02])
+def test_what_a_fresnel_mix_leaves_to_the_base_is_a_mean_over_directions(cos_o):
+    cosine, azimuth = np.meshgrid(
+        np.sqrt((np.arange(512) + 0.5) / 512), np.arange(256) / 128 * np.pi
+    )
+    across = np.sqrt((1 - cosine**2) * (1 - cos_o**2)) * np.cos(azimuth)
+    weight = (1 - np.sqrt((1 + cosine * cos_o + across) / 2)) ** 5
+    sp = glossy(cos_o, base=(0.8,) * 3, specular=(0.04,) * 3, coat=CoatKind.FRESNEL_MIX)
+    want = 0.8 * (1 - 0.04 - 0.96 * weight.mean())
+    assert testing.diffuse_albedo(sp)[0] == pytest.approx(want, abs=3e-5)
+
+
 def test_a_fresnel_mix_reflects_less_than_arrives_below_a_base_of_095():
     cosines = (np.arange(8) + 0.5) / 8
 
