@@ -202,8 +202,8 @@ struct Face {
 struct Collected {
     std::vector<Vec3> positions, normals;
     std::vector<Vec2> uvs;
-    std::vector<Rgb> colors;  ///< of the first vertices, as they are in the file; white for those that follow
-    std::vector<Corner> corners;  ///< of all faces, in their order
+    std::vector<std::optional<Rgb>> colors;  ///< of the first vertices, as in the file; none: white
+    std::vector<Corner> corners;             ///< of all faces, in their order
     std::vector<Face> faces;
     std::vector<tinyobj::material_t> materials;
     std::vector<std::pair<size_t, std::string>>
@@ -260,8 +260,8 @@ bool Collected::take(std::string_view line, const Lines& lines) {
         std::optional<Rgb> color;
         positions.push_back(numbers(line, 3, lines, &color));
         if (color) {
-            colors.resize(positions.size() - 1, {1, 1, 1});
-            colors.push_back(*color);
+            colors.resize(positions.size() - 1);
+            colors.push_back(color);
         }
     } else if (key == "vn") {
         normals.push_back(numbers(line, 3, lines));
@@ -276,20 +276,21 @@ bool Collected::take(std::string_view line, const Lines& lines) {
     return true;
 }
 
-/// sRGB, as MeshLab and Blender write them; whole numbers above 1 are bytes.
-std::vector<VertexColor> decoded_colors(const Collected& all) {
-    const auto whole = [](Rgb c) { return c == Rgb{std::round(c.x), std::round(c.y), std::round(c.z)}; };
-    const auto bright = [](Rgb c) { return max_component(c) > 1; };
+/// sRGB, as MeshLab and Blender write them; whole numbers are bytes where some are above 1.
+std::vector<VertexColor> decoded_colors(const Collected& all, const std::string& path, Loading& loading) {
+    using Color = std::optional<Rgb>;
+    const auto whole = [](const Color& c) {
+        return !c || *c == Rgb{std::round(c->x), std::round(c->y), std::round(c->z)};
+    };
     const auto& given = all.colors;
-    const bool bytes =
-        std::any_of(given.begin(), given.end(), bright) && std::all_of(given.begin(), given.end(), whole);
+    const bool outside =
+        std::any_of(given.begin(), given.end(), [](const Color& c) { return c && is_clamped(*c); });
+    const float scale = outside && std::all_of(given.begin(), given.end(), whole) ? 1 : 255;
+    const auto byte = [&](float x) { return uint8_t(std::lround(std::clamp(x * scale, 0.f, 255.f))); };
+    if (outside && scale == 255) loading.warn(path, kClampedColors);
     std::vector<VertexColor> colors(given.empty() ? 0 : all.positions.size());
-    for (size_t i = 0; i < given.size(); ++i) {
-        const auto byte = [&](float x) {
-            return uint8_t(std::lround(std::clamp(bytes ? x : 255 * x, 0.f, 255.f)));
-        };
-        colors[i] = {byte(given[i].x), byte(given[i].y), byte(given[i].z)};
-    }
+    for (size_t i = 0; i < given.size(); ++i)
+        if (given[i]) colors[i] = {byte(given[i]->x), byte(given[i]->y), byte(given[i]->z)};
     return colors;
 }
 
@@ -340,17 +341,17 @@ struct Part {
     }
 };
 
-std::map<int, Part> build_parts(const Collected& all, bool split, const std::string& path) {
+std::map<int, Part> build_parts(const Collected& all, Loading* materials, const std::string& path) {
     std::map<int, Part> parts;
     std::vector<Vec3> polygon;
     std::vector<uint32_t> ids;
     std::vector<Vec3u> local;
-    const auto colors = split ? decoded_colors(all) : std::vector<VertexColor>{};
+    const auto colors = materials ? decoded_colors(all, path, *materials) : std::vector<VertexColor>{};
     const Corner* corner = all.corners.data();
     for (const Face& face : all.faces) {
         // One mesh per material. The map orders them by index, so the order of meshes does not depend on the
         // faces.
-        Part& part = parts[split ? face.material : -1];
+        Part& part = parts[materials ? face.material : -1];
         polygon.clear();
         ids.clear();
         local.clear();
@@ -384,7 +385,7 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
 
     std::vector<Mesh> meshes;
     std::map<int, int> material_of;
-    for (auto& [id, part] : build_parts(all, materials != nullptr, path)) {
+    for (auto& [id, part] : build_parts(all, materials, path)) {
         Mesh mesh = std::move(part.mesh);
         if (!part.has_normals) mesh.normals.clear();
         if (!part.has_uvs) mesh.uvs.clear();
