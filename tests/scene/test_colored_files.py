@@ -194,6 +194,22 @@ def test_a_gltf_mask_cuts_where_base_alpha_times_vertex_alpha_is_below(
     assert vc.load_scene(tmp_path / "b.gltf", env=1.0).visible(at, at * [1, 1, -1]).all()
 
 
+BRIGHT = {
+    "a.gltf": lambda p: gltf(p, np.float32([[1.5, 0.2, 0]] * 4)),
+    "a.ply": lambda p: ply(p, "float r, float g, float b", ["1.5 .2 0"] * 4),
+    "a.obj": lambda p: p.write_text("v 0 0 0 1.5 0.2 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"),
+}
+
+
+@pytest.mark.parametrize("name", BRIGHT)
+def test_colors_above_one_are_clamped_with_a_warning(tmp_path, name):
+    BRIGHT[name](tmp_path / name)
+    with pytest.raises(vc.SceneError, match="colours must be in"):
+        vc.load_scene(tmp_path / name, strict=True)
+    scene = vc.load_scene(tmp_path / name)
+    assert scene.meshes()[0]["colors"][0, 0] == 1
+
+
 def test_an_alpha_of_zero_everywhere_in_a_ply_means_nothing(tmp_path):
     ply(tmp_path / "a.ply", BYTES + ", uchar alpha", ["255 51 0 0"] * 4)
     scene = vc.load_scene(tmp_path / "a.ply", env=1.0, strict=True)
@@ -211,14 +227,17 @@ def test_trimesh_and_the_reader_show_the_same_scan(tmp_path):
 
 def test_vertices_of_an_obj_without_colors_are_white_and_materials_multiply(tmp_path):
     (tmp_path / "a.mtl").write_text("newmtl half\nKd .5 .5 .5\n")
-    lines = ["v 0 0 0", "v 1 0 0 1 0 0", "v 1 1 0 1", "v 0 1 0"]
-    (tmp_path / "a.obj").write_text(
-        "mtllib a.mtl\n" + "\n".join(lines) + "\nusemtl half\nf 1 2 3 4\n"
-    )
+    lines = ["mtllib a.mtl", "v 0 0 0", "v 1 0 0 1 0 0", "v 1 1 0 1", "v 0 1 0"]
+    lines += ["usemtl half", "f 1 2 3 4", ""]
+    (tmp_path / "a.obj").write_text("\n".join(lines))
     scene = vc.load_scene(tmp_path / "a.obj", env=1.0)
     assert scene.materials[0]["base_color"] == [0.5] * 3
     expected = [[1, 1, 1, 1], [1, 0, 0, 1], [1, 1, 1, 1], [1, 1, 1, 1]]
     assert scene.meshes()[0]["colors"].tolist() == expected
+    # In bytes, too
+    lines[2] = "v 1 0 0 255 0 0"
+    (tmp_path / "a.obj").write_text("\n".join(lines))
+    assert vc.load_scene(tmp_path / "a.obj").meshes()[0]["colors"].tolist() == expected
 
 
 # Mitsuba and pbrt

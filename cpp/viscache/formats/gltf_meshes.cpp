@@ -88,9 +88,13 @@ std::vector<VertexColor> GltfReader::colors(const tinygltf::Primitive& p, const 
     // The alpha of an opaque material counts for nothing, and neither does that of its vertices
     const bool opaque = p.material < 0 || model_.materials.at(size_t(p.material)).alphaMode == "OPAQUE";
     std::vector<VertexColor> out(e.count);
-    for (size_t i = 0; i < e.count; ++i)
-        out[i] = vertex_color({float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))},
-                              e.n == 4 && !opaque ? float(e.get(i, 3)) : 1.f);
+    bool clamped = false;
+    for (size_t i = 0; i < e.count; ++i) {
+        const Rgb color{float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))};
+        clamped = clamped || is_clamped(color);
+        out[i] = vertex_color(color, e.n == 4 && !opaque ? float(e.get(i, 3)) : 1.f);
+    }
+    if (clamped) loading_.warn(where, kClampedColors);
     return out;
 }
 

@@ -74,8 +74,8 @@ struct Collected {
     Loading& loading;
     std::vector<Vec3> positions, normals;
     std::vector<Vec2> uvs;
-    std::vector<Rgb> colors;  ///< of the first vertices, as they are in the file; white for those that follow
-    std::vector<Corner> corners;  ///< of all faces, in their order
+    std::vector<std::optional<Rgb>> colors;  ///< of the first vertices, as in the file; none: white
+    std::vector<Corner> corners;             ///< of all faces, in their order
     std::vector<Face> faces;
     std::vector<State> states{State{}};
     std::map<std::string, int> name_ids;
@@ -153,7 +153,7 @@ void Collected::take(std::string_view line, const WavefrontLines& lines) {
         const Numbers given = numbers(line, 3, lines);
         positions.push_back(given.first);
         if (given.count == 6) {
-            colors.resize(positions.size() - 1, {1, 1, 1});
+            colors.resize(positions.size() - 1);
             colors.push_back(given.next);
         }
     } else if (key == "vn") {
@@ -183,20 +183,21 @@ void Collected::take(std::string_view line, const WavefrontLines& lines) {
     }
 }
 
-/// sRGB, as MeshLab and Blender write them; whole numbers above 1 are bytes.
-std::vector<VertexColor> decoded_colors(const Collected& all) {
-    const auto whole = [](Rgb c) { return c == Rgb{std::round(c.x), std::round(c.y), std::round(c.z)}; };
-    const auto bright = [](Rgb c) { return max_component(c) > 1; };
+/// sRGB, as MeshLab and Blender write them; whole numbers are bytes where some are above 1.
+std::vector<VertexColor> decoded_colors(const Collected& all, const std::string& path, Loading& loading) {
+    using Color = std::optional<Rgb>;
+    const auto whole = [](const Color& c) {
+        return !c || *c == Rgb{std::round(c->x), std::round(c->y), std::round(c->z)};
+    };
     const auto& given = all.colors;
-    const bool bytes =
-        std::any_of(given.begin(), given.end(), bright) && std::all_of(given.begin(), given.end(), whole);
+    const bool outside =
+        std::any_of(given.begin(), given.end(), [](const Color& c) { return c && is_clamped(*c); });
+    const float scale = outside && std::all_of(given.begin(), given.end(), whole) ? 1 : 255;
+    const auto byte = [&](float x) { return uint8_t(std::lround(std::clamp(x * scale, 0.f, 255.f))); };
+    if (outside && scale == 255) loading.warn(path, kClampedColors);
     std::vector<VertexColor> colors(given.empty() ? 0 : all.positions.size());
-    for (size_t i = 0; i < given.size(); ++i) {
-        const auto byte = [&](float x) {
-            return uint8_t(std::lround(std::clamp(bytes ? x : 255 * x, 0.f, 255.f)));
-        };
-        colors[i] = {byte(given[i].x), byte(given[i].y), byte(given[i].z)};
-    }
+    for (size_t i = 0; i < given.size(); ++i)
+        if (given[i]) colors[i] = {byte(given[i]->x), byte(given[i]->y), byte(given[i]->z)};
     return colors;
 }
 
@@ -359,7 +360,7 @@ std::vector<Mesh> read_obj(const std::string& path, Loading& loading, bool with_
 
     Parts parts = check_faces(all, material, with_materials, path);
     fill_normals(all, material, with_materials, parts);
-    build_meshes(all, material, with_materials ? decoded_colors(all) : std::vector<VertexColor>{}, parts);
+    build_meshes(all, material, with_materials ? decoded_colors(all, path, loading) : std::vector<VertexColor>{}, parts);
     std::vector<Mesh> meshes;
     for (auto& [id, part] : parts) {
         if (with_materials) set_look(part, mtl, id, loading, path);

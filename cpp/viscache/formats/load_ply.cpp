@@ -311,8 +311,10 @@ public:
     void take(size_t property, double value) {
         if (takes(property)) row_[channels_[property]] = value;
     }
-    VertexColor get() const {
-        if (linear_) return vertex_color({float(row_[0]), float(row_[1]), float(row_[2])}, float(row_[3]));
+    VertexColor get(FileColors& colors) const {
+        const Rgb c{float(row_[0]), float(row_[1]), float(row_[2])};
+        if (linear_ && is_clamped(c)) colors.clamped = true;
+        if (linear_) return vertex_color(c, float(row_[3]));
         const auto byte = [&](int c) {
             return uint8_t(std::lround(std::clamp(row_[c] / largest_, 0.0, 1.0) * 255));
         };
@@ -354,7 +356,7 @@ void read_vertices(Mesh& mesh, Element& e, PlyValues& values, FileColors* colors
         mesh.vertices.push_back({row[0], row[1], row[2]});
         if (normals) mesh.normals.push_back({row[3], row[4], row[5]});
         if (uvs) mesh.uvs.push_back({row[6], row[7]});
-        if (color.given()) colors->vertices.push_back(color.get());
+        if (color.given()) colors->vertices.push_back(color.get(*colors));
     }
 }
 
@@ -452,7 +454,7 @@ void read_faces(Mesh& mesh, Element& e, PlyValues& values, Loading& loading, Fil
                 add_face(mesh, face);
         }
         // All triangles of the face, however many they are
-        if (color.given()) colors->faces.resize(mesh.triangles.size(), color.get());
+        if (color.given()) colors->faces.resize(mesh.triangles.size(), color.get(*colors));
     }
 }
 
@@ -527,6 +529,7 @@ void load_ply(const std::string& path, Loading& loading) {
         mesh.colors = std::move(colors.vertices);
     else if (!colors.faces.empty())
         color_faces(mesh, colors.faces);
+    if (colors.clamped) loading.warn(path, kClampedColors);
     const auto is_clear = [](VertexColor c) { return c.a == 0; };
     if (!mesh.colors.empty() && std::all_of(mesh.colors.begin(), mesh.colors.end(), is_clear)) {
         loading.note(path, "the alpha of all colours is 0; it is taken for 1");

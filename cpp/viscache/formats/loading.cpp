@@ -294,6 +294,8 @@ void transform_uvs(Mesh& mesh, const UvTransform& t) {
     for (Vec2& uv : mesh.uvs) uv = t(uv);
 }
 
+bool is_clamped(Rgb c) { return !(max_component(c) < 1.001f && std::min({c.x, c.y, c.z}) > -0.001f); }
+
 Material colored_material() {
     Material m;
     m.base_color = {1, 1, 1};

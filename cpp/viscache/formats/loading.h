@@ -152,7 +152,11 @@ bool uses_image(const Material& material);
 /// Colours that a file gives to the vertices or the faces of a mesh; each may be empty.
 struct FileColors {
     std::vector<VertexColor> vertices, faces;  ///< the latter: one per triangle
+    bool clamped = false;                      ///< some were outside of [0, 1]
 };
+constexpr const char* kClampedColors = "colours must be in [0, 1]; they are clamped";
+/// Whether a colour is outside of [0, 1], by more than rounding.
+bool is_clamped(Rgb color);
 /// The material of meshes with colours where a file names none: they are the base colour, and alpha is a
 /// share.
 Material colored_material();

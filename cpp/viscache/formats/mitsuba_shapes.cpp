@@ -95,6 +95,7 @@ void MitsubaReader::set_colors(Node node, Mesh& mesh, FileColors& colors, const 
         warn_at(node,
                 "the shape lacks the attribute that its material names, or it is none of vertex_color and "
                 "face_color of a PLY file; white is used");
+    if (colors.clamped) warn_at(node, kClampedColors);
     for (VertexColor& c : mesh.colors) c.a = 255;  // only its colour is asked for
 }
 
