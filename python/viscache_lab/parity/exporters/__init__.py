@@ -33,7 +33,7 @@ EFFORT = Effort(spp=8, first=4, most=16)
 #: Radiances of the sky: within 45° of the quad's normal, and behind the quad.
 BRIGHT, BEHIND = 2.0, 3.0
 #: Half the height of the picture, and of that of the middle alone.
-VIEW, MIDDLE = 1.0, 0.01
+VIEW, MIDDLE = 1.0, 0.001
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -160,7 +160,7 @@ def _ply_element(part: str, order: str, head: list[str]) -> bytes:
         if order:
             for name, value in row:
                 code = np.dtype(PLY_TYPES.get(name, name)).str[1:]
-                data += np.float64(value).astype(order + code).tobytes()
+                data += np.array([float(value)]).astype(order + code).tobytes()
         else:
             data += (" ".join(value for _, value in row) + "\n").encode()
     return data
