@@ -67,8 +67,8 @@ void MitsubaReader::skip(Node node, const std::string& what) {
 
 void MitsubaReader::warn_of_unread(Node owner) {
     const std::string_view tag = owner.name();
-    const std::string type = type_of(owner);
-    const auto left_out = [&](Node child) {
+    if (tag == "transform") return;  // read as a whole
+    const auto left_out = [&](Node child, const std::string& type) {
         return std::ranges::any_of(kLeftOut, [&](const LeftOut& row) {
             return (row.owner == tag || row.owner == type) && names_it(row.names, child);
         });
@@ -77,7 +77,7 @@ void MitsubaReader::warn_of_unread(Node owner) {
         if (child.type() != pugi::node_element) continue;
         if (file_of(child).is_read[offset_of(child)]) {
             warn_of_unread(child);
-        } else if (!left_out(child)) {
+        } else if (const std::string type = type_of(owner); !left_out(child, type)) {
             const std::string name = child.attribute("name").value();
             warn_at(child,
                     (name.empty() ? "<" + std::string(child.name()) + ">" : "property '" + name + "'") +

@@ -188,10 +188,7 @@ Affine MitsubaReader::transform(Node owner, const char* name) {
     if (const Node node = property(owner, name))
         for (const Node step : node.children())
             // Steps apply in the order of the file: the first is nearest to the point.
-            if (step.type() == pugi::node_element) {
-                use(step);
-                t = transform_step(step) * t;
-            }
+            if (step.type() == pugi::node_element) t = transform_step(step) * t;
     if (!is_finite(t)) fail_at(owner, "the transform is not finite");
     return t;
 }
