@@ -364,6 +364,7 @@ void GltfReader::transmission(viscache::Material& m, const tinygltf::Material& i
 /// KHR_materials_unlit: a surface with the same colour under any light.
 void GltfReader::unlit(viscache::Material& m, Look& look, const std::string& where) {
     loading_.warn(where, "an unlit material emits its base colour, and lights other surfaces with it");
+    if (look.colored) loading_.warn(where, "colours of vertices do not tint what an unlit material emits");
     look.emission = m.base_color;
     look.emission_texture = m.base_texture;
     m.kind = MaterialKind::kDiffuse;

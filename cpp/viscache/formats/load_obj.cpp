@@ -360,7 +360,8 @@ std::vector<Mesh> read_obj(const std::string& path, Loading& loading, bool with_
 
     Parts parts = check_faces(all, material, with_materials, path);
     fill_normals(all, material, with_materials, parts);
-    build_meshes(all, material, with_materials ? decoded_colors(all, path, loading) : std::vector<VertexColor>{}, parts);
+    build_meshes(all, material,
+                 with_materials ? decoded_colors(all, path, loading) : std::vector<VertexColor>{}, parts);
     std::vector<Mesh> meshes;
     for (auto& [id, part] : parts) {
         if (with_materials) set_look(part, mtl, id, loading, path);

@@ -94,6 +94,18 @@ void check_transmission(const Material& m, const std::string& name) {
                text(m.base_color), " and ", text(m.transmission));
 }
 
+void check_coat(const Material& m, const std::string& name) {
+    const bool mix = m.coat == CoatKind::kFresnelMix;
+    if (!mix && m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
+        refuse(name, ": only a glossy material has a coat");
+    if (m.nonlinear && (m.coat == CoatKind::kNone || mix)) refuse(name, ": nonlinear needs a coat");
+    // A rough coat says by its kind which distribution it has
+    const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;  // or a mix, GGX's
+    if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
+        refuse(name,
+               ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
+}
+
 void check_material(const Material& m, size_t index, size_t images) {
     const std::string name = "material " + std::to_string(index);
     for (Rgb c : {m.base_color, m.specular})
@@ -104,23 +116,16 @@ void check_material(const Material& m, size_t index, size_t images) {
     // Also refuses NaN, as all conditions here that are written as what must hold
     if (!(m.eta > 0.1f && m.eta < 10)) refuse(name, ": eta must be in (0.1, 10), got ", m.eta);
     // The rest are combinations that no part of the shading is written for.
-    const bool mix = m.coat == CoatKind::kFresnelMix;
     check_transmission(m, name);
-    if (!mix && m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
-        refuse(name, ": only a glossy material has a coat");
-    if (m.nonlinear && (m.coat == CoatKind::kNone || mix)) refuse(name, ": nonlinear needs a coat");
+    check_coat(m, name);
     if (!(m.opacity >= 0 && m.opacity <= 1)) refuse(name, ": opacity must be in [0, 1], got ", m.opacity);
     if (!(m.metallic >= 0 && m.metallic <= 1)) refuse(name, ": metallic must be in [0, 1], got ", m.metallic);
-    if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || (m.coat != CoatKind::kNone && !mix)))
+    if (m.mixes_metal() &&
+        (m.kind != MaterialKind::kGlossy || (m.coat != CoatKind::kNone && m.coat != CoatKind::kFresnelMix)))
         refuse(name, ": only a glossy material without a coat is metallic or has images of its roughness");
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
         refuse(name, ": metallic_roughness_texture and roughness_texture exclude each other");
     check_metal(m, name);
-    // A rough coat says by its kind which distribution it has
-    const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;  // or a mix, GGX's
-    if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
-        refuse(name,
-               ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
     for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
         if (t < -1 || t >= int(images)) refuse(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }

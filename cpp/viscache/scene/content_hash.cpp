@@ -64,6 +64,41 @@ private:
     uint64_t a_ = 0x243F6A8885A308D3ull, b_ = 0x13198A2E03707344ull;
 };
 
+void add(Hasher& h, const Material& m) {
+    h.word(uint64_t(m.thin) << 11 | uint64_t(m.nonlinear) << 10 | uint64_t(m.coat) << 8 |
+           uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
+    h.vec(m.base_color);
+    h.vec(m.specular);
+    h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
+    // The same for all fields that came later
+    if (m.opacity < 1) h.floats({m.opacity});
+    if (m.mixes_metal())
+        h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
+    if (m.beckmann) h.word(6);
+    if (m.coat == CoatKind::kFresnelMix) h.floats({m.f90});
+    if (m.transmits() && (m.transmission.x != 1 || m.transmission.y != 1 || m.transmission.z != 1)) {
+        h.word(7);
+        h.vec(m.transmission);
+    }
+    if (m.metal.is_given()) {
+        h.vec(m.metal.eta);
+        h.vec(m.metal.k);
+    }
+}
+
+void add(Hasher& h, const Camera& c) {
+    h.vec(c.origin);
+    h.vec(c.right);
+    h.vec(c.up);
+    h.vec(c.forward);
+    h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
+    if (c.is_orthographic()) h.floats({c.view_height});
+    if (c.shift_x != 0 || c.shift_y != 0) {
+        h.word(5);
+        h.floats({c.shift_x, c.shift_y});
+    }
+}
+
 }  // namespace
 
 std::string content_hash(const SceneDescription& d) {
@@ -88,27 +123,7 @@ std::string content_hash(const SceneDescription& d) {
         h.array(i.meshes);
         h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
     }
-    for (const Material& m : d.materials) {
-        h.word(uint64_t(m.thin) << 11 | uint64_t(m.nonlinear) << 10 | uint64_t(m.coat) << 8 |
-               uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
-        h.vec(m.base_color);
-        h.vec(m.specular);
-        h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
-        // The same for all fields that came later
-        if (m.opacity < 1) h.floats({m.opacity});
-        if (m.mixes_metal())
-            h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
-        if (m.beckmann) h.word(6);
-        if (m.coat == CoatKind::kFresnelMix) h.floats({m.f90});
-        if (m.transmits() && (m.transmission.x != 1 || m.transmission.y != 1 || m.transmission.z != 1)) {
-            h.word(7);
-            h.vec(m.transmission);
-        }
-        if (m.metal.is_given()) {
-            h.vec(m.metal.eta);
-            h.vec(m.metal.k);
-        }
-    }
+    for (const Material& m : d.materials) add(h, m);
     // Pixels count, not paths: a scene that was moved has the same hash
     for (const Image& i : d.images) {
         h.look_up(i);
@@ -141,18 +156,7 @@ std::string content_hash(const SceneDescription& d) {
         h.word(uint64_t(d.environment->image + 1));
         h.bytes(d.environment->to_world.m.data(), sizeof d.environment->to_world.m);
     }
-    for (const Camera& c : d.cameras) {
-        h.vec(c.origin);
-        h.vec(c.right);
-        h.vec(c.up);
-        h.vec(c.forward);
-        h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
-        if (c.is_orthographic()) h.floats({c.view_height});
-        if (c.shift_x != 0 || c.shift_y != 0) {
-            h.word(5);
-            h.floats({c.shift_x, c.shift_y});
-        }
-    }
+    for (const Camera& c : d.cameras) add(h, c);
     return h.hex();
 }
 
