@@ -10,6 +10,7 @@ struct ClipPlanes {
 
 struct CutGeometry {
     bool before = false, behind = false;  ///< a surface in the picture lies before `near`, or behind `far`
+    bool any() const { return before || behind; }
 };
 
 CutGeometry cut_geometry(const SceneDescription& scene, const Camera& camera, const ClipPlanes& planes);

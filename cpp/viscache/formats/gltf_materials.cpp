@@ -209,18 +209,19 @@ Rgb GltfReader::dielectric_specular(const tinygltf::Material& in, const std::str
 }
 
 void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
-    if (in.alphaMode == "OPAQUE") return;
+    if (in.alphaMode != "MASK" && in.alphaMode != "BLEND") {
+        if (in.alphaMode != "OPAQUE") loading_.warn(where, "an alphaMode of another name is OPAQUE here");
+        return;
+    }
     const auto& pbr = in.pbrMetallicRoughness;
     const double factor = pbr.baseColorFactor.size() == 4 ? pbr.baseColorFactor[3] : 1;
-    const double cutoff = in.alphaMode == "MASK" ? in.alphaCutoff : 0.5;
+    const double cutoff = in.alphaCutoff;
     const auto image = m.base_texture >= 0 ? decoded(pbr.baseColorTexture.index, true, where) : std::nullopt;
     if (image && (image->channels == 2 || image->channels == 4)) {
         m.alpha_texture = m.base_texture;
-        m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;
-        if (in.alphaMode != "MASK")
-            loading_.warn(where, "alpha mode '" + in.alphaMode + "' with an image is a cut-out at 0.5 here");
-    } else if (in.alphaMode == "MASK") {
-        m.opacity = factor < cutoff ? 0.f : 1.f;
+    }
+    if (in.alphaMode == "MASK") {
+        if (m.alpha_texture < 0) m.opacity = factor < cutoff ? 0.f : 1.f;
         m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;  // of the alpha of vertices
     } else {
         m.alpha_cutoff = -1;

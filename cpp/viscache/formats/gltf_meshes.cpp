@@ -23,6 +23,13 @@ std::string count_text(int index, const char* what, size_t count) {
 
 }  // namespace
 
+static int component_bytes(int component, const std::string& place) {
+    const int size = tinygltf::GetComponentSizeInBytes(uint32_t(component));
+    if (size <= 0 || component == TINYGLTF_COMPONENT_TYPE_INT || component == TINYGLTF_COMPONENT_TYPE_DOUBLE)
+        fail(place, "unknown component type " + std::to_string(component));
+    return size;
+}
+
 double GltfReader::Elements::get(size_t element, int c) const {
     const unsigned char* p =
         data + element * stride + size_t(c) * size_t(tinygltf::GetComponentSizeInBytes(uint32_t(component)));
@@ -36,35 +43,70 @@ double GltfReader::Elements::get(size_t element, int c) const {
     }
 }
 
+/// `like` tells what the elements are.
+GltfReader::Elements GltfReader::elements_in(int index, size_t offset, Elements like,
+                                             const std::string& place) const {
+    if (index < 0 || size_t(index) >= model_.bufferViews.size())
+        fail(place, count_text(index, "buffer view", model_.bufferViews.size()));
+    const tinygltf::BufferView& view = model_.bufferViews[size_t(index)];
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
+    const auto& data = model_.buffers[size_t(view.buffer)].data;
+    // All elements must lie inside the view, and the view inside its buffer.
+    const size_t element = like.stride, stride = view.byteStride ? view.byteStride : element;
+    const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
+    const bool fits = view_fits && stride >= element && like.count > 0 && offset <= view.byteLength &&
+                      element <= view.byteLength - offset &&
+                      (like.count - 1) <= (view.byteLength - offset - element) / stride;
+    if (!fits)
+        fail(place, std::to_string(like.count) + " elements of " + std::to_string(element) +
+                        " bytes do not fit into the buffer of " + std::to_string(data.size()) + " bytes");
+    like.data = data.data() + view.byteOffset + offset;
+    like.stride = stride;
+    return like;
+}
+
+/// The elements of a sparse accessor: those of its view, or zeros, of which some are replaced.
+GltfReader::Elements GltfReader::replaced(const tinygltf::Accessor& a, Elements base,
+                                          const std::string& place) const {
+    constexpr size_t kMostZeros = size_t{1} << 24;  // a short file must not ask for much memory
+    if (!base.data && base.count > kMostZeros)
+        fail(place, "a sparse accessor without a buffer view must have at most 2^24 elements");
+    const size_t element = size_t(base.n) * size_t(component_bytes(base.component, place));
+    auto all = std::make_shared<std::vector<unsigned char>>(base.count * element);
+    for (size_t i = 0; base.data && i < base.count; ++i)
+        std::memcpy(&(*all)[i * element], base.data + i * base.stride, element);
+    const auto& [indices, values] = std::pair(a.sparse.indices, a.sparse.values);
+    Elements of = base, at{nullptr, size_t(std::max(a.sparse.count, 0)), 0, indices.componentType, 1};
+    at.stride = size_t(component_bytes(at.component, place));
+    of.count = at.count;
+    of.stride = element;
+    at = elements_in(indices.bufferView, size_t(indices.byteOffset), at, place + " indices");
+    of = elements_in(values.bufferView, size_t(values.byteOffset), of, place + " values");
+    for (size_t i = 0; i < at.count; ++i) {
+        const double k = at.get(i, 0);
+        if (!(k >= 0 && k < double(base.count)))
+            fail(place, "a sparse index must be below " + std::to_string(base.count));
+        std::memcpy(&(*all)[size_t(k) * element], of.data + i * of.stride, element);
+    }
+    base.data = all->data();
+    base.stride = element;
+    base.owned = std::move(all);
+    return base;
+}
+
 GltfReader::Elements GltfReader::elements(int index, const std::string& where) const {
     if (index < 0 || size_t(index) >= model_.accessors.size())
         fail(where, count_text(index, "accessor", model_.accessors.size()));
     const tinygltf::Accessor& a = model_.accessors[size_t(index)];
     const std::string place = where + ": accessor " + std::to_string(index);
-    if (a.sparse.isSparse) fail(place, "sparse accessors are not read");
-    if (a.bufferView < 0 || size_t(a.bufferView) >= model_.bufferViews.size())
-        fail(place, count_text(a.bufferView, "buffer view", model_.bufferViews.size()));
-    const tinygltf::BufferView& view = model_.bufferViews[size_t(a.bufferView)];
-    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
-        fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
-    const auto& data = model_.buffers[size_t(view.buffer)].data;
     // The file is not trusted: each index and size is checked before it is used
     const int n = tinygltf::GetNumComponentsInType(uint32_t(a.type));
-    const int size = tinygltf::GetComponentSizeInBytes(uint32_t(a.componentType));
-    if (n <= 0 || size <= 0 || a.componentType == TINYGLTF_COMPONENT_TYPE_INT ||
-        a.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE)
-        fail(place, "unknown component type " + std::to_string(a.componentType));
-
-    // All elements must lie inside the view, and the view inside its buffer.
-    const size_t element = size_t(n) * size_t(size), stride = view.byteStride ? view.byteStride : element;
-    const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
-    const bool fits = view_fits && stride >= element && a.count > 0 && a.byteOffset <= view.byteLength &&
-                      element <= view.byteLength - a.byteOffset &&
-                      (a.count - 1) <= (view.byteLength - a.byteOffset - element) / stride;
-    if (!fits)
-        fail(place, std::to_string(a.count) + " elements of " + std::to_string(element) +
-                        " bytes do not fit into the buffer of " + std::to_string(data.size()) + " bytes");
-    return {data.data() + view.byteOffset + a.byteOffset, a.count, stride, a.componentType, n, a.normalized};
+    if (n <= 0) fail(place, "unknown type " + std::to_string(a.type));
+    const size_t element = size_t(n) * size_t(component_bytes(a.componentType, place));
+    Elements e{nullptr, a.count, element, a.componentType, n, a.normalized};
+    if (!a.sparse.isSparse || a.bufferView >= 0) e = elements_in(a.bufferView, a.byteOffset, e, place);
+    return a.sparse.isSparse ? replaced(a, e, place) : e;
 }
 
 std::vector<Vec3> GltfReader::vec3s(int accessor, const std::string& where) const {
@@ -150,7 +192,7 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         mode != TINYGLTF_MODE_TRIANGLE_FAN) {
-        loading_.warn(where, "points and lines are not modelled; skipped");
+        loading_.note(where, "points and lines have no surface; they are skipped");
         return {};
     }
     const auto position = p.attributes.find("POSITION");

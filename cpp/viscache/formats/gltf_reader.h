@@ -4,8 +4,11 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include <memory>
+
 #include <set>
 
+#include "viscache/formats/clip_planes.h"
 #include "viscache/formats/loading.h"
 
 namespace viscache::loading {
@@ -50,6 +53,7 @@ private:
         size_t count = 0, stride = 0;
         int component = 0, n = 0;
         bool normalized = false;
+        std::shared_ptr<std::vector<unsigned char>> owned{};  ///< what `data` points to; null: a buffer
 
         double get(size_t element, int c) const;
     };
@@ -70,6 +74,8 @@ private:
 
     // gltf_meshes.cpp
     Elements elements(int accessor, const std::string& where) const;
+    Elements elements_in(int view, size_t offset, Elements like, const std::string& place) const;
+    Elements replaced(const tinygltf::Accessor& accessor, Elements base, const std::string& place) const;
     std::vector<Vec3> vec3s(int accessor, const std::string& where) const;
     std::vector<VertexColor> colors(const tinygltf::Primitive& p, const std::string& where) const;
     std::vector<viscache::Mesh> meshes_of(int mesh);
@@ -104,6 +110,7 @@ private:
     tinygltf::Model model_;
     std::vector<char> visited_;
     std::vector<Placed> placed_;
+    std::vector<std::pair<std::string, ClipPlanes>> planes_;  ///< of each camera, with its place
     std::map<int, Look> looks_;
     std::set<int> colored_;  ///< materials of primitives with colours
     /// Scene image of an embedded one; key: index, sRGB or linear, look-up.

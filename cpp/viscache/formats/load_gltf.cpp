@@ -101,6 +101,8 @@ void GltfReader::parse() {
     if (!ok) fail(path_, error.empty() ? "not a glTF 2.0 file" : first_line(error));
     if (!model_.asset.version.starts_with("2"))
         fail(path_, "glTF version " + model_.asset.version + "; 2.x is read");
+    const std::string& least = model_.asset.minVersion;
+    if (!least.empty() && least != "2.0") fail(path_, "glTF version " + least + " is needed; 2.0 is read");
 }
 
 void GltfReader::check_extensions() {
@@ -165,6 +167,10 @@ void GltfReader::add_camera(int index, const Affine& t, const std::string& where
     }
     c.height = int(kDefaultHeight);
     c.width = int(std::clamp(std::round(aspect * double(kDefaultHeight)), 1.0, 65536.0));
+    const auto [near, far] = parallel ? std::pair(in.orthographic.znear, in.orthographic.zfar)
+                                      : std::pair(in.perspective.znear, in.perspective.zfar);
+    // No far plane is allowed
+    planes_.push_back({where, {float(near), far > 0 ? float(far) : kInfinity}});
     loading_.scene.cameras.push_back(c);
 }
 
@@ -255,8 +261,9 @@ void GltfReader::place_all() {
         std::vector<viscache::Mesh> meshes = meshes_of(p.mesh);
         bool emits = false;
         for (const viscache::Mesh& mesh : meshes) emits = emits || max_component(mesh.emission) > 0;
-        // The triangles of lights must stand in the world, and a mirrored placement needs its own winding.
-        if (uses[p.mesh] == 1 || emits || p.to_world.determinant() < 0) {
+        // The triangles of lights must stand in the world, and a mirrored placement needs its own winding. A
+        // flat one has no inverse, which instances need.
+        if (uses[p.mesh] == 1 || emits || p.to_world.determinant() <= 0) {
             bake(std::move(meshes), p.to_world, where);
             continue;
         }
@@ -297,6 +304,10 @@ void GltfReader::read_scene() {
         for (int root : model_.scenes[size_t(chosen)].nodes) visit(root, to_scene, 0);
     }
     place_all();
+    for (size_t i = 0; i < planes_.size(); ++i)
+        if (const auto& [where, planes] = planes_[i];
+            cut_geometry(loading_.scene, loading_.scene.cameras[i], planes).any())
+            loading_.warn(where, "near and far planes are not modelled; what they cut is seen");
 }
 
 void load_gltf(const std::string& path, Loading& loading) { GltfReader(path, loading).read_scene(); }

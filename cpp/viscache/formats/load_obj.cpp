@@ -34,7 +34,7 @@ constexpr std::pair<std::string_view, ObjLine> kObjKeys[] = {
     {"curv2", ObjLine::kCurve},    {"surf", ObjLine::kCurve},        {"parm", ObjLine::kCurve},
     {"trim", ObjLine::kCurve},     {"hole", ObjLine::kCurve},        {"scrv", ObjLine::kCurve},
     {"sp", ObjLine::kCurve},       {"end", ObjLine::kCurve},         {"con", ObjLine::kCurve},
-    {"mg", ObjLine::kCurve},       {"ctech", ObjLine::kCurve},       {"stech", ObjLine::kCurve},
+    {"mg", ObjLine::kHarmless},    {"ctech", ObjLine::kCurve},       {"stech", ObjLine::kCurve},
 };
 
 ObjLine kind_of(std::string_view key) {
@@ -163,6 +163,8 @@ void Collected::take(std::string_view line, const WavefrontLines& lines) {
         uvs.push_back({uv.x, uv.y});
     } else if (key == "f") {
         take_face(line, lines);
+    } else if (key == "#MRGB") {
+        loading.warn(lines.where(), "colours of vertices in comments of ZBrush (#MRGB) are not read");
     } else if (!key.empty() && key[0] != '#') {
         const ObjLine kind = kind_of(key);
         if (kind == ObjLine::kMaterial) {

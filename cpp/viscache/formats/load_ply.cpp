@@ -2,39 +2,14 @@
 #include <bit>
 #include <cstring>
 
-#include "viscache/formats/loading.h"
+#include "viscache/formats/ply_header.h"
 #include "viscache/scene/face_colors.h"
 
 namespace viscache::loading {
 
+using namespace ply;
+
 namespace {
-
-enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
-
-struct Property {
-    std::string name;
-    Type type = Type::kFloat;
-    bool is_list = false;
-    Type count_type = Type::kUint8;
-    size_t line = 0;  ///< of the header
-    bool is_read = false;
-};
-
-struct Element {
-    std::string name;
-    uint64_t count = 0;
-    size_t line = 0;  ///< of the header
-    std::vector<Property> properties;
-    bool is_read = false;
-};
-
-struct PlyHeader {
-    bool ascii = false, big_endian = false;
-    std::vector<Element> elements;
-    size_t end = 0;           ///< byte offset of the data
-    size_t lines = 0;         ///< number of header lines
-    size_t texture_line = 0;  ///< that names a picture; 0: none does
-};
 
 /// What does not change the picture, by element.
 struct LeftOut {
@@ -61,115 +36,6 @@ bool is_left_out(std::string_view element, std::string_view property) {
             (property.empty() ? row.names.empty() : row.names.find(word) != row.names.npos))
             return true;
     return false;
-}
-
-std::optional<Type> type_named(std::string_view s) {
-    if (s == "char" || s == "int8") return Type::kInt8;
-    if (s == "uchar" || s == "uint8") return Type::kUint8;
-    if (s == "short" || s == "int16") return Type::kInt16;
-    if (s == "ushort" || s == "uint16") return Type::kUint16;
-    if (s == "int" || s == "int32") return Type::kInt32;
-    if (s == "uint" || s == "uint32") return Type::kUint32;
-    if (s == "float" || s == "float32") return Type::kFloat;
-    if (s == "double" || s == "float64") return Type::kDouble;
-    return {};
-}
-
-/// Size of a stored value in bytes.
-size_t size_of(Type t) {
-    switch (t) {
-        case Type::kInt8:
-        case Type::kUint8: return 1;
-        case Type::kInt16:
-        case Type::kUint16: return 2;
-        case Type::kInt32:
-        case Type::kUint32:
-        case Type::kFloat: return 4;
-        case Type::kDouble: return 8;
-    }
-    return 1;
-}
-
-std::vector<std::string> words_of(std::string_view line) {
-    std::vector<std::string> words;
-    for (size_t i = 0; i < line.size();) {
-        const size_t begin = line.find_first_not_of(" \t\r", i);
-        if (begin == std::string_view::npos) break;
-        const size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
-        words.emplace_back(line.substr(begin, end - begin));
-        i = end;
-    }
-    return words;
-}
-
-void read_property(PlyHeader& h, const std::vector<std::string>& w, const std::string& where) {
-    Property p;
-    p.line = h.lines;
-    if (h.elements.empty()) fail(where, "a property stands before any element");
-    p.is_list = w.size() == 5 && w[1] == "list";
-    if (!p.is_list && w.size() != 3) fail(where, "a property must be 'property <type> <name>' or a list");
-    const auto type = type_named(w[p.is_list ? 3 : 1]);
-    if (!type) fail(where, "unknown property type '" + w[p.is_list ? 3 : 1] + "'");
-    p.type = *type;
-    p.name = w.back();
-    if (p.is_list) {
-        const auto count_type = type_named(w[2]);
-        if (!count_type || *count_type == Type::kFloat || *count_type == Type::kDouble)
-            fail(where, "the count of a list must have an integer type, got '" + w[2] + "'");
-        p.count_type = *count_type;
-    }
-    h.elements.back().properties.push_back(p);
-}
-
-/// Reads one header line; returns true at end_header.
-bool read_header_line(PlyHeader& h, const std::vector<std::string>& w, bool& has_format,
-                      const std::string& where) {
-    // obj_info is an older form of comment. MeshLab names pictures in comments.
-    if (w.size() > 2 && w[0] == "comment" && w[1] == "TextureFile") h.texture_line = h.lines;
-    if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
-    if (w[0] == "format") {
-        if (w.size() != 3 ||
-            (w[1] != "ascii" && w[1] != "binary_little_endian" && w[1] != "binary_big_endian"))
-            fail(where, "format '" + (w.size() > 1 ? w[1] : "") +
-                            "'; ascii, binary_little_endian and binary_big_endian are read");
-        h.ascii = w[1] == "ascii";
-        h.big_endian = w[1] == "binary_big_endian";
-        has_format = true;
-    } else if (w[0] == "element") {
-        const auto count = w.size() == 3 ? parse_integer(w[2]) : std::nullopt;
-        if (!count || *count < 0) fail(where, "an element must be 'element <name> <count>'");
-        h.elements.push_back({w[1], uint64_t(*count), h.lines, {}});
-    } else if (w[0] == "property") {
-        read_property(h, w, where);
-    } else if (w[0] == "end_header") {
-        return true;
-    } else {
-        fail(where, "unknown header line '" + w[0].substr(0, 40) + "'");
-    }
-    return false;
-}
-
-PlyHeader read_ply_header(std::string_view text, const std::string& path) {
-    PlyHeader h;
-    bool has_format = false;
-    for (size_t begin = 0;;) {
-        const size_t newline = text.find('\n', begin);
-        const std::string where = at_line(path, ++h.lines);
-        // A binary file without end_header would be searched line by line to its end otherwise.
-        if (newline == std::string_view::npos || newline - begin > 4096)
-            fail(where, "the PLY header does not end (no end_header)");
-        const auto words = words_of(text.substr(begin, newline - begin));
-        begin = newline + 1;
-        if (h.lines == 1) {
-            if (words.size() != 1 || words[0] != "ply")
-                fail(where, "not a PLY file: it must start with 'ply'");
-        } else if (read_header_line(h, words, has_format, where)) {
-            if (!has_format) fail(where, "the PLY header has no format line");
-            // The data begin right behind the newline of end_header, in binary files too.
-            h.end = begin;
-            return h;
-        }
-    }
 }
 
 /// Reads values one after the other, from text or bytes.

@@ -395,6 +395,11 @@ void MtlReader::lobe(Material& m, const MtlMaterial& in, bool has_base) {
             m.kind = MaterialKind::kGlossy;
         if (m.kind == MaterialKind::kDiffuse) return;
         m.specular = ks;
+        // A lobe leaves 1 - Ks to the base, to which MTL adds it
+        const auto before = [](float kd, float s) { return kd > 0 ? kd / std::max(1 - s, kd) : 0; };
+        const Rgb kd = m.base_color;
+        if (reflects && m.kind == MaterialKind::kGlossy)
+            m.base_color = {before(kd.x, ks.x), before(kd.y, ks.y), before(kd.z, ks.z)};
         // The roughness whose lobe is as wide as a Phong lobe of this exponent (Walter et al. 2007).
         m.roughness = clamp_roughness(is_sharp ? 0 : std::sqrt(2.f / (std::max(ns, 0.f) + 2.f)));
     }
@@ -430,7 +435,10 @@ MtlReader::Look MtlReader::look(int index) {
         loading_.warn(at_line(path, in.map_kd->line), "an image of Kd on glass is not modelled");
     else if (in.map_kd)
         m.base_texture = add_image(out, *in.map_kd, path, true);
-    if (in.map_d) m.alpha_texture = add_image(out, *in.map_d, path, false);
+    if (in.map_d) {
+        m.alpha_texture = add_image(out, *in.map_d, path, false);
+        m.alpha_cutoff = -1;  // a share
+    }
     if (in.map_pr && m.kind == MaterialKind::kGlossy && m.metallic == 0)
         m.metallic_roughness_texture = add_image(out, *in.map_pr, path, false);
     else if (in.map_pr)

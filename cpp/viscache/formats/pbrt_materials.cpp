@@ -35,10 +35,19 @@ bool PbrtReader::roughness_image(Material& m, const PbrtParams& params, const st
     return true;
 }
 
+/// The mean of two roughnesses.
+double PbrtReader::isotropic(const PbrtParams& params, double u, double v) {
+    const PbrtParam* const given = params.find("vroughness");
+    if (u != v)
+        loading_.warn(given ? given->where : main_path_,
+                      "a roughness each way is not modelled; their mean is used");
+    return std::sqrt(std::max(0.0, u) * std::max(0.0, v));
+}
+
 float PbrtReader::roughness(const PbrtParams& params, double fallback) {
     double r = plain_number(params, "roughness", fallback);
     const double u = plain_number(params, "uroughness", r), v = plain_number(params, "vroughness", r);
-    r = std::sqrt(std::max(0.0, u) * std::max(0.0, v));
+    r = isotropic(params, u, v);
     return clamp_roughness(float(params.boolean("remaproughness", true) ? roughness_to_alpha(r) : r));
 }
 
@@ -78,7 +87,9 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
         if (opacity.image < 0) m.opacity = luminance(clamp01(opacity.color));
     }
     params.ignore_at(0, {"Kr", "Kt"});
-    if (type != "plastic")
+    if (type != "disney" && max_component(m.specular) == 0)
+        m.kind = MaterialKind::kDiffuse;
+    else
         loading_.warn(where, "material '" + type +
                                  "' is not modelled in full; a glossy coat over a diffuse base is used");
     return m;

@@ -111,6 +111,7 @@ private:
     Material metal(const PbrtParams& params);
     Material coated(const std::string& type, const PbrtParams& params, const std::string& where);
     float roughness(const PbrtParams& params, double fallback);
+    double isotropic(const PbrtParams& params, double u, double v);
     double plain_number(const PbrtParams& params, const std::string& name, double fallback);
     bool roughness_image(Material& m, const PbrtParams& params, const std::string& name);
     void set_material(const Names& names, const PbrtParams& params, const std::string& where);

@@ -11,6 +11,7 @@ void PbrtTokens::push(const std::string& path, const std::string& asked_at) {
     if (files_.size() >= 100000) fail(asked_at, "more than 100,000 files are included");
     // A deque keeps its elements where they are, so the tokens of outer files stay valid.
     std::string text = read_file(path, asked_at);
+    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // which editors of Windows put there
     files_.push_back({path, std::move(text)});
     open_.push_back(files_.size() - 1);
 }

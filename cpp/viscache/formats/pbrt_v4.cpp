@@ -63,9 +63,8 @@ bool PbrtReader::is_v4_material(const std::string& type) {
 /// GGX's alpha. pbrt-v4 takes the root where v3 takes a polynomial.
 float PbrtReader::v4_alpha(const PbrtParams& params, const std::string& prefix, double fallback) {
     const double r = plain_number(params, prefix + "roughness", fallback);
-    const double u = std::max(0.0, plain_number(params, prefix + "uroughness", r)),
-                 v = std::max(0.0, plain_number(params, prefix + "vroughness", r));
-    const double mean = std::sqrt(u * v);
+    const double mean = isotropic(params, plain_number(params, prefix + "uroughness", r),
+                                  plain_number(params, prefix + "vroughness", r));
     return float(params.boolean("remaproughness", true) ? std::sqrt(mean) : mean);
 }
 
