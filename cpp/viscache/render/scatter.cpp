@@ -118,7 +118,7 @@ std::optional<Scatter> scatter(const PathVertex& v, Transport transport, Rng& rn
     switch (v.surface.kind) {
         case MaterialKind::kDiffuse:
         case MaterialKind::kGlossy: {
-            const float pass = pass_share(shading_from(v, v.surface.wo));
+            const float pass = v.surface.thin ? pass_share(shading_from(v, v.surface.wo)) : 0.f;
             s = pass > 0 && rng.next() < pass ? scatter_specular(v, transport, rng)
                                               : scatter_rough(v, transport, rng);
             break;

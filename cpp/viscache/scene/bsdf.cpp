@@ -115,8 +115,7 @@ GlassShares glass_shares(const ShadingPoint& sp, float cos) {
     return {{f, f, f}, sp.transmission * (1 - f)};
 }
 
-float pass_share(const ShadingPoint& sp) {
-    if (sp.kind != MaterialKind::kGlossy || !sp.thin) return 0;
+float sheet_share(const ShadingPoint& sp) {
     const float cos_o = dot(sp.ns, sp.wo), passed = luminance(glass_shares(sp, cos_o).passed);
     const float rest = luminance(lobe_fresnel(sp, cos_o)) + luminance(under_lobe(sp, cos_o));
     return passed > 0 ? passed / (passed + rest) : 0.f;

@@ -76,8 +76,11 @@ struct GlassShares {
     Rgb mirrored, passed;
 };
 GlassShares glass_shares(const ShadingPoint& sp, float cos);
+float sheet_share(const ShadingPoint& sp);  ///< `pass_share` of a sheet
 /// Probability with which a path from `wo` passes a glossy sheet; 0 for all other surfaces.
-float pass_share(const ShadingPoint& sp);
+inline float pass_share(const ShadingPoint& sp) {
+    return sp.kind == MaterialKind::kGlossy && sp.thin ? sheet_share(sp) : 0.f;
+}
 
 struct BsdfSample {
     Vec3 wi;
