@@ -56,7 +56,9 @@ def test_the_quick_sample_has_each_group_and_few_scenes():
 def test_files_are_well_formed_and_name_files_that_are_there(tmp_path):
     paths = zoo.write(tmp_path, zoo.cases())
     for path in paths.values():
-        for element in ElementTree.parse(path).iter("string"):
+        scene = ElementTree.parse(path).getroot()
+        assert not "".join(scene.itertext()).strip(), "a piece that the table does not have"
+        for element in scene.iter("string"):
             if element.get("name") == "filename":
                 assert (tmp_path / str(element.get("value"))).is_file(), path.name
 
