@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, TypeAlias
+from itertools import count
+from typing import TypeAlias
 
 #: The argument `progress`: True shows a bar, a callable gets (done, total).
 Progress: TypeAlias = bool | Callable[[int, int], None]
@@ -26,12 +27,16 @@ def progress_bar(
     with tqdm(unit=unit, leave=False) as bar:
 
         def report(done: int, total: int) -> None:
-            _advance(bar, done, total)
+            if bar.total != total:
+                bar.reset(total)
+            bar.update(done - bar.n)
 
         yield report
 
 
-def _advance(bar: Any, done: int, total: int) -> None:
-    if bar.total != total:
-        bar.reset(total)
-    bar.update(done - bar.n)
+@contextmanager
+def step_bar(progress: Progress, total: int, unit: str) -> Iterator[Callable[[], None]]:
+    """A function to call after each of so many steps."""
+    done = count(1)
+    with progress_bar(progress, unit) as report:
+        yield lambda: None if report is None else report(next(done), total)

@@ -34,7 +34,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.base import tonemap
-from viscache.base.progress import Progress, progress_bar
+from viscache.base.progress import Progress, step_bar
 from viscache.frame.emitted_light import light_on_surfaces
 from viscache.settings.checks import checked_floats, require
 from viscache.settings.spelling import nearest
@@ -328,8 +328,7 @@ def compare(
             f"a and b must have the same number of repeats, got {len(images)} and {len(references)}"
         )
     samples: dict[str, list[float | None]] = {name: [] for name in names}
-    with progress_bar(progress, unit="metric") as report:
-        done, total = 0, len(images) * len(names)
+    with step_bar(progress, len(images) * len(names), unit="metric") as step:
         for image, reference in zip(images, references, strict=True):
             pair = (_linear(image, "a"), _linear(reference, "b"))
             if pair[0].shape != pair[1].shape:
@@ -341,9 +340,7 @@ def compare(
             for name in names:
                 of = pair if name not in ON_SURFACES else known
                 samples[name].append(METRICS[name](of[0], of[1]) if len(of) == 2 else None)
-                done += 1
-                if report is not None:
-                    report(done, total)
+                step()
     return Metrics(samples)
 
 

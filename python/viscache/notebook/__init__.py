@@ -69,9 +69,8 @@ class Film:
 def png(image: npt.NDArray[np.floating[Any]], exposure: float | None = None) -> bytes:
     """A scene-linear picture as PNG."""
     pixels = tonemap.to_srgb8(np.asarray(image), exposure)
-    return tonemap.encode(
-        pixels, max_width=1280, effort=1
-    )  # shown once, so fast to make rather than small
+    # Shown once, so fast to make rather than small
+    return tonemap.encode(pixels, max_width=1280, effort=1)
 
 
 class Sliders:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.base.progress import Progress, progress_bar
+from viscache.base.progress import Progress, step_bar
 from viscache.base.provenance import provenance
 from viscache.frame import Frame
 from viscache.frame.emitted_light import light_on_surfaces
@@ -139,15 +139,7 @@ def passes_over_time(
     chosen = {name: _setting(name, one, base) for name, one in _named(settings).items()}
     runs = {name: _Run(Progressive(**one.arguments)) for name, one in chosen.items()}
     total = passes * len(runs) + 2 * of_reference
-    done = 0
-    with progress_bar(progress, unit="pass") as report:
-
-        def step() -> None:
-            nonlocal done
-            done += 1
-            if report is not None:
-                report(done, total)
-
+    with step_bar(progress, total, unit="pass") as step:
         others: list[Any] = [reference]
         if of_reference:
             others = [_exact(base, n, of_reference, step) for n in FIRST_OF_REFERENCES]

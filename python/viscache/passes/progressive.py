@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.aqvc.rows import AqvcRows
-from viscache.base.progress import Progress, progress_bar
+from viscache.base.progress import Progress, step_bar
 from viscache.base.sharing import Turn, Uncopied
 from viscache.frame import Frame
 from viscache.frame.emitted_light import light_on_surfaces
@@ -196,12 +196,11 @@ class Progressive(Uncopied):
             Finished passes are kept; `passes` goes on with the pass that was interrupted.
         """
         require(is_whole(n) and n >= 0, "n must be a whole number >= 0", n)
-        with progress_bar(progress, unit="pass") as report:
+        with step_bar(progress, n, unit="pass") as step:
             view = LiveView() if show else None
             for i in range(n):
                 self._pass()
-                if report:
-                    report(i + 1, n)
+                step()
                 if view:
                     view.update(self, last=i + 1 == n)
         return self.frame

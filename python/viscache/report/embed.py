@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from viscache.base import tonemap
+from viscache.base.progress import Progress, step_bar
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage
@@ -67,13 +67,12 @@ def add_pictures(
     store: Store,
     flip_maps: int,
     width: int,
-    done: Callable[[int, int], None] | None = None,
+    progress: Progress,
 ) -> None:
     """Add reference, picture and FLIP map of the first repeat of each setting to the page's model.
 
     FLIP maps are those that the sweep kept, and others are made and kept; Pareto-optimal settings
-    come first.
-    `done` is called with the numbers of packed settings and of all settings.
+    come first. Progress counts packed settings.
     """
     points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
     mapped = {s["id"] for s in _best_first(model)[:flip_maps]}
@@ -83,16 +82,17 @@ def add_pictures(
         if point and store.get(point["key"]) and store.get(point["paired"]):
             finished.append((setting, point))
     packer = Packer(model, len(finished), width)
-    for i, (setting, point) in enumerate(finished):
-        frame, reference = store.frame(point["key"]), store.frame(point["paired"])
-        packer.add(setting, frame.image, reference.image, point["paired"])
-        setting |= {"seed": point["seed"], "parameters": frame.parameters, "sha256": frame.sha256}
-        if setting["id"] in mapped:
-            found = flip_map_of(frame, reference, store.directory)
-            if found is not None:
-                setting["flip"] = pictures.pack_flip(found.errors / 255.0, found.mean, width)
-        if done is not None:
-            done(i + 1, len(finished))
+    with step_bar(progress, len(finished), unit="picture") as step:
+        for setting, point in finished:
+            frame, reference = store.frame(point["key"]), store.frame(point["paired"])
+            packer.add(setting, frame.image, reference.image, point["paired"])
+            setting["seed"] = point["seed"]
+            setting |= {"parameters": frame.parameters, "sha256": frame.sha256}
+            if setting["id"] in mapped:
+                found = flip_map_of(frame, reference, store.directory)
+                if found is not None:
+                    setting["flip"] = pictures.pack_flip(found.errors / 255.0, found.mean, width)
+            step()
 
 
 def _best_first(model: dict[str, Any]) -> list[dict[str, Any]]:

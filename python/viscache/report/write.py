@@ -5,11 +5,10 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.base.progress import progress_bar
+from viscache.base.progress import Progress
 from viscache.plots import labels
 from viscache.plots.labels import plain
 from viscache.report import assemble, draw
@@ -39,7 +38,7 @@ def write(
     target: float | None = None,
     flip_maps: int = MOST_FLIP_MAPS,
     width: int = MAX_WIDTH_PX,
-    progress: bool | Callable[[int, int], None] = False,
+    progress: Progress = False,
 ) -> Path:
     """Write the report of a sweep.
 
@@ -94,8 +93,8 @@ def write(
     found = verdict(dataset, error, target)
     model["opens"] = _opening(model, target)
     if directory is not None:
-        with Store(directory) as store, progress_bar(progress, "picture") as done:
-            add_pictures(model, store, flip_maps, width, done)
+        with Store(directory) as store:
+            add_pictures(model, store, flip_maps, width, progress)
     scene = html.escape(str(dataset.attrs["scene"]))
     texts = {
         "TITLE": f"{scene}: the trade of shadow rays for accuracy",

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.base.progress import Progress, progress_bar
+from viscache.base.progress import Progress, step_bar
 from viscache.frame.emitted_light import light_on_surfaces
 from viscache.passes.progressive import Progressive
 from viscache.settings.checks import require
@@ -52,14 +52,7 @@ def tuned_passes(
     """
     integrator = shot.setting("integrator")
     picked = () if integrator_picks(integrator) else PICKS
-    total, done = (6 + 2 * len(picked)) * PILOT, 0
-    with progress_bar(progress, unit="pass") as report:
-
-        def step() -> None:
-            nonlocal done
-            done += 1
-            if report is not None:
-                report(done, total)
+    with step_bar(progress, (6 + 2 * len(picked)) * PILOT, unit="pass") as step:
 
         def pair(way: BareShot, firsts: tuple[int, int]) -> _Pair:
             return _Pair([Progressive(**way.arguments, first_pass=n) for n in firsts], step)

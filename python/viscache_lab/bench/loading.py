@@ -22,7 +22,7 @@ from viscache_lab.experiment import BENCHES, Trial
 from viscache_lab.experiment.amounts import Sample, interleave
 from viscache_lab.parity import renderers
 from viscache_lab.parity.shared import shared_scenes
-from viscache_lab.parity.zoo.case import property_tags, shape
+from viscache_lab.parity.zoo import scene_text
 
 #: Ours takes at most this many times Mitsuba's seconds and bytes.
 LIMIT = 1.2
@@ -122,10 +122,10 @@ def _files(folder: Path, quick: bool, trial: Trial) -> Iterator[tuple[str, Path]
     for suffix in ("ply", "obj"):
         mesh = folder / f"hills.{suffix}"
         _write_hills(mesh, side)
-        scene = folder / f"hills-{suffix}.xml"
-        inside = shape(suffix, "", property_tags({"filename": str(mesh)}))
-        scene.write_text(f'<scene version="3.0.0">{inside}</scene>', encoding="utf-8")
-        yield f"generated {suffix}", scene
+        target = folder / f"hills-{suffix}.xml"
+        text = scene_text(f"shape.{suffix}{{ string:filename(PATH) }}").replace("PATH", str(mesh))
+        target.write_text(text, encoding="utf-8")
+        yield f"generated {suffix}", target
     for shared in shared_scenes(folder / "shared", quick=quick):
         if shared.path is None:
             trial.skip(shared.name, shared.reason)

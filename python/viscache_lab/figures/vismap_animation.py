@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import viscache as vc
-from viscache.base.progress import progress_bar
+from viscache.base.progress import step_bar
 from viscache.plots import COLORS
 from viscache.scenes import SCENES
 from viscache.scenes.shapes import place, soft_box
@@ -65,11 +65,10 @@ def temporal(trial: Trial) -> None:
     )
     frames: list[Frame] = []
     cache = vc.VisibilityMapCache(crate_and_garage(0.0), vc.MapSettings())
-    with progress_bar(trial.progress, unit="frame") as report:
+    with step_bar(trial.progress, n_frames, unit="frame") as step:
         for k in range(n_frames):
             frames.append(_frame(cache, k / n_frames, size, *pixels))
-            if report is not None:
-                report(k + 1, n_frames)
+            step()
     trial.rows += _rows(frames)
     trial.draw("vismap-temporal.png", [_panels(frames)], (12.0, 3.4), dpi=150)
 

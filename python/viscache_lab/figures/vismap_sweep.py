@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import viscache as vc
-from viscache.base.progress import progress_bar
+from viscache.base.progress import step_bar
 from viscache.metrics.variance import VarianceRatio
 from viscache.plots import COLORS, pareto
 from viscache.scenes import build
@@ -58,13 +58,12 @@ def sweep(trial: Trial) -> None:
     scene = build(QUICK_SCENE if trial.quick else SCENE)
     found: dict[str, dict[str, Setting]] = {}
     total = sum(len(values) for values in GRID.values())
-    with progress_bar(trial.progress, unit="setting") as report:
+    with step_bar(trial.progress, total, unit="setting") as step:
         for name, values in GRID.items():
             found[name] = {}
             for value in values:
                 found[name][_label(value)] = measure(scene, value, trial.quick)
-                if report is not None:
-                    report(sum(len(f) for f in found.values()), total)
+                step()
     trial.rows += _rows(found)
     trial.draw("vismap-sweep.png", [_panels(found)], (11.0, 4.4), dpi=150)
     trial.notes.append(

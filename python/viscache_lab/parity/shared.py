@@ -16,7 +16,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from viscache.scenes.sources import SCENES_VARIABLE
-from viscache_lab.parity.zoo.case import DAYLIGHT, property_tags, shape, view
+from viscache_lab.parity.zoo import scene_text
 
 #: Width of the pictures.
 WIDTH_PX = 160
@@ -152,13 +152,13 @@ def _turn_skies(scene: ElementTree.Element) -> None:
 def _alone(name: str, path: Path, folder: Path) -> Shared:
     """A scene around a single mesh or map."""
     target = folder / f"{name.replace('/', '-')}.xml"
-    if path.suffix == ".ply":
-        inside = property_tags({"filename": str(path)})
-        body = shape("ply", '<scale value="6"/><translate y="0.2"/>', inside) + DAYLIGHT
-    else:
-        sky = property_tags({"filename": str(path)})
-        cube = shape("cube", '<scale value="0.7"/><translate y="0.7"/>')
-        body = f'{cube}<emitter type="envmap">{sky}</emitter>'
-    floor = shape("rectangle", '<scale value="4"/><rotate x="1" angle="-90"/>')
-    target.write_text(f'<scene version="3.0.0">{view()}{floor}{body}</scene>', encoding="utf-8")
+    file = "string:filename(PATH) }"
+    body = (
+        f"shape.ply{{ $AT{{ scale(6) translate(y=0.2) }} {file} $DAYLIGHT"
+        if path.suffix == ".ply"
+        else f"shape.cube{{ $AT{{ scale(0.7) translate(y=0.7) }} }} emitter.envmap{{ {file}"
+    )
+    floor = "shape.rectangle{ $AT{ scale(4) rotate(x=1 angle=-90) } }"
+    text = scene_text(f"$VIEW {floor} {body}").replace("PATH", str(path))
+    target.write_text(text, encoding="utf-8")
     return Shared(name=name, path=target)

@@ -12,17 +12,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 #: Positions, normals, texture coordinates and faces.
-Mesh = tuple[Array, Array | None, Array, Array]
-
-WEDGE = "wedge"
-#: Round, without symmetry. Its vertex normals lean little from its faces.
-PEBBLE = "pebble"
-#: Without texture coordinates.
-BARE = "wedge-bare"
-#: Stem of the pictures of texture scenes, and their suffixes.
-PICTURES = {"png": "blocks.png", "jpeg": "blocks.jpg", "exr": "blocks.exr", "hdr": "blocks.hdr"}
-GREY, ALPHA, DEEP, PALETTE = "grey.png", "alpha.png", "deep.png", "palette.png"
-SKY_MAP = "sky"
+Mesh = tuple[Array, Array | None, Array | None, Array]
 
 #: A wedge with a slanted top: positions, faces seen from outside, texture coordinates.
 _CORNERS = np.array(
@@ -37,18 +27,17 @@ def write_files(folder: Path) -> None:
     # Some normals of the smooth wedge lean from their faces by more than 90 degrees
     smooth = _CORNERS, _mean_normals(_CORNERS, _FACES), _UVS, _FACES
     meshes: dict[str, Mesh] = {
-        WEDGE: (_CORNERS, None, _UVS, _FACES),
-        f"{WEDGE}-smooth": smooth,
-        f"{WEDGE}-creased": _creased(),
-        PEBBLE: _pebble(),
+        "wedge": (_CORNERS, None, _UVS, _FACES),
+        "wedge-smooth": smooth,
+        "wedge-creased": _creased(),
+        "wedge-bare": (_CORNERS, None, None, _FACES),
+        "pebble": _pebble(),
     }
     for name, mesh in meshes.items():
         (folder / f"{name}.obj").write_text(_obj(*mesh), encoding="ascii")
         (folder / f"{name}.ply").write_text(_ply(*mesh), encoding="ascii")
-        (folder / f"{name}.serialized").write_bytes(_serialized(*mesh))
-    bare = (_CORNERS, None, None, _FACES)
-    (folder / f"{BARE}.obj").write_text(_obj(*bare), encoding="ascii")
-    (folder / f"{BARE}.ply").write_text(_ply(*bare), encoding="ascii")
+        if mesh[2] is not None:
+            (folder / f"{name}.serialized").write_bytes(_serialized(*mesh))
     _write_pictures(folder)
 
 
@@ -67,7 +56,7 @@ def sky_picture() -> Array:
 
 
 def _pebble() -> Mesh:
-    """Rings between two poles, with dents."""
+    """Rings between two poles, with dents; normals of vertices lean little from those of faces."""
     rings, around = 11, 24
     theta, phi = np.mgrid[1 : rings + 1, 0:around]
     theta, phi = np.pi / (rings + 1) * theta, 2 * np.pi / around * phi
@@ -127,10 +116,10 @@ def _ply(positions: Array, normals: Array | None, uvs: Array | None, faces: Arra
     return "\n".join(lines) + "\n"
 
 
-def _serialized(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> bytes:
+def _serialized(positions: Array, normals: Array | None, uvs: Array | None, faces: Array) -> bytes:
     """Version 4 of Mitsuba's format: one mesh, then the table of offsets."""
     # Single precision, uvs, normals
-    flags = 0x1000 | 0x0002 | (0x0001 if normals is not None else 0)
+    flags = 0x1000 | 0x0002 | 0x0001 * (normals is not None)
     body = struct.pack("<I", flags) + b"wedge\0" + struct.pack("<QQ", len(positions), len(faces))
     for values in (positions, normals, uvs):
         body += b"" if values is None else values.astype("<f4").tobytes()
@@ -141,20 +130,22 @@ def _serialized(positions: Array, normals: Array | None, uvs: Array, faces: Arra
 def _write_pictures(folder: Path) -> None:
     from PIL import Image
 
-    linear = picture()
+    linear, sky = picture(), sky_picture()
     eight = np.round(255 * linear).astype(np.uint8)
-    Image.fromarray(eight).save(folder / PICTURES["png"])
-    Image.fromarray(eight).save(folder / PICTURES["jpeg"], quality=95, subsampling=0)
-    Image.fromarray(eight).quantize(16).save(folder / PALETTE)
-    Image.fromarray(eight[..., 0]).save(folder / GREY)
-    Image.fromarray(eight[..., 1].astype(np.uint16) * 257).save(folder / DEEP)
     cut = np.where(eight[..., 2:] > 128, 255, 0).astype(np.uint8)
-    Image.fromarray(np.concatenate([eight, cut], axis=2)).save(folder / ALPHA)
-    _write_exr(folder / PICTURES["exr"], linear)
-    (folder / PICTURES["hdr"]).write_bytes(_rgbe(linear))
-    _write_exr(folder / f"{SKY_MAP}.exr", sky_picture())
-    (folder / f"{SKY_MAP}.hdr").write_bytes(_rgbe(sky_picture()))
-    Image.fromarray(np.round(28 * sky_picture()).astype(np.uint8)).save(folder / f"{SKY_MAP}.png")
+    Image.fromarray(eight).save(folder / "blocks.jpg", quality=95, subsampling=0)
+    for name, image in {
+        "blocks": Image.fromarray(eight),
+        "palette": Image.fromarray(eight).quantize(16),
+        "grey": Image.fromarray(eight[..., 0]),
+        "deep": Image.fromarray(eight[..., 1].astype(np.uint16) * 257),
+        "alpha": Image.fromarray(np.concatenate([eight, cut], axis=2)),
+        "sky": Image.fromarray(np.round(28 * sky).astype(np.uint8)),
+    }.items():
+        image.save(folder / f"{name}.png")
+    for name, pixels in {"blocks": linear, "sky": sky}.items():
+        _write_exr(folder / f"{name}.exr", pixels)
+        (folder / f"{name}.hdr").write_bytes(_rgbe(pixels))
 
 
 def _write_exr(path: Path, pixels: Array) -> None:
