@@ -346,6 +346,15 @@ def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, d
         load(tmp_path, body.format(2), version="0.6.0")
 
 
+def test_colours_of_a_serialized_file_are_named(tmp_path):
+    body = struct.pack("<I5sQQ", 0x1008, b"name", 3, 1)
+    body += np.eye(3, dtype="<f4").tobytes() * 2 + np.arange(3, dtype="<u4").tobytes()
+    data = struct.pack("<HH", 0x041C, 4) + zlib.compress(body) + struct.pack("<QI", 0, 1)
+    (tmp_path / "m.serialized").write_bytes(data)
+    ((_, text),) = core.load_scene_file(str(tmp_path / "m.serialized")).warnings
+    assert text == "colours of vertices are not read from this format"
+
+
 @pytest.mark.parametrize(
     ("body", "name"),
     [

@@ -123,7 +123,7 @@ size_t serialized_count(const std::string& path, std::string_view bytes) {
     return offsets_of(path, bytes).size() - 1;
 }
 
-Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index) {
+Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index, bool* has_colors) {
     const auto offsets = offsets_of(path, bytes);
     if (index + 1 >= offsets.size())
         fail(path,
@@ -149,6 +149,7 @@ Mesh read_serialized(const std::string& path, std::string_view bytes, size_t ind
     mesh.vertices = in.vectors<Vec3>(vertices, is_double);
     if (flags & kHasNormals) mesh.normals = in.vectors<Vec3>(vertices, is_double);
     if (flags & kHasUvs) mesh.uvs = in.vectors<Vec2>(vertices, is_double);
+    if (has_colors && flags & kHasColors) *has_colors = true;
     if (flags & kHasColors) in.vectors<Vec3>(vertices, is_double);
     if (flags & kFaceNormals) mesh.normals.clear();
     mesh.triangles.resize(triangles);
@@ -162,11 +163,13 @@ Mesh read_serialized(const std::string& path, std::string_view bytes, size_t ind
 void load_serialized(const std::string& path, Loading& loading) {
     const std::string bytes = read_file(path);
     const int material = loading.add_material({});
+    bool has_colors = false;
     for (size_t i = 0; i < serialized_count(path, bytes); ++i) {
-        Mesh mesh = read_serialized(path, bytes, i);
+        Mesh mesh = read_serialized(path, bytes, i, &has_colors);
         mesh.material = material;
         loading.add_mesh(std::move(mesh), path);
     }
+    if (has_colors) loading.warn(path, "colours of vertices are not read from this format");
 }
 
 }  // namespace viscache::loading

@@ -227,8 +227,9 @@ Mesh read_ply(const std::string& path, Loading& loading, const std::string& aske
 /// has no colours.
 std::vector<Mesh> read_obj(const std::string& path, Loading& loading, bool with_materials,
                            const std::string& asked_at = "");
-/// Shape `index` of the Mitsuba .serialized file with the content `bytes`.
-Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);
+/// Shape `index` of the Mitsuba .serialized file with the content `bytes`. Sets `has_colors` if it has some.
+Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index,
+                     bool* has_colors = nullptr);
 size_t serialized_count(const std::string& path, std::string_view bytes);
 
 // Scene files.
