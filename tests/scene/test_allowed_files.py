@@ -1,7 +1,6 @@
 """A scene reads files of its own folder, and others only when that is allowed."""
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,7 +31,7 @@ def folder(tmp_path):
     return made
 
 
-def put(path: Path) -> Path:
+def put(path):
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".ply":
         path.write_text(PLY)
@@ -41,7 +40,7 @@ def put(path: Path) -> Path:
     return path
 
 
-def xml(folder: Path, body: str) -> Path:
+def xml(folder, body):
     path = folder / "s.xml"
     path.write_text(f'<scene version="3.0.0">{body}</scene>')
     return path

@@ -3,11 +3,8 @@
 import base64
 import json
 import struct
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import trimesh
 
@@ -17,7 +14,7 @@ from scene.test_colors import STEP, linear
 POINTS = [(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)]
 
 
-def gltf(path: Path, colors: npt.NDArray[Any], **material: Any) -> None:
+def gltf(path, colors, **material):
     kinds = {"f": 5126, "B": 5121, "H": 5123}
     parts = [np.array(POINTS, "<f4"), np.array([0, 1, 2, 0, 2, 3], "<u2"), colors]
     data = b"".join(p.tobytes() + b"\0" * (-p.nbytes % 4) for p in parts)
@@ -52,8 +49,8 @@ def gltf(path: Path, colors: npt.NDArray[Any], **material: Any) -> None:
     path.write_text(json.dumps(document))
 
 
-def ply(path: Path, vertex: str, rows: list[str], face: str = "", faces: Any = ("", "")) -> None:
-    def properties(listed: str) -> str:
+def ply(path, vertex, rows, face="", faces=("", "")):
+    def properties(listed):
         return "".join(f"property {p}\n" for p in listed.split(", ") if p)
 
     path.write_text(
@@ -67,7 +64,7 @@ def ply(path: Path, vertex: str, rows: list[str], face: str = "", faces: Any = (
 
 BYTES = "uchar red, uchar green, uchar blue"
 #: Writes a file; the linear colour of its first triangle.
-FILES: dict[str, tuple[str, Any, list[float]]] = {
+FILES = {
     "gltf, bytes": (
         "a.gltf",
         lambda p: gltf(p, np.uint8([[255, 51, 0, 255]] * 4)),
@@ -248,7 +245,7 @@ ATTRIBUTE = (
 )
 
 
-def mitsuba(folder: Path, bsdf: str, shape: str = "") -> vc.Scene:
+def mitsuba(folder, bsdf, shape=""):
     shape = shape or '<shape type="ply"><string name="filename" value="a.ply"/>{}</shape>'
     (folder / "a.xml").write_text(f'<scene version="3.0.0">{shape.format(bsdf)}</scene>')
     return vc.load_scene(folder / "a.xml", env=1.0)

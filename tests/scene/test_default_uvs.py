@@ -1,9 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Texture coordinates of shapes whose file gives none; images of area lights on such shapes."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from skimage.io import imsave
@@ -38,12 +35,12 @@ def files(tmp_path):
     imsave(tmp_path / "flag.png", rows, check_contrast=False)
 
 
-def mitsuba(folder: Path, body: str) -> core.SceneDescription:
+def mitsuba(folder, body):
     (folder / "s.xml").write_text(f'<scene version="3.0.0">{body}</scene>')
     return core.load_scene_file(str(folder / "s.xml"), True)
 
 
-def pbrt(folder: Path, world: str, *, strict: bool = True) -> core.SceneDescription:
+def pbrt(folder, world, *, strict=True):
     path = folder / "s.pbrt"
     path.write_text(
         f'LookAt 0 0 3 0 0 0 0 1 0 Camera "perspective" "float fov" 30 Film "rgb" "integer xresolution" 16 '
@@ -52,7 +49,7 @@ def pbrt(folder: Path, world: str, *, strict: bool = True) -> core.SceneDescript
     return core.load_scene_file(str(path), strict)
 
 
-def corner_uvs(scene: core.SceneDescription, mesh: int = 0) -> Any:
+def corner_uvs(scene, mesh=0):
     """(triangles, 3, 2)."""
     arrays = scene.mesh_arrays(mesh)
     return arrays["uvs"][arrays["triangles"]]
@@ -155,7 +152,7 @@ ROTATED = (
 
 @pytest.mark.parametrize("axis", ['y="1.2"', 'x="1" y="1"', 'x="0.6" y="0.8"'])
 def test_the_length_of_a_rotations_axis_counts_as_in_mitsuba(tmp_path, axis):
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
+    mi = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")
     (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">\n{ROTATED.format(axis)}</scene>')
     scene = core.load_scene_file(str(tmp_path / "s.xml"))

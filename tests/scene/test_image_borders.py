@@ -1,11 +1,8 @@
 """What images show beyond their borders; transforms of texture coordinates of glTF files."""
 
 import base64
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from skimage.io import imsave
 
@@ -17,7 +14,7 @@ PIXELS = np.random.default_rng(1).integers(30, 255, (5, 7, 3)).astype(np.uint8)
 WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071}
 
 
-def texel(u: npt.NDArray[Any], n: int, wrap: str) -> npt.NDArray[Any]:
+def texel(u, n, wrap):
     """Indices of the nearest of n pixels."""
     i = np.floor(u * n).astype(int)
     if wrap == "clamp":
@@ -26,9 +23,9 @@ def texel(u: npt.NDArray[Any], n: int, wrap: str) -> npt.NDArray[Any]:
     return np.minimum(i, 2 * n - 1 - i) if wrap == "mirror" else i
 
 
-def gltf_albedo(folder: Path, wraps: tuple[str, str], transform: dict[str, Any]) -> Any:
+def gltf_albedo(folder, wraps, transform):
     """The albedo of a square from (0, 0) to (1, 1), whose glTF coordinates are (x, 1 - y)."""
-    texture: dict[str, Any] = {"index": 0, "extensions": {"KHR_texture_transform": transform}}
+    texture = {"index": 0, "extensions": {"KHR_texture_transform": transform}}
     doc = document(
         materials=[{"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": texture}}],
         textures=[{"source": 0, "sampler": 0}],
@@ -54,7 +51,7 @@ def gltf_albedo(folder: Path, wraps: tuple[str, str], transform: dict[str, Any])
     ).layers["albedo"]
 
 
-def expected(wraps: tuple[str, str], turn: float) -> npt.NDArray[Any]:
+def expected(wraps, turn):
     """Coordinates scaled, turned counter-clockwise where v grows downwards, then moved."""
     place = (np.arange(64) + 0.5) / 64
     u, v = np.meshgrid(place, place)  # row 0 is at the top: v = 0

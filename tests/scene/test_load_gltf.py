@@ -16,7 +16,7 @@ POINTS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], "<f4")
 INDICES = np.array([0, 1, 2, 0, 2, 3], "<u2")
 
 
-def document(**changes) -> dict:
+def document(**changes):
     data = POINTS.tobytes() + INDICES.tobytes()
     doc = {
         "asset": {"version": "2.0"},
@@ -43,18 +43,18 @@ def document(**changes) -> dict:
     return doc
 
 
-def load(folder, doc: dict, strict: bool = False) -> core.SceneDescription:
+def load(folder, doc, strict=False):
     path = folder / "scene.gltf"
     path.write_text(json.dumps(doc))
     return core.load_scene_file(str(path), strict)
 
 
-def png(folder, rgba) -> str:
+def png(folder, rgba):
     imsave(folder / "image.png", np.array(rgba, np.uint8), check_contrast=False)
     return "data:image/png;base64," + base64.b64encode((folder / "image.png").read_bytes()).decode()
 
 
-def with_material(**material) -> dict:
+def with_material(**material):
     attributes = {"POSITION": 0, "TEXCOORD_0": 2}
     mesh = {"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}
     coordinates = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"}
@@ -269,7 +269,7 @@ def test_a_glb_of_trimesh_is_read_as_trimesh_reads_it(tmp_path):
     np.testing.assert_allclose(mesh["vertices"][mesh["triangles"]], shape.triangles, atol=1e-6)
 
 
-def change(doc: dict, path: str, value) -> dict:
+def change(doc, path, value):
     *keys, last = [int(k) if k.isdigit() else k for k in path.split(".")]
     target = doc
     for key in keys:

@@ -1,7 +1,6 @@
 """OBJ and MTL files: geometry, indices, materials, textures."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import viscache as vc
 from viscache import _core as core
 
 
-def load(folder: Path, text: str, strict: bool = False, **files: str) -> core.SceneDescription:
+def load(folder, text, strict=False, **files):
     for name, content in files.items():
         (folder / name.replace("_mtl", ".mtl")).write_text(content)
     path = folder / "model.obj"

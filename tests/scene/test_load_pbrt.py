@@ -11,7 +11,7 @@ K = core.MaterialKind
 TRIANGLE = 'Shape "trianglemesh" "integer indices" [0 1 2] "point P" [0 0 0  1 0 0  0 1 0]\n'
 
 
-def load(folder, world: str, head: str = "", strict: bool = True) -> core.SceneDescription:
+def load(folder, world, head="", strict=True):
     path = folder / "scene.pbrt"
     path.write_text(f"{head}\nWorldBegin\n{world}\nWorldEnd\n")
     return core.load_scene_file(str(path), strict)

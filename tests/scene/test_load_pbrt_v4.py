@@ -1,9 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """pbrt-v4 text scenes: their words beside those of v3, and equal scenes in both."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -68,13 +65,13 @@ AttributeEnd
 """
 
 
-def load(folder: Path, world: str, head: str = "", strict: bool = True) -> core.SceneDescription:
+def load(folder, world, head="", strict=True):
     path = folder / "scene.pbrt"
     path.write_text(f'{head}\nFilm "rgb"\nWorldBegin\n{world}\n')
     return core.load_scene_file(str(path), strict)
 
 
-def surface(folder: Path, material: str, strict: bool = True) -> dict[str, Any]:
+def surface(folder, material, strict=True):
     scene = load(folder, f"Material {material}\n{TRIANGLE}", strict=strict)
     return dict(scene.materials[scene.meshes[0]["material"]])
 

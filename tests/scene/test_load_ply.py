@@ -53,9 +53,7 @@ def test_trimesh_writes_what_is_read(tmp_path, encoding):
     assert np.array_equal(mesh["triangles"], shape.faces)
 
 
-def write(
-    path, head: str, data: bytes | str = "0 0 0 1 0 0 1 1 0 0 1 0.5 3 0 1 2", kind: str = "ascii"
-):
+def write(path, head, data="0 0 0 1 0 0 1 1 0 0 1 0.5 3 0 1 2", kind="ascii"):
     """A file of four points; `head` declares what follows them."""
     data = data if isinstance(data, bytes) else data.encode()
     path.write_bytes((HEADER.format(kind) + head + "end_header\n").encode() + data)
@@ -66,7 +64,7 @@ FACE = "element face 1\nproperty list uchar int vertex_indices\n"
 STRIP = "element tristrips 1\nproperty list int int vertex_indices\n"
 
 
-def triangles(path: str) -> list:
+def triangles(path):
     return core.load_scene_file(path, True).mesh_arrays(0)["triangles"].tolist()
 
 

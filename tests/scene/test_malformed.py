@@ -24,19 +24,19 @@ PBRT = 'WorldBegin\nShape "trianglemesh" "integer indices" [0 1 2] "point P" [0 
 NAN = struct.pack("<f", float("nan"))
 
 
-def xml(body: str) -> str:
+def xml(body):
     return f'<scene version="3.0.0">\n{body}\n</scene>'
 
 
-def cube(to_world: str) -> str:
+def cube(to_world):
     return f'<shape type="cube"><transform name="to_world">{to_world}</transform></shape>'
 
 
-def ball(radius: str) -> str:
+def ball(radius):
     return f'<shape type="sphere"><float name="radius" value="{radius}"/></shape>'
 
 
-def world(words: str) -> str:
+def world(words):
     return f"WorldBegin\n{words}\nWorldEnd"
 
 
@@ -46,7 +46,7 @@ WHITE = (
     '<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="1 2"/></bsdf></shape>'
 )
 #: By name: content, and what the error must say.
-BAD: dict[str, list[tuple[str | bytes, str]]] = {
+BAD = {
     "m.obj": [
         ("", "empty"),
         ("# nothing\n", "no faces"),
@@ -165,7 +165,7 @@ def test_serialized_counts_beyond_the_packed_bytes_are_refused_before_allocation
         core.load_scene_file(str(tmp_path / "s.serialized"))
 
 
-def seeds() -> dict[str, bytes]:
+def seeds():
     points, indices = np.frombuffer(POINTS, "<f4"), np.array([0, 1, 2], "<u2")
     blob = points.tobytes() + indices.tobytes() + b"\0\0"
     gltf = {

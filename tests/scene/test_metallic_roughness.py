@@ -2,11 +2,8 @@
 
 import base64
 import json
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from skimage.io import imsave
 
@@ -15,7 +12,6 @@ from scene.test_mitsuba_parity import VIEW
 from viscache import _core as core
 
 SIZE = (64, 48)
-Array = npt.NDArray[Any]
 
 #: A floor, and a lamp outside of the picture whose light the floor mirrors to the camera.
 FLOOR = np.array([(-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)], "<f4")
@@ -24,19 +20,19 @@ UV = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], "<f4")
 RADIANCE = (6.0, 5.0, 4.0)
 
 
-def waves(seed: float, low: int = 20, high: int = 250) -> Array:
+def waves(seed, low=20, high=250):
     """A smooth image (32, 32) of bytes."""
     x, y = np.meshgrid(np.arange(32), np.arange(32))
     wave = np.sin(x * 2 * np.pi / 16 + seed) * np.cos(y * 2 * np.pi / 32 - seed)
     return np.uint8(low + (high - low) * (wave + 1) / 2)
 
 
-def uri(folder: Path, name: str, pixels: Array) -> dict[str, str]:
+def uri(folder, name, pixels):
     imsave(folder / name, pixels, check_contrast=False)
     return {"uri": name}
 
 
-def document(folder: Path, pbr: dict[str, Any], images: list[Array], **more: Any) -> Path:
+def document(folder, pbr, images, **more):
     """A glTF file of the floor with a material, and of the lamp."""
     data = b"".join(a.tobytes() for a in (FLOOR, LAMP, UV))
     data += np.array([0, 1, 2, 0, 2, 3], "<u2").tobytes()
@@ -85,13 +81,13 @@ def document(folder: Path, pbr: dict[str, Any], images: list[Array], **more: Any
     return path
 
 
-def camera(folder: Path) -> vc.Camera:
+def camera(folder):
     path = folder / "view.xml"
     path.write_text(f'<scene version="3.0.0">{VIEW}<shape type="cube"/></scene>')
     return vc.load_scene(path).cameras[0]
 
 
-def packed(roughness: Array | int, metallic: Array | int) -> Array:
+def packed(roughness, metallic):
     """The channels of glTF. Red means nothing."""
     r, m = np.broadcast_arrays(
         np.asarray(roughness, np.uint8), np.asarray(metallic, np.uint8), np.zeros((32, 32))
@@ -99,7 +95,7 @@ def packed(roughness: Array | int, metallic: Array | int) -> Array:
     return np.stack([np.full((32, 32), 77, np.uint8), r, m], -1)
 
 
-def picture(path: Path, integrator: Any = None, spp: int = 4) -> Array:
+def picture(path, integrator=None, spp=4):
     scene, view = vc.load_scene(path, strict=True, env=0.3), camera(path.parent)
     return vc.render(scene, integrator or vc.Direct(), camera=view, size=SIZE, spp=spp).image
 

@@ -2,8 +2,6 @@
 
 import json
 import pickle
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -60,11 +58,11 @@ def test_the_warning_names_an_origin_that_ends_it(share):
     assert vc.Scene.from_arrays(corners, ONE, env=1.0, origin=point).warnings == []
 
 
-def gltf(folder: Path) -> Path:
+def gltf(folder):
     """A triangle, and a camera, under nodes that are far away."""
     (folder / "a.bin").write_bytes(CORNERS.astype("<f4").tobytes())
     place = {"translation": list(FAR)}
-    model: dict[str, Any] = {
+    model = {
         "asset": {"version": "2.0"},
         "buffers": [{"uri": "a.bin", "byteLength": 36}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
@@ -113,7 +111,7 @@ def test_other_files_are_moved_as_they_are(tmp_path):
     np.testing.assert_array_equal(moved_to.cameras[0].origin, here.cameras[0].origin - by)
     np.testing.assert_array_equal(moved_to.lights[0]["position"], here.lights[0]["position"] - by)
     assert moved_to.origin.tolist() == [4096, 8192, 1]
-    size: dict[str, Any] = {"size": (24, 16), "threads": 1}
+    size = {"size": (24, 16), "threads": 1}
     assert rel_l1(*(vc.render(s, "direct", **size) for s in (moved_to, here))) < 1e-2
     assert pickle.loads(pickle.dumps(moved_to)).origin.tolist() == [4096, 8192, 1]
 

@@ -1,8 +1,6 @@
 """Orthographic cameras: parallel rays in every integrator, from Python and from files."""
 
 import json
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -36,7 +34,7 @@ def room(tmp_path):
     return path
 
 
-def images(path: Path, integrator: Any, spp: int, seeds: int, **settings: Any) -> Any:
+def images(path, integrator, spp, seeds, **settings):
     scene = vc.load_scene(path, strict=True)
     frames = [vc.render(scene, integrator, spp=spp, seed=s, **settings) for s in range(seeds)]
     return np.stack([f.image for f in frames]).astype(np.float64)
@@ -99,7 +97,7 @@ def test_the_density_of_eye_points_is_that_of_the_plane():
     assert rays[0] == pytest.approx(rays[1], rel=0.05)
 
 
-def camera_of(path: Path, text: str) -> Any:
+def camera_of(path, text):
     path.write_text(text)
     return core.load_scene_file(str(path), True).cameras[0]
 

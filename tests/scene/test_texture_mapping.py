@@ -1,8 +1,5 @@
 """Checkerboards, nearest look-ups and transforms of texture coordinates."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
 import viscache as vc
@@ -19,14 +16,14 @@ BOARD = """<texture name="reflectance" type="checkerboard"><rgb name="color0" va
 <rgb name="color1" value=".1,.2,.3"/>{to_uv}</texture>"""
 
 
-def wall(folder: Path, texture: str) -> Path:
+def wall(folder, texture):
     path = folder / "wall.xml"
     shape = f'<shape type="rectangle"><bsdf type="diffuse">{texture}</bsdf></shape>'
     path.write_text(f'<scene version="3.0.0">{VIEW}{SKY}{shape}</scene>')
     return path
 
 
-def albedo(path: Path, size: tuple[int, int] = (64, 48), spp: int = 16) -> Any:
+def albedo(path, size=(64, 48), spp=16):
     scene = vc.load_scene(path, strict=True)
     frame = vc.render(scene, vc.AmbientOcclusion(n_samples=1), spp=spp, size=size)
     return frame.layers["albedo"]
@@ -52,7 +49,7 @@ def test_old_files_scale_and_move_their_textures(tmp_path):
     assert (a != albedo(wall(tmp_path, BOARD.format(to_uv="")), spp=1)).any()
 
 
-def pbrt_wall(folder: Path, texture: str) -> Path:
+def pbrt_wall(folder, texture):
     path = folder / "wall.pbrt"
     path.write_text(
         f"""LookAt 0 0 3  0 0 0  0 1 0

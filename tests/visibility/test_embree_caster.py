@@ -122,7 +122,7 @@ def test_answers_do_not_depend_on_threads_or_packets():
         np.testing.assert_array_equal(scene.intersect(o[:n], d[:n]).triangle >= 0, whole[:n])
 
 
-def placed(scale: float, turn: bool) -> Array:
+def placed(scale, turn):
     q = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
     q *= np.sign(np.linalg.det(q)) * (-1 if turn else 1)  # -1: mirrored
     return np.concatenate([scale * q, [[3.0], [-1.0], [0.5]]], axis=1)
