@@ -62,189 +62,11 @@ def with_material(**material):
     return document(meshes=[mesh], materials=[material], accessors=accessors)
 
 
-def test_the_node_tree_multiplies_its_transforms(tmp_path):
-    s = np.sqrt(0.5)
-    nodes = [
-        {"children": [1], "translation": [10, 0, 0]},
-        {"mesh": 0, "rotation": [0, 0, s, s], "scale": [2, 3, 1]},
-    ]
-    scene = load(tmp_path, document(nodes=nodes), strict=True)
-    want = [(10, 0, 0), (10, 2, 0), (7, 2, 0), (7, 0, 0)]
-    np.testing.assert_allclose(scene.mesh_arrays(0)["vertices"], want, atol=1e-5)
-
-
-def test_a_matrix_node_is_read_by_columns_and_a_mirrored_one_turns_the_winding(tmp_path):
-    nodes = [{"mesh": 0, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]}]
-    mesh = load(tmp_path, document(nodes=nodes)).mesh_arrays(0)
-    np.testing.assert_array_equal(mesh["vertices"][2], [4, 7, 7])
-    a, b, c = mesh["vertices"][mesh["triangles"][0]]
-    assert np.cross(b - a, c - a)[2] > 0
-
-
 def test_a_mesh_of_several_nodes_becomes_instances(tmp_path):
     nodes = [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]
     scene = load(tmp_path, document(nodes=nodes, scenes=[{"nodes": [0, 1]}]), strict=True)
     assert scene.triangle_count == 4 and len(scene.meshes) == 1 and len(scene.instances) == 2
     np.testing.assert_allclose(scene.bounds(), [(0, 0, 0), (1, 1, 3)])
-
-
-@pytest.mark.parametrize(
-    ("mode", "triangles"), [(5, [[0, 1, 2], [1, 3, 2]]), (6, [[1, 2, 0], [2, 3, 0]])]
-)
-def test_strips_and_fans_become_triangles(tmp_path, mode, triangles):
-    mesh = {"primitives": [{"attributes": {"POSITION": 0}, "mode": mode}]}
-    scene = load(tmp_path, document(meshes=[mesh]), strict=True)
-    assert scene.mesh_arrays(0)["triangles"].tolist() == triangles
-
-
-def test_metallic_roughness_becomes_a_base_and_a_gloss(tmp_path):
-    scene = load(
-        tmp_path,
-        with_material(
-            doubleSided=True,
-            emissiveFactor=[0.5, 0.25, 0],
-            pbrMetallicRoughness={
-                "baseColorFactor": [0.8, 0.4, 0.2, 1],
-                "metallicFactor": 0.25,
-                "roughnessFactor": 0.6,
-            },
-        ),
-        strict=True,
-    )
-    m = scene.materials[scene.meshes[0]["material"]]
-    assert m["kind"] == K.GLOSSY and m["two_sided"] and m["roughness"] == pytest.approx(0.36)
-    assert m["base_color"] == pytest.approx([0.8, 0.4, 0.2]) and m["metallic"] == 0.25
-    assert m["specular"] == pytest.approx([0.04] * 3) and m["coat"] == C.FRESNEL_MIX
-    assert scene.meshes[0]["emission"] == pytest.approx([0.5, 0.25, 0])
-
-
-def test_an_alpha_mask_cuts_out_with_its_cutoff(tmp_path):
-    doc = with_material(
-        alphaMode="MASK",
-        alphaCutoff=0.25,
-        pbrMetallicRoughness={
-            "baseColorFactor": [1, 1, 1, 0.5],
-            "metallicFactor": 0,
-            "baseColorTexture": {"index": 0},
-        },
-    )
-    doc["textures"] = [{"source": 0}]
-    doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0, 0], [0, 255, 0, 255]]])}]
-    scene = load(tmp_path, doc, strict=True)
-    m = scene.materials[0]
-    assert m["alpha_texture"] == m["base_texture"] == 0 and m["alpha_cutoff"] == pytest.approx(0.5)
-    np.testing.assert_allclose(scene.image_pixels(0)[0], [[1, 0, 0, 0], [0, 1, 0, 1]], atol=1e-6)
-
-
-def test_blending_by_an_image_is_named_and_an_opaque_image_never_cuts(tmp_path):
-    doc = with_material(
-        alphaMode="BLEND",
-        pbrMetallicRoughness={"metallicFactor": 0, "baseColorTexture": {"index": 0}},
-    )
-    doc["textures"], doc["images"] = (
-        [{"source": 0}],
-        [{"uri": png(tmp_path, [[[9, 0, 0], [0, 9, 0]]])}],
-    )
-    m = load(tmp_path, doc, strict=True).materials[0]
-    assert m["alpha_texture"] == -1 and m["opacity"] == 1
-    doc["images"] = [{"uri": png(tmp_path, [[[9, 0, 0, 0], [0, 9, 0, 255]]])}]
-    scene = load(tmp_path, doc)
-    assert scene.materials[0]["alpha_texture"] == 0
-    assert any("'BLEND' with an image is a cut-out at 0.5" in what for _, what in scene.warnings)
-
-
-@pytest.mark.parametrize(
-    ("mode", "alpha", "opacity"),
-    [("BLEND", 0.25, 0.25), ("MASK", 0.25, 0), ("MASK", 0.75, 1), ("OPAQUE", 0.25, 1)],
-)
-def test_a_constant_alpha_is_the_opacity(tmp_path, mode, alpha, opacity):
-    doc = with_material(alphaMode=mode, pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, alpha]})
-    assert load(tmp_path, doc, strict=True).materials[0]["opacity"] == opacity
-
-
-def test_cameras_and_punctual_lights_stand_at_their_nodes(tmp_path):
-    lights = [
-        {"type": "point", "color": [1, 0.5, 0], "intensity": 4},
-        {"type": "directional", "intensity": 2},
-    ]
-    s = np.sqrt(0.5)
-    nodes = [
-        {"camera": 0, "translation": [0, 0, 9]},
-        {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
-        {"rotation": [-s, 0, 0, s], "extensions": {"KHR_lights_punctual": {"light": 1}}},
-        {"mesh": 0},
-    ]
-    doc = document(
-        nodes=nodes,
-        scenes=[{"nodes": [0, 1, 2, 3]}],
-        extensionsUsed=["KHR_lights_punctual"],
-        extensions={"KHR_lights_punctual": {"lights": lights}},
-        cameras=[
-            {"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}
-        ],
-    )
-    scene = load(tmp_path, doc, strict=True)
-    camera = scene.cameras[0]
-    assert (
-        camera["origin"] == [0, 0, 9]
-        and camera["forward"] == [0, 0, -1]
-        and camera["right"] == [1, 0, 0]
-    )
-    assert (
-        camera["fov_deg"] == pytest.approx(np.degrees(0.5))
-        and camera["width"] == 2 * camera["height"]
-    )
-    point, sun = scene.lights
-    assert point["position"] == [1, 2, 3] and point["intensity"] == [4, 2, 0]
-    # The light shines along -z, turned by -90 degrees about x: straight down.
-    np.testing.assert_allclose(sun["direction"], [0, 1, 0], atol=1e-6)
-
-
-def with_lights(*lights):
-    """The lights at one node that is turned: it shines along +x."""
-    s = np.sqrt(0.5)
-    turned = {"translation": [1, 2, 3], "rotation": [0, -s, 0, s]}
-    names = [
-        turned | {"extensions": {"KHR_lights_punctual": {"light": i}}} for i in range(len(lights))
-    ]
-    return document(
-        nodes=[*names, {"mesh": 0}],
-        scenes=[{"nodes": list(range(len(lights) + 1))}],
-        extensionsUsed=["KHR_lights_punctual"],
-        extensions={"KHR_lights_punctual": {"lights": list(lights)}},
-    )
-
-
-def test_spot_lights_stand_at_their_nodes_with_their_cone(tmp_path):
-    angles = {"innerConeAngle": 0.2, "outerConeAngle": 0.5}
-    lights = [
-        {"type": "spot", "color": [1, 0.5, 0], "intensity": 4, "spot": angles},
-        {"type": "spot", "spot": {}},
-    ]
-    spot, default = load(tmp_path, with_lights(*lights), strict=True).lights
-    assert spot["kind"] == "spot" and spot["falloff"] == "quadratic"
-    assert spot["position"] == [1, 2, 3] and spot["intensity"] == [4, 2, 0]
-    np.testing.assert_allclose(spot["axis"], [1, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(spot["cone_deg"], np.degrees([0.2, 0.5]), rtol=1e-4)
-    np.testing.assert_allclose(default["cone_deg"], [0, 45], rtol=1e-4)
-
-
-def test_the_range_of_a_light_is_warned_of(tmp_path):
-    doc = with_lights({"type": "point", "range": 3})
-    assert any("range" in what for _, what in load(tmp_path, doc).warnings)
-    wrong = {"type": "spot", "spot": {"innerConeAngle": 0.7, "outerConeAngle": 0.5}}
-    with pytest.raises(core.SceneError, match="innerConeAngle <= outerConeAngle"):
-        load(tmp_path, with_lights(wrong))
-
-
-def test_an_emissive_image_multiplies_the_emission(tmp_path):
-    doc = with_material(emissiveFactor=[1, 0.5, 0.25], emissiveTexture={"index": 0})
-    doc["textures"] = [{"source": 0}]
-    doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0], [0, 255, 0]]])}]
-    scene = load(tmp_path, doc, strict=True)
-    assert scene.meshes[0]["emission"] == pytest.approx([1, 0.5, 0.25])
-    assert scene.images[scene.meshes[0]["emission_texture"]]["width"] == 2
-    assert scene.lights[0]["image"] == scene.meshes[0]["emission_texture"]
 
 
 def test_an_emissive_image_with_its_own_coordinates_is_a_mean(tmp_path):
@@ -306,20 +128,6 @@ def test_a_broken_reference_is_refused_and_says_what(tmp_path, path, value, mess
         load(tmp_path, change(document(), path, value))
 
 
-def test_an_index_out_of_range_and_a_nan_vertex_are_refused(tmp_path):
-    doc = document()
-    for points, indices, message in (
-        (POINTS, [0, 1, 4, 0, 1, 2], "index 4, the primitive has 4"),
-        (np.full((4, 3), np.nan, "<f4"), [0, 1, 2, 0, 2, 3], "vertex 0"),
-    ):
-        data = points.tobytes() + np.array(indices, "<u2").tobytes()
-        doc["buffers"][0]["uri"] = (
-            "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-        )
-        with pytest.raises(core.SceneError, match=message):
-            load(tmp_path, doc)
-
-
 def test_deeply_nested_json_is_refused(tmp_path):
     text = json.dumps(document())[:-1] + ', "extras": ' + "[" * 100000 + "]" * 100000 + "}"
     (tmp_path / "deep.gltf").write_text(text)
@@ -361,10 +169,3 @@ def test_ior_and_specular_belong_together(tmp_path, extension, specular):
     scene = load(tmp_path, doc, strict=True)
     material = scene.materials[scene.meshes[0]["material"]]
     assert material["specular"] == pytest.approx(specular, abs=1e-3)
-    warned = load(
-        tmp_path,
-        change(
-            doc, "materials.0.extensions.KHR_materials_specular", {"specularTexture": {"index": 0}}
-        ),
-    )
-    assert any("specular image" in text for _, text in warned.warnings)
