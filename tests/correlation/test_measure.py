@@ -262,9 +262,6 @@ def test_measurements_that_cannot_be_are_refused(change, says):
         measure(SCENE, **SMALL | change)
 
 
-# Stores
-
-
 def count_work(monkeypatch):
     done = {"rows": 0, "pairs": 0}
 

@@ -165,9 +165,6 @@ def test_a_fresnel_mix_is_the_formula_of_gltf(alpha, f90):
         np.testing.assert_allclose(eval_bsdf(sp, wi), want, rtol=1e-5, atol=1e-6)
 
 
-# Energy
-
-
 def albedo(sp, n=1 << 14):
     """Mean weight over low-discrepancy points: the share of a white furnace's light."""
     index = np.arange(n, dtype=np.uint32)
@@ -248,9 +245,6 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing():
         assert testing.diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
     below = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, -1), base=(1, 1, 1))
     assert testing.diffuse_albedo(below) == [0, 0, 0]
-
-
-# Limits
 
 
 def test_nothing_is_reflected_below_either_normal():

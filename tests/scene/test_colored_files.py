@@ -54,8 +54,6 @@ def test_vertices_of_an_obj_without_colors_are_white_and_materials_multiply(tmp_
     assert vc.load_scene(tmp_path / "a.obj").meshes()[0]["colors"].tolist() == expected
 
 
-# Mitsuba and pbrt
-
 ATTRIBUTE = (
     '<bsdf type="diffuse"><texture name="reflectance" type="mesh_attribute">'
     '<string name="name" value="{}"/></texture></bsdf>'

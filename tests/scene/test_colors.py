@@ -30,9 +30,6 @@ def kept(colors):
     return d.mesh_arrays(0)["colors"]
 
 
-# Storage
-
-
 def test_bytes_stay_and_linear_values_are_off_by_half_a_step_of_srgb():
     bytes_ = np.arange(256, dtype=np.uint8)[:, None].repeat(4, 1)
     expected = np.column_stack([linear(bytes_[:, :3] / 255), bytes_[:, 3] / 255])
@@ -68,9 +65,6 @@ def test_vertices_of_faces_with_other_colors_become_several():
     np.testing.assert_allclose(shown, (faces[:, None] / 255).repeat(3, 1), atol=1e-6)
     (same,) = vc.Scene.from_arrays(CORNERS, QUAD, colors=faces[[0, 0]]).meshes()
     assert len(same["vertices"]) == 4
-
-
-# Shading
 
 
 def seen_from_above(scene, size=16, **more):
@@ -127,8 +121,6 @@ def test_one_color_all_over_is_the_base_color_in_every_integrator(kind, integrat
     assert colored.content_hash != plain.content_hash
     assert colored.geometry_hash == plain.geometry_hash
 
-
-# Holes
 
 N = 4000
 LAMPS = np.float32([[0.3, 0.4, -1], [0.6, 0.5, -2], [0.5, 0.5, -1.5]])
@@ -248,9 +240,6 @@ def test_equal_corners_are_their_value_everywhere():
     assert not vc.Scene.from_description(d).visible(at, at * [1, 1, -1]).any()
 
 
-# Hashes and travel
-
-
 def test_a_color_changes_the_hash_and_alpha_that_of_the_geometry():
     white = np.full((4, 4), 255, np.uint8)
     red, clear = white.copy(), white.copy()
@@ -269,8 +258,6 @@ def test_colors_travel_with_a_scene():
     again = vc.Scene.from_description(scene.description())
     assert again.content_hash == scene.content_hash
 
-
-# Arrays
 
 WRONG = {
     "rows": (np.ones((3, 3)), r"colors must have shape \(4, 3 or 4\), for vertices, or \(2, 3 or"),

@@ -122,21 +122,6 @@ def test_a_disk_of_pbrt_has_the_angle_and_the_way_inwards(tmp_path):
     assert (points[:, 2] == 1).all()
 
 
-LAMP = 'AttributeBegin AreaLightSource "diffuse" {} Shape "bilinearmesh" "point3 P" [-1 -1 0 1 -1 0 -1 1 0 1 1 0] AttributeEnd'
-
-
-def test_an_area_light_of_pbrt_v4_shines_its_image(tmp_path):
-    words = '"string filename" "flag.png" "float scale" 3'
-    pbrt(tmp_path, LAMP.format(words))
-    scene = vc.load_scene(tmp_path / "s.pbrt", strict=True)
-    picture = vc.render(scene, vc.Direct(), size=(16, 16), spp=4).image
-    # Row 0 of the image is at the top of the patch
-    np.testing.assert_allclose(picture[6, 8], (3, 0, 0), atol=0.1)
-    np.testing.assert_allclose(picture[9, 8], (0, 0, 3), atol=0.1)
-    powered = pbrt(tmp_path, LAMP.format(words + ' "float power" 9'), strict=False)
-    assert any("power of a light with an image" in text for _, text in powered.warnings)
-
-
 def test_spheres_shine_their_image(tmp_path):
     world = 'Rotate -90 1 0 0 AreaLightSource "diffuse" "string filename" "flag.png" Shape "sphere"'
     pbrt(tmp_path, world)

@@ -48,9 +48,6 @@ def rotation():
     return q * np.sign(np.linalg.det(q))
 
 
-# Content
-
-
 def test_a_bright_pixel_is_seen_where_the_convention_puts_it():
     for row, column in [(5, 3), (16, 40), (31, 63), (17, 0)]:
         image = np.zeros((32, 64, 3), dtype=np.float32)
@@ -170,9 +167,6 @@ def test_one_channel_is_grey_and_a_fourth_is_ignored():
     assert np.array_equal(a.pixels, b.pixels)
 
 
-# Sampling
-
-
 @pytest.mark.stat
 @pytest.mark.parametrize("to_world", [np.eye(3), rotation()], ids=["still", "turned"])
 def test_directions_follow_their_density(to_world):
@@ -285,9 +279,6 @@ def test_a_color_without_green_keeps_its_chance():
     assert (map_.pdf(w) > 0).all()
 
 
-# Errors
-
-
 @pytest.mark.parametrize("bad", [-1e-3, np.nan, np.inf])
 def test_negative_and_non_finite_pixels_are_refused_with_their_place(bad):
     image = sky(16)
@@ -317,9 +308,6 @@ def test_transforms_that_are_no_rotation_are_refused(to_world):
 def test_resolutions_that_are_no_power_of_two_are_refused(resolution):
     with pytest.raises(_core.SceneError, match=r"power of two in \[2, 4096\], got"):
         EnvironmentMap.from_latlong(sky(8), resolution=resolution)
-
-
-# Real images
 
 
 @pytest.mark.parametrize(
@@ -352,8 +340,6 @@ def test_the_map_is_the_same_for_any_number_of_threads():
     maps = [EnvironmentMap.from_latlong(sky(), threads=n).pixels.tobytes() for n in (1, 2, 3, 8)]
     assert len(set(maps)) == 1
 
-
-# Memory
 
 GROWTH = """
 import re, sys

@@ -146,26 +146,6 @@ def test_included_files_name_theirs_from_the_folder_of_the_main_file(tmp_path):
     np.testing.assert_allclose(scene.bounds(), [(0, 0, 1), (1, 1, 1)])
 
 
-def test_spot_lights_have_the_cone_of_pbrt(tmp_path):
-    light = (
-        'Rotate 90 0 0 1 Translate 1 0 0 LightSource "spot" "rgb I" [6 4 2] "rgb scale" [2 2 2]'
-        ' "point from" [1 0 0] "point to" [3 0 0] "float coneangle" 40 "float conedeltaangle" 15'
-    )
-    scene = load(tmp_path, f'AttributeBegin {light} AttributeEnd LightSource "spot"')
-    spot, default = scene.lights
-    assert spot["kind"] == "spot" and spot["falloff"] == "quartic"
-    np.testing.assert_allclose(spot["position"], (0, 2, 0), atol=1e-6)
-    np.testing.assert_allclose(spot["axis"], (0, 1, 0), atol=1e-6)
-    np.testing.assert_allclose(spot["cone_deg"], (25, 40), rtol=1e-4)
-    assert spot["intensity"] == [12, 8, 4]
-    np.testing.assert_allclose(default["cone_deg"], (25, 30), rtol=1e-4)
-    np.testing.assert_allclose(default["axis"], (0, 0, 1))
-    with pytest.raises(core.SceneError, match=r"scene.pbrt:3: .*two different points"):
-        load(tmp_path, 'LightSource "spot" "point from" [0 0 0] "point to" [0 0 0]')
-    with pytest.raises(core.SceneError, match="0 < coneangle"):
-        load(tmp_path, 'LightSource "spot" "float coneangle" -3')
-
-
 @pytest.mark.parametrize(
     ("world", "name"),
     [

@@ -94,9 +94,6 @@ def test_the_hash_changes_with_the_content(method, given):
     assert a != b
 
 
-# What is refused
-
-
 ONE, UP = (1, 1, 1), [[0, 0, 1]]
 BAD_MESHES = [
     ({"vertices": [[0, 0, np.nan]] * 4}, "vertex 0 must be finite"),

@@ -115,9 +115,6 @@ def test_sweeps_take_skies():
     assert found.sizes["n_environment"] == 2
 
 
-# Mitsuba 3
-
-
 def mitsuba():
     mi = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")

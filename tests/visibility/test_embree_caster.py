@@ -16,9 +16,6 @@ from visibility.soup import rays, soup
 Array = npt.NDArray[Any]
 
 
-# Right answers
-
-
 WATERTIGHT = vc.Embree(watertight=True)
 TREES = [
     vc.Bsp(max_depth=d, leaf_size=2, kernel=k) for k in ("watertight", "wald") for d in (1, 7, 24)
@@ -181,8 +178,6 @@ def test_alpha_cuts_holes_for_every_kind_of_ray(rays, channels, instanced):
     np.testing.assert_array_equal(~scene.visible(at, at * [1, 1, -1], rays=rays), expected)
     np.testing.assert_array_equal(np.isfinite(scene.intersect(at, down, rays=rays).t), expected)
 
-
-# What cannot be asked
 
 SCENE = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 ONE = [[0.2, 0.2, 1.0]]
