@@ -10,37 +10,20 @@ import trimesh
 from skimage.io import imsave
 
 from viscache import _core as core
+from viscache_lab.parity.exporters.formats import gltf
 
 K, C = core.MaterialKind, core.CoatKind
-POINTS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], "<f4")
-INDICES = np.array([0, 1, 2, 0, 2, 3], "<u2")
 
 
 def document(**changes):
-    data = POINTS.tobytes() + INDICES.tobytes()
-    doc = {
-        "asset": {"version": "2.0"},
-        "buffers": [
-            {
-                "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
-            }
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
-            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
-        ],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
-        ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "nodes": [{"mesh": 0}],
-        "scenes": [{"nodes": [0]}],
-        "scene": 0,
-    }
-    doc.update(changes)
-    return doc
+    """A square without material: accessor 0 has its points, 1 its indices."""
+    return (
+        made({"attr": {"TEXCOORD_0": ""}, "prim": {"material": None}, "materials": None}) | changes
+    )
+
+
+def made(change):
+    return json.loads(gltf("scene", json.dumps(change))["scene.gltf"])
 
 
 def load(folder, doc, strict=False):
@@ -55,29 +38,30 @@ def png(folder, rgba):
 
 
 def with_material(**material):
-    attributes = {"POSITION": 0, "TEXCOORD_0": 2}
-    mesh = {"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}
-    coordinates = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"}
-    accessors = [*document()["accessors"], coordinates]
-    return document(meshes=[mesh], materials=[material], accessors=accessors)
+    return made({}) | {"materials": [material]}
 
 
 def test_a_mesh_of_several_nodes_becomes_instances(tmp_path):
     nodes = [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]
     scene = load(tmp_path, document(nodes=nodes, scenes=[{"nodes": [0, 1]}]), strict=True)
     assert scene.triangle_count == 4 and len(scene.meshes) == 1 and len(scene.instances) == 2
-    np.testing.assert_allclose(scene.bounds(), [(0, 0, 0), (1, 1, 3)])
+    np.testing.assert_allclose(scene.bounds(), [(-1, -1, 0), (1, 1, 3)])
 
 
-def test_an_emissive_image_with_its_own_coordinates_is_a_mean(tmp_path):
+def test_images_with_coordinates_of_their_own_are_means(tmp_path):
     doc = with_material(
         emissiveFactor=[1, 1, 1],
         emissiveTexture={"index": 0, "texCoord": 1},
-        pbrMetallicRoughness={"baseColorTexture": {"index": 0}},
+        pbrMetallicRoughness={
+            "baseColorTexture": {"index": 0},
+            "metallicRoughnessTexture": {"index": 0, "texCoord": 1},
+        },
     )
     doc["textures"] = [{"source": 0}]
     doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0], [0, 255, 0]]])}]
     scene = load(tmp_path, doc)
+    material = scene.materials[0]
+    assert material["roughness"] == pytest.approx(0.5**2, abs=1e-3) and material["metallic"] == 0
     assert any("its mean is used" in what for _, what in scene.warnings)
     assert scene.meshes[0]["emission_texture"] == -1
     assert scene.meshes[0]["emission"] == pytest.approx([0.5, 0.5, 0])

@@ -8,6 +8,7 @@ import pytest
 import viscache as vc
 from render.ztest import compare
 from viscache import _core as core
+from viscache_lab.parity.exporters.formats import gltf
 
 SIZE = (24, 16)
 #: A room without a front: a floor, a wall, a box and a lamp, seen from above and aside.
@@ -129,18 +130,10 @@ def test_files_say_how_much_the_camera_sees(tmp_path):
     with pytest.raises(core.SceneError, match="pixels that are not square"):
         camera_of(tmp_path / "s.xml", ROOM.replace('x="2.5" y="2.5"', 'x="2.5" y="2"'))
 
-    gltf = {
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"camera": 0, "translation": [1, 2, 3]}],
-        "cameras": [
-            {
-                "type": "orthographic",
-                "orthographic": {"xmag": 3, "ymag": 1.5, "znear": 0.1, "zfar": 9},
-            }
-        ],
-    }
-    found = camera_of(tmp_path / "s.gltf", json.dumps(gltf))
+    lens = {"xmag": 3, "ymag": 1.5, "znear": 0.1, "zfar": 9}
+    change = {"camera": {"orthographic": lens}, "eye": {"translation": [1, 2, 3]}}
+    text = gltf("s", json.dumps(change))["s.gltf"].decode()
+    found = camera_of(tmp_path / "s.gltf", text)
     assert (found["view_height"], found["width"], found["height"]) == (3, 960, 480)
     np.testing.assert_allclose(found["origin"], [1, 2, 3])
 
