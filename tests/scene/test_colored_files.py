@@ -6,28 +6,20 @@ import trimesh
 
 import viscache as vc
 from scene.test_colors import STEP
+from viscache_lab.parity.exporters.formats import ply
 
-POINTS = [(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)]
-
-
-def ply(path, vertex, rows, face="", faces=("", "")):
-    def properties(listed):
-        return "".join(f"property {p}\n" for p in listed.split(", ") if p)
-
-    path.write_text(
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-        f"property float z\n{properties(vertex)}element face 2\n"
-        f"property list uchar int vertex_indices\n{properties(face)}end_header\n"
-        + "".join("{} {} {} {}\n".format(*p, row) for p, row in zip(POINTS, rows, strict=True))
-        + f"3 0 1 2 {faces[0]}\n3 0 2 3 {faces[1]}\n"
-    )
+RGB = "float r 1, float g .2, float b 0"
+INDICES = "list uchar int vertex_indices"
 
 
-BYTES = "uchar red, uchar green, uchar blue"
+def write(folder, colors, faces="$F"):
+    """A square whose vertices have properties of colour."""
+    change = f"ascii; vertex 4 float x, float y, float z{colors and ', '}{colors}; {faces}"
+    (folder / "a.ply").write_bytes(ply("a", change)["a.ply"])
 
 
 def test_colors_above_one_are_clamped(tmp_path):
-    ply(tmp_path / "a.ply", "float r, float g, float b", ["1.5 .2 0"] * 4)
+    write(tmp_path, RGB.replace("1", "1.5"))
     assert vc.load_scene(tmp_path / "a.ply").meshes()[0]["colors"][0, 0] == 1
 
 
@@ -37,21 +29,6 @@ def test_trimesh_and_the_reader_show_the_same_scan(tmp_path):
     shape.export(tmp_path / "a.ply")
     read, given = vc.load_scene(tmp_path / "a.ply"), vc.Scene.from_trimesh(shape)
     np.testing.assert_array_equal(read.meshes()[0]["colors"], given.meshes()[0]["colors"])
-
-
-def test_vertices_of_an_obj_without_colors_are_white_and_materials_multiply(tmp_path):
-    (tmp_path / "a.mtl").write_text("newmtl half\nKd .5 .5 .5\n")
-    lines = ["mtllib a.mtl", "v 0 0 0", "v 1 0 0 1 0 0", "v 1 1 0 1", "v 0 1 0"]
-    lines += ["usemtl half", "f 1 2 3 4", ""]
-    (tmp_path / "a.obj").write_text("\n".join(lines))
-    scene = vc.load_scene(tmp_path / "a.obj", env=1.0)
-    assert scene.materials[0]["base_color"] == [0.5] * 3
-    expected = [[1, 1, 1, 1], [1, 0, 0, 1], [1, 1, 1, 1], [1, 1, 1, 1]]
-    assert scene.meshes()[0]["colors"].tolist() == expected
-    # In bytes, too
-    lines[2] = "v 1 0 0 255 0 0"
-    (tmp_path / "a.obj").write_text("\n".join(lines))
-    assert vc.load_scene(tmp_path / "a.obj").meshes()[0]["colors"].tolist() == expected
 
 
 ATTRIBUTE = (
@@ -77,13 +54,7 @@ MITSUBA = {
 @pytest.mark.parametrize("case", MITSUBA)
 def test_mitsuba_shows_the_attribute_that_a_bsdf_names(tmp_path, case):
     name, expected = MITSUBA[case]
-    ply(
-        tmp_path / "a.ply",
-        "float r, float g, float b",
-        ["1 .2 0"] * 4,
-        "float color_0, float color_1, float color_2",
-        ["0 .5 1"] * 2,
-    )
+    write(tmp_path, RGB, "face 2 $I, float color_0 0, float color_1 .5, float color_2 1")
     scene = mitsuba(tmp_path, ATTRIBUTE.format(name) if name else "")
     (mesh,) = scene.meshes()
     said = [w for w in scene.warnings if "attribute" in w]
@@ -98,7 +69,7 @@ def test_mitsuba_shows_the_attribute_that_a_bsdf_names(tmp_path, case):
 
 
 def test_mitsuba_attributes_have_a_scale_and_no_other_place(tmp_path):
-    ply(tmp_path / "a.ply", "float r, float g, float b", ["1 .2 0"] * 4)
+    write(tmp_path, RGB)
     half = ATTRIBUTE.format("vertex_color").replace(
         "</texture>", '<float name="scale" value=".5"/></texture>'
     )
@@ -115,20 +86,16 @@ def test_mitsuba_attributes_have_a_scale_and_no_other_place(tmp_path):
 
 
 def test_pbrt_shows_no_colors_of_a_ply(tmp_path):
-    ply(tmp_path / "a.ply", BYTES, ["255 51 0"] * 4)
+    write(tmp_path, RGB)
     shape = 'WorldBegin\nShape "plymesh" "string filename" "a.ply"\nWorldEnd\n'
     (tmp_path / "a.pbrt").write_text(shape)
     assert len(vc.load_scene(tmp_path / "a.pbrt", env=1.0).meshes()[0]["colors"]) == 0
 
 
 def test_faces_of_an_element_without_colors_are_white(tmp_path):
-    plain = "element face 1\nproperty list uchar int vertex_index\n"
-    colored = plain + "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
-    head = "ply\nformat ascii 1.0\nelement vertex 4\n"
-    head += "".join(f"property float {axis}\n" for axis in "xyz")
-    points = "".join("{} {} {}\n".format(*p) for p in POINTS)
-    body = points + "3 0 1 2\n3 0 2 3 255 0 0\n3 0 1 3\n"
-    (tmp_path / "a.ply").write_text(head + plain + colored + plain + "end_header\n" + body)
+    red = "uchar red 255, uchar green 0, uchar blue 0"
+    corners = (f"face 1 {INDICES} {given}" for given in ("0 1 2", f"0 2 3, {red}", "0 1 3"))
+    write(tmp_path, "", "; ".join(corners))
     (mesh,) = vc.load_scene(tmp_path / "a.ply", env=1.0).meshes()
     of_faces = mesh["colors"][mesh["triangles"][:, 0], :3].tolist()
     assert of_faces == [[1, 1, 1], [1, 0, 0], [1, 1, 1]]

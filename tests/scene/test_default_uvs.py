@@ -7,29 +7,14 @@ from skimage.io import imsave
 
 import viscache as vc
 from viscache import _core as core
+from viscache_lab.parity.exporters.formats import ply
 
-PLY = """ply
-format ascii 1.0
-element vertex 4
-property float x
-property float y
-property float z
-element face 2
-property list uchar int vertex_indices
-end_header
--1 -1 0
-1 -1 0
-1 1 0
--1 1 0
-3 0 1 2
-3 0 2 3
-"""
 TEXTURED = """<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"""
 
 
 @pytest.fixture(autouse=True)
 def files(tmp_path):
-    (tmp_path / "bare.ply").write_text(PLY)
+    (tmp_path / "bare.ply").write_bytes(ply("bare", "ascii; $P; $F")["bare.ply"])
     rows = np.zeros((8, 8, 3), np.uint8)
     rows[:4], rows[4:] = (255, 0, 0), (0, 0, 255)
     imsave(tmp_path / "flag.png", rows, check_contrast=False)

@@ -17,21 +17,6 @@ def load(folder, world, head="", strict=True):
     return core.load_scene_file(str(path), strict)
 
 
-def normal(scene, i=0):
-    m = scene.mesh_arrays(i)
-    a, b, c = m["vertices"][m["triangles"][0]].astype(float)
-    return np.cross(b - a, c - a)
-
-
-def test_given_normals_decide_the_side_of_an_area_light(tmp_path):
-    down = TRIANGLE.strip() + ' "normal N" [0 0 -1  0 0 -1  0 0 -1]\n'
-    scene = load(
-        tmp_path, f'AreaLightSource "diffuse" "rgb L" [1 2 3] "bool twosided" "true" {down}'
-    )
-    assert normal(scene)[2] < 0
-    assert scene.meshes[0]["emission"] == [1, 2, 3] and scene.meshes[0]["emits_two_sided"]
-
-
 def test_camera_space_is_a_named_coordinate_system(tmp_path):
     scene = load(
         tmp_path, f'CoordSysTransform "camera" {TRIANGLE}', 'Translate 0 0 -7\nCamera "perspective"'
@@ -95,17 +80,6 @@ def test_an_image_of_alpha_cuts_holes_where_it_is_0(tmp_path):
     a = np.stack([x, 0 * x, 0 * x + 1], 1)
     # Between the two pixels every value but the first is above 0
     assert scene.visible(a, a * [1, 1, -1]).sum() <= 2
-
-
-def test_object_instances_are_placed_by_the_current_transform(tmp_path):
-    scene = load(
-        tmp_path,
-        f"""Translate 1 0 0 ObjectBegin "o" {TRIANGLE}{TRIANGLE} ObjectEnd
-        Translate 0 5 0 ObjectInstance "o" AttributeBegin Scale 2 2 2 ObjectInstance "o" AttributeEnd""",
-    )
-    assert scene.triangle_count == 4 and len(scene.instances) == 2
-    # First: (1, 0, 0) at definition, then (1, 5, 0); second: scaled by two around (1, 5, 0).
-    np.testing.assert_allclose(scene.bounds(), [(2, 5, 0), (5, 7, 0)], atol=1e-6)
 
 
 def test_an_infinite_light_keeps_z_up_and_its_columns(tmp_path):

@@ -155,16 +155,6 @@ def test_triangles_of_one_power_each_are_warned_of_if_they_differ(tmp_path):
         load(tmp_path, f'{lamp} "point3 P" [0 0 0 1 0 0 1 1 0 0 3 0]')
 
 
-def test_alpha_is_a_share_of_the_surface(tmp_path):
-    (tmp_path / "a.tga").write_bytes(bytes([0, 0, 3, *[0] * 9, 1, 0, 1, 0, 8, 0, 128]))
-    image = 'Texture "a" "float" "imagemap" "string filename" "a.tga" "float scale" .5'
-    scene = load(tmp_path, f'{TRIANGLE} "float alpha" .25 {image} {TRIANGLE} "texture alpha" "a"')
-    number, picture = (scene.materials[m["material"]] for m in scene.meshes)
-    assert number["opacity"] == 0.25 and number["alpha_texture"] == -1
-    assert picture["opacity"] == 0.5 and picture["alpha_texture"] == 0
-    assert picture["alpha_cutoff"] == -1
-
-
 def test_the_world_ends_with_its_file(tmp_path):
     assert load(tmp_path, TRIANGLE).triangle_count == 1
     with pytest.raises(
