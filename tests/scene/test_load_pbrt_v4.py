@@ -110,9 +110,6 @@ def test_materials_have_their_nearest_kinds(tmp_path):
     ("words", "text"),
     [
         ('Material "coatedconductor" ' + TRIANGLE, "coat of 'coatedconductor'"),
-        ('Material "dielectric" "float roughness" .2 ' + TRIANGLE, "rough glass"),
-        ('Material "coateddiffuse" "rgb albedo" [.5 .5 .5] ' + TRIANGLE, "inside of a coat"),
-        ('Material "diffusetransmission" ' + TRIANGLE, "'diffusetransmission' is not modelled"),
         ('Material "interface" ' + TRIANGLE, "without a surface"),
         ('LightSource "infinite" "string filename" "sky.exr"', "equal-area squares"),
         ('Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 1]', "curved patches"),
