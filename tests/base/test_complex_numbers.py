@@ -15,7 +15,6 @@ CORNERS, ONE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]]
 POINTS, UP, SQUARE = CORNERS + 0.5, [[0.0, 0, 1]] * 3, [[0.0, 0], [1, 0], [0, 1]]
 COLOR, IMAGE = np.array([0.2, 0.4, 0.6]), np.ones((2, 4, 3))
 PLACE, BITS = np.eye(4), np.ones((3, 1), np.uint64)
-SWEPT = {"size": (4, 4), "over": {"c_e": [4]}}
 
 
 def described(method, *before):

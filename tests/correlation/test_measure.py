@@ -6,20 +6,17 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-import xarray
 
 import viscache as vc
-from correlation.points import Points, bumpy
+from correlation.points import bumpy
 from reference import pair_tables
 from viscache.correlation import correlate, measure, run, tasks, work
 
 SCENE = "bumpy_spheres?triangles=3000"
-SMALL: dict[str, Any] = {
+SMALL = {
     "n_points": 300,
     "map_size": 16,
     "d_edges": 16,
@@ -28,7 +25,7 @@ SMALL: dict[str, Any] = {
 }
 
 
-def assert_same(a: xarray.Dataset, b: xarray.Dataset) -> None:
+def assert_same(a, b):
     """Equal bytes of every variable and coordinate."""
     assert set(a.variables) == set(b.variables)
     for name in a.variables:
@@ -46,7 +43,7 @@ def measured():
     return measure(SCENE, **SMALL)
 
 
-def of(problem: Points, **settings: Any) -> xarray.Dataset:
+def of(problem, **settings):
     return correlate(problem.bits, problem.positions, problem.normals, n_directions=500, **settings)
 
 
@@ -95,7 +92,7 @@ def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line():
     assert ds["n_undefined"].sum() == 0
 
 
-def convex_sphere() -> vc.Scene:
+def convex_sphere():
     """A sphere of triangles with all corners on it, which no point of it shades."""
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 129), np.linspace(0, np.pi, 65))
     grid = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)], axis=-1)
@@ -134,7 +131,7 @@ def test_a_pool_of_processes_gives_the_same_bytes(measured, tmp_path, monkeypatc
 def test_random_pairs_have_the_mean_of_all_pairs_and_near_ones_are_exhaustive(monkeypatch):
     monkeypatch.setattr(run, "NEAR_PAIRS", 40_000)
     problem = bumpy(1200, seed=3)
-    edges: dict[str, Any] = {"d_edges": 64, "theta_edges_deg": 6, "d_max": 6.4}
+    edges = {"d_edges": 64, "theta_edges_deg": 6, "d_max": 6.4}
     whole = of(problem, **edges)
     few = of(problem, **edges, pairs=150_000, seed=4)
     assert few.attrs["far_share"] == pytest.approx(150_000 / (1200 * 1199 / 2), rel=0.15)
@@ -203,7 +200,7 @@ def test_groups_may_be_given_and_points_come_in_any_order(problem):
     mixed = replace(
         problem, **{n: getattr(problem, n)[order] for n in ("visible", "positions", "normals")}
     )
-    edges: dict[str, Any] = {"d_edges": [0, 2, 4, 6], "theta_edges_deg": 9}
+    edges = {"d_edges": [0, 2, 4, 6], "theta_edges_deg": 9}
     assert_same(of(problem, **edges), of(mixed, **edges))
     two = of(problem, **edges, group=np.arange(260) % 2 * 7)
     assert two.attrs["n_groups"] == 2 and np.array_equal(two["n"], of(problem, **edges)["n"])
@@ -265,17 +262,14 @@ def test_measurements_that_cannot_be_are_refused(change, says):
         measure(SCENE, **SMALL | change)
 
 
-# Stores
-
-
-def count_work(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+def count_work(monkeypatch):
     done = {"rows": 0, "pairs": 0}
 
-    def traced(*args: Any) -> Any:
+    def traced(*args):
         done["rows"] += 1
         return tasks.trace(*args)
 
-    def counted(*args: Any) -> Any:
+    def counted(*args):
         done["pairs"] += 1
         return tasks.count(*args)
 
@@ -284,7 +278,7 @@ def count_work(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     return done
 
 
-def blocks_of(folder: Path, pattern: str) -> list[Path]:
+def blocks_of(folder, pattern):
     return [p for p in folder.rglob(pattern) if not p.name.startswith(".")]
 
 
@@ -332,7 +326,7 @@ def test_a_run_that_was_killed_goes_on_where_it_stopped(measured, stop, tmp_path
 
 def test_progress_counts_every_block_once(monkeypatch):
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
-    seen: list[tuple[int, int]] = []
+    seen = []
     measure(SCENE, **SMALL, progress=lambda done, total: seen.append((done, total)))
     assert seen == [(k + 1, 4) for k in range(4)]
 
@@ -379,7 +373,7 @@ def test_an_open_scene_keeps_rays_without_end(measured):
 @pytest.mark.slow
 def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path):
     """Rows within rounding of an edge may differ; the store keeps engines apart."""
-    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}
+    common = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}
     plain = measure("room?triangles=3000", **common)
     batch = measure("room?triangles=3000", engine="batch", **common)
     assert plain.attrs["engine"] == "embree" and plain.attrs["batch_rays"] == 0

@@ -1,7 +1,6 @@
 """Calls that ask for rays, fields and maps."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -43,7 +42,7 @@ def numbered(scene: vc.Scene) -> int:
     return int(scene._core.unique_triangles) + 2208 * spheres
 
 
-def check_hits(hits: Any, triangles: int) -> None:
+def check_hits(hits, triangles: int) -> None:
     """No hit leaves its triangle, or the triangles that are there."""
     hit = hits.triangle >= 0
     if not hit.any():
@@ -88,7 +87,7 @@ def moving(dice: Dice) -> None:
     made = vc.vlf.DynamicField(
         scenes.scene(dice), given, mode=dice.pick("overlay", "in_place"), threads=THREADS
     )
-    numbers: list[Any] = [0]
+    numbers = [0]
     for _ in range(dice.pick(1, 4)):
         kind = dice.random.randrange(3)
         if kind == 0:

@@ -2,7 +2,6 @@
 
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ def measured(dice: Dice) -> None:
     edges = dice.pick(1, 2, 8, [0, 1], [0, 0.5, 1])
     if dice.is_wild():
         edges = dice.pick(0, [0, math.nan], [1, 1], [], dice.array((5,)))
-    given: dict[str, Any] = {"d_edges": edges, "theta_edges_deg": dice.pick(1, 9, [0, 180])}
+    given = {"d_edges": edges, "theta_edges_deg": dice.pick(1, 9, [0, 180])}
     choices = {
         "pairs": lambda: dice.pick("all", 100, dice.whole(1, 1000)),
         "d_max": dice.number,
@@ -67,7 +66,7 @@ def rows(dice: Dice) -> None:
     )
 
 
-def picture(dice: Dice) -> Any:
+def picture(dice: Dice):
     """An image of any values."""
     height, width = dice.pick((1, 1), (4, 5), (16, 16), (12, 30))
     image = dice.numpy().random((height, width, 3), dtype=np.float32)

@@ -3,7 +3,6 @@
 import json
 import pickle
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ def checked(frame: vc.Frame, signed: bool = False) -> vc.Frame:
     return frame
 
 
-def in_json(value: Any) -> None:
+def in_json(value) -> None:
     """What a summary must be: JSON without NaN."""
     try:
         json.dumps(value, allow_nan=False)
@@ -36,15 +35,15 @@ def in_json(value: Any) -> None:
         raise WrongError(f"not JSON: {error} in {value}") from error
 
 
-def is_signed(given: dict[str, Any]) -> bool:
+def is_signed(given) -> bool:
     """Whether a control variate may overshoot: pictures then are right in the mean alone."""
     maps = isinstance(given.get("visibility"), vc.VisMaps) or given.get("visibility") == "vismap"
     return given.get("use", "correct" if maps else None) not in (None, "replace")
 
 
-def options(dice: Dice) -> dict[str, Any]:
+def options(dice: Dice):
     """Keyword arguments of a frame."""
-    made: dict[str, Any] = {
+    made = {
         "size": settings.size(dice),
         "camera": scenes.camera(dice),
         "threads": THREADS,

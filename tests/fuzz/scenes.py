@@ -1,7 +1,5 @@
 """Scenes, environments and cameras of every kind."""
 
-from typing import Any
-
 import numpy as np
 
 import viscache as vc
@@ -28,10 +26,10 @@ def scene(dice: Dice) -> vc.Scene:
     return vc.Scene.from_arrays(**mesh(dice), **({"env": environment(dice)} if kind == 9 else {}))
 
 
-def mesh(dice: Dice) -> dict[str, Any]:
+def mesh(dice: Dice):
     """Arguments of a mesh: vertices, triangles, perhaps normals, colours and a base colour."""
     count = dice.pick(3, 4, 10, 100)
-    triangles: Any = dice.numpy().integers(0, count, (dice.pick(1, 2, 10, 200), 3))
+    triangles = dice.numpy().integers(0, count, (dice.pick(1, 2, 10, 200), 3))
     if dice.is_wild():
         count = dice.pick(0, 1, 2, count)
         triangles = dice.pick(
@@ -48,7 +46,7 @@ def mesh(dice: Dice) -> dict[str, Any]:
             triangles > 1,
             None,
         )
-    made: dict[str, Any] = {"vertices": dice.array((count, 3)), "triangles": triangles}
+    made = {"vertices": dice.array((count, 3)), "triangles": triangles}
     if dice.chance(0.3):
         made["normals"] = dice.array((count, 3), unit=True)
     if dice.chance(0.3):
@@ -63,7 +61,7 @@ def mesh(dice: Dice) -> dict[str, Any]:
     return made
 
 
-def environment(dice: Dice) -> Any:
+def environment(dice: Dice):
     """A colour or an image, perhaps with one bright pixel."""
     if dice.is_wild():
         return dice.pick("gone.exr", "", b"x", object(), {}, dice.number(), dice.array((2, 4, 3)))
@@ -78,7 +76,7 @@ def environment(dice: Dice) -> Any:
     return image
 
 
-def camera(dice: Dice) -> Any:
+def camera(dice: Dice):
     """None, a place of its own, or anything."""
     if dice.chance(0.5):
         return None

@@ -2,7 +2,7 @@
 
 import typing
 from dataclasses import MISSING, fields
-from typing import Any, Literal
+from typing import Literal
 
 import viscache as vc
 from fuzz.values import Dice
@@ -35,7 +35,7 @@ MOST = {
 }
 
 
-def made(dice: Dice, cls: type[Any], **given: Any) -> Any:
+def made(dice: Dice, cls, **given):
     """An instance with a few of its fields drawn."""
     hints = typing.get_type_hints(cls)
     names = [f for f in fields(cls) if f.init and f.name not in LEFT_OUT | set(given)]
@@ -54,7 +54,7 @@ def made(dice: Dice, cls: type[Any], **given: Any) -> Any:
     return cls(**values)
 
 
-def _value(dice: Dice, name: str, hint: Any, default: Any) -> Any:
+def _value(dice: Dice, name: str, hint, default):
     """A value of the annotated type, or a wild one."""
     kinds = [k for k in (typing.get_args(hint) or (hint,)) if k is not type(None)]
     if typing.get_origin(hint) is Literal:
@@ -90,11 +90,11 @@ def _range(name: str, low: float, high: float) -> tuple[float, float]:
     return low, high
 
 
-def integrator(dice: Dice) -> Any:
+def integrator(dice: Dice):
     return made(dice, dice.pick(vc.Direct, vc.Direct, vc.Whitted, vc.AmbientOcclusion, vc.Bdpt))
 
 
-def visibility(dice: Dice) -> Any:
+def visibility(dice: Dice):
     """Settings of any visibility, or its name."""
     kind = dice.random.randrange(10)
     if kind == 0:
@@ -106,11 +106,11 @@ def visibility(dice: Dice) -> Any:
     return made(dice, dice.pick(vc.VisMaps, *NAMES["visibility"].values()))
 
 
-def map_settings(dice: Dice) -> Any:
+def map_settings(dice: Dice):
     return made(dice, vc.MapSettings, preset=dice.pick("low", "medium", "high", "auto"))
 
 
-def rays(dice: Dice) -> Any:
+def rays(dice: Dice):
     """Settings of any ray caster; mostly none."""
     if dice.chance(0.6):
         return None
@@ -119,14 +119,14 @@ def rays(dice: Dice) -> Any:
     )()
 
 
-def field(dice: Dice) -> Any:
+def field(dice: Dice):
     """Settings of a field that builds within a second."""
     return made(
         dice, vc.Vlf, max_build_s=dice.pick(0.1, 1.0), max_bytes=dice.pick(1 << 20, 1 << 28)
     )
 
 
-def size(dice: Dice) -> Any:
+def size(dice: Dice):
     if dice.is_wild():
         return dice.pick(
             (0, 1), (-1, 5), (2**31, 2**31), (1.5, 2), "ab", (3,), (2**64, 1), (1, 2, 3)

@@ -7,17 +7,16 @@ A finding is repeated by its group and seed: `-k GROUP --fuzz-seed SEED --fuzz-s
 import random
 import re
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import viscache as vc
-from fuzz import calls_geometry, calls_measure, calls_render, campaign
+from fuzz import calls_geometry, calls_measure, calls_render
 from fuzz.values import Dice
 from viscache.settings.registry import NAMES
 
-GROUPS: dict[str, tuple[tuple[Callable[[Dice], None], int], ...]] = {
+GROUPS = {
     **calls_geometry.CALLS,
     **calls_measure.CALLS,
     **calls_render.CALLS,
@@ -36,11 +35,11 @@ WITHOUT_INPUT = {
 ELSEWHERE = {"load_scene": "readers.py", "Camera": "vc.look_at", "Connections": "vc.connections"}
 
 
-def target(group: str) -> campaign.Target:
+def target(group):
     """A case of a group: one of its calls, of any values."""
     calls, weights = zip(*GROUPS[group], strict=True)
 
-    def case(seeded: random.Random) -> None:
+    def case(seeded):
         call = seeded.choices(calls, weights)[0]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -3,7 +3,6 @@
 import itertools
 import os
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -14,8 +13,8 @@ from fuzz.forked import outcome
 from fuzz.outcome import WrongError
 
 
-def raising(error: Exception) -> Callable[[], None]:
-    def case() -> None:
+def raising(error):
+    def case():
         raise error
 
     return case

@@ -7,17 +7,15 @@ import json
 import random
 import shutil
 import warnings
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from base.kept_formats import KEPT, WRONG
-from fuzz import campaign, readers
+from fuzz import readers
 from fuzz.mutate import mutated
 from fuzz.outcome import CLEAN, of_error
-from fuzz.readers import CORPUS, READERS, Reader
+from fuzz.readers import CORPUS, READERS
 from viscache.base.formats import FormatError
 
 MOST_BYTES = 1 << 20
@@ -41,7 +39,7 @@ TARGETS = {
 }
 
 
-def changed_file(reader: Reader, path: Path, content: bytes) -> Path:
+def changed_file(reader, path, content):
     """What to read: a file beside the whole one, or a folder with this file in its place."""
     if not reader.in_place:
         changed = path.with_name("changed" + path.suffix)
@@ -55,9 +53,9 @@ def changed_file(reader: Reader, path: Path, content: bytes) -> Path:
     return changed
 
 
-def target(wholes: list[tuple[Reader, Path]]) -> campaign.Target:
+def target(wholes):
 
-    def case(seeded: random.Random) -> None:
+    def case(seeded):
         reader, path = seeded.choice(wholes)
         changed = changed_file(reader, path, mutated(path.read_bytes(), seeded))
         with warnings.catch_warnings():
@@ -91,7 +89,7 @@ USES = {"state": readers.state, "maps": readers.cache, "sweep": readers.swept}
 USES |= {"frame of a sweep": readers.swept, "comparison": readers.swept}
 
 
-def exchanged(fields: Any, dice: random.Random) -> None:
+def exchanged(fields, dice):
     """Put another value in the place of one, at any depth."""
     at = fields
     while True:
@@ -103,11 +101,11 @@ def exchanged(fields: Any, dice: random.Random) -> None:
     at[key] = dice.choice([*WRONG, *values_of(fields), at[key]])
 
 
-def values_of(fields: Any) -> list[Any]:
+def values_of(fields):
     return list(fields.values()) if isinstance(fields, dict) else list(fields)
 
 
-def other_array(array: Any, dice: random.Random) -> Any:
+def other_array(array, dice):
     kinds = ("i1", "u4", "i8", "f4", "f8", "?", "U3")
     return dice.choice(
         [

@@ -17,7 +17,7 @@ BUILT = Path(__file__).resolve().parents[2] / "build" / "fuzz"
 TARGETS = sorted(path.name for path in CORPUS.iterdir())
 
 
-def run(name: str, corpus: Path, folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
+def run(name, corpus, folder, *options):
     """One run of a target; new inputs and findings lie in the folder."""
     target = BUILT / name
     if not target.exists():

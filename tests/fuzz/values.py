@@ -1,17 +1,15 @@
 """Numbers and arrays of every kind that a caller may pass."""
 
 import random
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 FLOATS = [
     *(0.0, -0.0, 1.0, -1.0, 0.5, 1e-3, 1e-6, 1e-20, 1e-38, 1e-45, 1e-300, 1e3, 1e6, 1e10, 1e16),
     *(1.0000001e16, 1e20, 3.4e38, 1e39, 1e300, float("inf"), float("-inf"), float("nan")),
 ]
 WHOLE = [-1, 0, 1, 2, 3, 8, 2**24, 2**31 - 1, 2**31, -(2**31), 2**32, 2**63, 2**64, -(2**63)]
-STRANGE: list[Any] = [None, True, "", "3", "x", b"x", [], {}, (), object(), 1j, np.float16(2), 1.5]
+STRANGE = [None, True, "", "3", "x", b"x", [], {}, (), object(), 1j, np.float16(2), 1.5]
 
 
 class Dice:
@@ -27,19 +25,19 @@ class Dice:
     def is_wild(self) -> bool:
         return self.chance(self.wild)
 
-    def pick(self, *values: Any) -> Any:
+    def pick(self, *values):
         return self.random.choice(values)
 
     def numpy(self) -> np.random.Generator:
         return np.random.default_rng(self.random.getrandbits(32))
 
-    def number(self) -> Any:
+    def number(self):
         """A float near 1, or any other."""
         if self.is_wild():
             return self.random.choice(FLOATS + WHOLE + STRANGE)
         return self.pick(self.random.uniform(-2, 2), self.random.random(), self.pick(1, 2, 3, 8))
 
-    def real(self, low: float, high: float) -> Any:
+    def real(self, low: float, high: float):
         """A float of a range, its ends among them, or any other."""
         if self.is_wild():
             return self.random.choice([*FLOATS, *STRANGE, np.nextafter(low, -1e9), -high])
@@ -49,13 +47,13 @@ class Dice:
             return float(np.exp(self.random.uniform(np.log(low), np.log(high))))
         return self.random.uniform(low, high)
 
-    def whole(self, low: int, high: int) -> Any:
+    def whole(self, low: int, high: int):
         """An integer of a range, its ends among them, or any other."""
         if self.is_wild():
             return self.random.choice([*WHOLE, *STRANGE, low - 1, high + 1])
         return self.pick(low, high, self.random.randint(low, high), min(high, low + 1))
 
-    def array(self, shape: tuple[int, ...], unit: bool = False) -> Any:
+    def array(self, shape: tuple[int, ...], unit: bool = False):
         """Coordinates of any size and type; directions of length 1 with `unit`."""
         rng = self.numpy()
         values = rng.uniform(-1, 1, shape)
@@ -69,7 +67,7 @@ class Dice:
             values = np.round(values) + self.pick(0, 1e3, 1e6)
         return self._as_wild_array(values, rng) if self.is_wild() else self._as_array(values)
 
-    def _as_array(self, values: npt.NDArray[Any]) -> Any:
+    def _as_array(self, values):
         kind = self.random.randrange(6)
         if kind == 0:
             return values
@@ -81,7 +79,7 @@ class Dice:
             return np.repeat(values, 2, axis=0)[::2]
         return values.astype(np.float32)
 
-    def _as_wild_array(self, values: npt.NDArray[Any], rng: np.random.Generator) -> Any:
+    def _as_wild_array(self, values, rng: np.random.Generator):
         kind = self.random.randrange(14)
         with np.errstate(all="ignore"):
             if kind < 4:

@@ -1,7 +1,6 @@
 """A scene reads files of its own folder, and others only when that is allowed."""
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,13 +9,9 @@ import viscache as vc
 from scene import picture_files as files
 from viscache import _core as core
 from viscache.cli import main
+from viscache_lab.parity.exporters.formats import ply
 
-PLY = (
-    "ply\nformat ascii 1.0\nelement vertex 3\n"
-    "property float x\nproperty float y\nproperty float z\n"
-    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
-)
+TRIANGLE = "ascii; $P; face 1 list uchar int vertex_indices 0 1 2"
 MESH = '<shape type="ply"><string name="filename" value="{}"/></shape>'
 TEXTURED = (
     '<shape type="rectangle"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">'
@@ -32,16 +27,16 @@ def folder(tmp_path):
     return made
 
 
-def put(path: Path) -> Path:
+def put(path):
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".ply":
-        path.write_text(PLY)
+        path.write_bytes(ply("m", TRIANGLE)["m.ply"])
     else:
         path.write_bytes(files.png(np.full((2, 2, 3), 128, np.uint8)))
     return path
 
 
-def xml(folder: Path, body: str) -> Path:
+def xml(folder, body):
     path = folder / "s.xml"
     path.write_text(f'<scene version="3.0.0">{body}</scene>')
     return path

@@ -1,9 +1,6 @@
 """scene/bsdf.h: reflection of diffuse and glossy materials."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
@@ -12,29 +9,22 @@ from viscache._core import CoatKind, MaterialKind
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 N = 200_000
-Vector = tuple[float, float, float]
 
 
-def direction(cos_o: float, azimuth: float = 0.7) -> Vector:
+def direction(cos_o, azimuth=0.7):
     s = np.sqrt(1 - cos_o**2)
     return (s * np.cos(azimuth), s * np.sin(azimuth), cos_o)
 
 
-def glossy(
-    cos_o: float = 0.7,
-    roughness: float = 0.3,
-    base: Vector = (0, 0, 0),
-    specular: Vector = (1, 1, 1),
-    **more: Any,
-) -> ShadingPoint:
+def glossy(cos_o=0.7, roughness=0.3, base=(0, 0, 0), specular=(1, 1, 1), **more):
     """`more`: coat, metal, microfacets and normals."""
-    colours: dict[str, Any] = {"base": base, "specular": specular}
+    colours = {"base": base, "specular": specular}
     return ShadingPoint(
         MaterialKind.GLOSSY, direction(cos_o), roughness=roughness, **colours, **more
     )
 
 
-def unit(v: Vector) -> Vector:
+def unit(v):
     x, y, z = np.array(v) / np.linalg.norm(v)
     return (x, y, z)
 
@@ -175,10 +165,7 @@ def test_a_fresnel_mix_is_the_formula_of_gltf(alpha, f90):
         np.testing.assert_allclose(eval_bsdf(sp, wi), want, rtol=1e-5, atol=1e-6)
 
 
-# Energy
-
-
-def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
+def albedo(sp, n=1 << 14):
     """Mean weight over low-discrepancy points: the share of a white furnace's light."""
     index = np.arange(n, dtype=np.uint32)
     u = np.concatenate(
@@ -258,9 +245,6 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing():
         assert testing.diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
     below = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, -1), base=(1, 1, 1))
     assert testing.diffuse_albedo(below) == [0, 0, 0]
-
-
-# Limits
 
 
 def test_nothing_is_reflected_below_either_normal():

@@ -1,37 +1,34 @@
 """scene/coat.h: diffuse surfaces under a dielectric layer."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from core import testing
 from sampling.chi_square import sphere_points
-from scene.test_bsdf import Vector, albedo, direction, glossy
+from scene.test_bsdf import albedo, direction, glossy
 from viscache._core import CoatKind
-from viscache._core.sampling import ShadingPoint, eval_bsdf
+from viscache._core.sampling import eval_bsdf
 
 ETA = 1.5
 ROUGHNESSES = [0.02, 0.1, 0.4, 1.0]
 
 
 def coated(
-    cos_o: float = 0.7,
-    kind: CoatKind = CoatKind.ROUGH,
-    base: Vector = (1, 0.5, 0.2),
-    specular: Vector = (1, 1, 1),
+    cos_o=0.7,
+    kind=CoatKind.ROUGH,
+    base=(1, 0.5, 0.2),
+    specular=(1, 1, 1),
     *,
-    roughness: float = 0.3,
-    eta: float = ETA,
-    nonlinear: bool = False,
-) -> ShadingPoint:
+    roughness=0.3,
+    eta=ETA,
+    nonlinear=False,
+):
     return glossy(cos_o, roughness, base, specular, eta=eta, coat=kind, nonlinear=nonlinear)
 
 
-def of_mitsuba(plugin: dict[str, Any], wo: Vector, wi: npt.NDArray[np.float64]) -> Any:
+def of_mitsuba(plugin, wo, wi):
     """Mitsuba's f·cos."""
-    mi: Any = pytest.importorskip("mitsuba")
+    mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     bsdf = mi.load_dict(plugin)
     si = mi.SurfaceInteraction3f()
@@ -40,12 +37,12 @@ def of_mitsuba(plugin: dict[str, Any], wo: Vector, wi: npt.NDArray[np.float64]) 
     return np.array([np.ravel(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*w))) for w in wi])
 
 
-def plugin(kind: str, base: Vector, **more: Any) -> dict[str, Any]:
+def plugin(kind, base, **more):
     rgb = {"type": "rgb", "value": list(base)}
     return {"type": kind, "int_ior": ETA, "ext_ior": 1.0, "diffuse_reflectance": rgb} | more
 
 
-def above(n: int, seed: int = 3) -> npt.NDArray[np.float64]:
+def above(n, seed=3):
     """Directions of cosine 0.02 and more."""
     w = np.random.default_rng(seed).normal(size=(4 * n, 3))
     w /= np.linalg.norm(w, axis=1, keepdims=True)

@@ -1,10 +1,8 @@
 """Colours of vertices and faces: in shading, in holes, in hashes and in memory."""
 
 import pickle
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import trimesh
 
@@ -18,21 +16,18 @@ QUAD = np.array([[0, 1, 2], [0, 2, 3]])
 STEP = 0.0045
 
 
-def linear(encoded: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def linear(encoded):
     """IEC 61966-2-1."""
     c = np.asarray(encoded, float)
     return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
 
 
-def kept(colors: npt.ArrayLike) -> npt.NDArray[np.float32]:
+def kept(colors):
     """What a scene keeps of colours of as many vertices."""
     n = len(np.asarray(colors))
     d = vc.SceneDescription()
     d.add_mesh(np.zeros((n, 3)), np.zeros((1, 3), np.uint32), colors=colors)
     return d.mesh_arrays(0)["colors"]
-
-
-# Storage
 
 
 def test_bytes_stay_and_linear_values_are_off_by_half_a_step_of_srgb():
@@ -52,8 +47,8 @@ def test_a_vertex_takes_four_bytes_and_a_mesh_without_colors_none():
     vertices = np.random.default_rng(1).random((300, 3))
     triangles = np.arange(300).reshape(-1, 3)
 
-    def memory(**more: Any) -> int:
-        bytes_: int = vc.Scene.from_arrays(vertices, triangles, **more).info()["memory_bytes"]
+    def memory(**more):
+        bytes_ = vc.Scene.from_arrays(vertices, triangles, **more).info()["memory_bytes"]
         return bytes_
 
     assert memory(colors=np.ones((300, 3))) - memory() == 4 * 300
@@ -72,10 +67,7 @@ def test_vertices_of_faces_with_other_colors_become_several():
     assert len(same["vertices"]) == 4
 
 
-# Shading
-
-
-def seen_from_above(scene: vc.Scene, size: int = 16, **more: Any) -> vc.Frame:
+def seen_from_above(scene, size=16, **more):
     camera = vc.orthographic((0.5, 0.5, 2), (0.5, 0.5, 0), up=(0, 1, 0), height=1)
     return vc.render(scene, **({"integrator": "direct"} | more), camera=camera, size=(size, size))
 
@@ -95,7 +87,7 @@ def test_the_albedo_is_interpolated_in_linear_light():
     np.testing.assert_allclose(albedo[clear], expected[clear], atol=STEP + 0.002)
 
 
-def room(colored: bool, kind: dict[str, Any]) -> vc.Scene:
+def room(colored, kind):
     """A corner lit by a lamp: a colour of all vertices, or the same as the base colour."""
     bytes_ = np.uint8([200, 120, 40])
     color = kept(np.tile(bytes_, (3, 1)))[0, :3]
@@ -110,7 +102,7 @@ def room(colored: bool, kind: dict[str, Any]) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-KINDS: dict[str, dict[str, Any]] = {
+KINDS = {
     "diffuse": {},
     "glossy": {"kind": _core.MaterialKind.GLOSSY, "roughness": 0.3},
     "half metal": {"kind": _core.MaterialKind.GLOSSY, "roughness": 0.3, "metallic": 0.5},
@@ -130,13 +122,11 @@ def test_one_color_all_over_is_the_base_color_in_every_integrator(kind, integrat
     assert colored.geometry_hash == plain.geometry_hash
 
 
-# Holes
-
 N = 4000
 LAMPS = np.float32([[0.3, 0.4, -1], [0.6, 0.5, -2], [0.5, 0.5, -1.5]])
 
 
-def veil(cutoff: float, **more: Any) -> vc.Scene:
+def veil(cutoff, **more):
     """A plate that gets solid from left to right: its alpha is its x."""
     d = vc.SceneDescription()
     colors = np.ones((4, 4))
@@ -146,7 +136,7 @@ def veil(cutoff: float, **more: Any) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def rays() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def rays():
     """Points above the plate, each lamp under it, and where x of the plate lies between them."""
     x = np.random.default_rng(2).random((N, 3)).astype(np.float32) * np.float32([1, 1, 0.5]) + [
         0,
@@ -158,8 +148,8 @@ def rays() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArra
     return x.astype(np.float32), LAMPS, at
 
 
-def by_rays(given: Any) -> Any:
-    def stopped(scene: vc.Scene) -> npt.NDArray[np.bool_]:
+def by_rays(given):
+    def stopped(scene):
         x, y, _ = rays()
         pairs = np.broadcast_arrays(x[:, None], y[None])
         nearest = np.isfinite(scene.intersect(pairs[0], pairs[1] - pairs[0], rays=given).t)
@@ -170,8 +160,8 @@ def by_rays(given: Any) -> Any:
     return stopped
 
 
-def by_matrix(engine: Any) -> Any:
-    def stopped(scene: vc.Scene) -> npt.NDArray[np.bool_]:
+def by_matrix(engine):
+    def stopped(scene):
         x, y, _ = rays()
         bits = scene.visible_matrix(x, y, engine=engine)
         return (bits >> np.arange(len(y), dtype=np.uint64)) & np.uint64(1) == 0
@@ -250,9 +240,6 @@ def test_equal_corners_are_their_value_everywhere():
     assert not vc.Scene.from_description(d).visible(at, at * [1, 1, -1]).any()
 
 
-# Hashes and travel
-
-
 def test_a_color_changes_the_hash_and_alpha_that_of_the_geometry():
     white = np.full((4, 4), 255, np.uint8)
     red, clear = white.copy(), white.copy()
@@ -271,8 +258,6 @@ def test_colors_travel_with_a_scene():
     again = vc.Scene.from_description(scene.description())
     assert again.content_hash == scene.content_hash
 
-
-# Arrays
 
 WRONG = {
     "rows": (np.ones((3, 3)), r"colors must have shape \(4, 3 or 4\), for vertices, or \(2, 3 or"),

@@ -1,49 +1,31 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Texture coordinates of shapes whose file gives none; images of area lights on such shapes."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from skimage.io import imsave
 
 import viscache as vc
 from viscache import _core as core
+from viscache_lab.parity.exporters.formats import ply
 
-PLY = """ply
-format ascii 1.0
-element vertex 4
-property float x
-property float y
-property float z
-element face 2
-property list uchar int vertex_indices
-end_header
--1 -1 0
-1 -1 0
-1 1 0
--1 1 0
-3 0 1 2
-3 0 2 3
-"""
 TEXTURED = """<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"""
 
 
 @pytest.fixture(autouse=True)
 def files(tmp_path):
-    (tmp_path / "bare.ply").write_text(PLY)
+    (tmp_path / "bare.ply").write_bytes(ply("bare", "ascii; $P; $F")["bare.ply"])
     rows = np.zeros((8, 8, 3), np.uint8)
     rows[:4], rows[4:] = (255, 0, 0), (0, 0, 255)
     imsave(tmp_path / "flag.png", rows, check_contrast=False)
 
 
-def mitsuba(folder: Path, body: str) -> core.SceneDescription:
+def mitsuba(folder, body):
     (folder / "s.xml").write_text(f'<scene version="3.0.0">{body}</scene>')
     return core.load_scene_file(str(folder / "s.xml"), True)
 
 
-def pbrt(folder: Path, world: str, *, strict: bool = True) -> core.SceneDescription:
+def pbrt(folder, world, *, strict=True):
     path = folder / "s.pbrt"
     path.write_text(
         f'LookAt 0 0 3 0 0 0 0 1 0 Camera "perspective" "float fov" 30 Film "rgb" "integer xresolution" 16 '
@@ -52,7 +34,7 @@ def pbrt(folder: Path, world: str, *, strict: bool = True) -> core.SceneDescript
     return core.load_scene_file(str(path), strict)
 
 
-def corner_uvs(scene: core.SceneDescription, mesh: int = 0) -> Any:
+def corner_uvs(scene, mesh=0):
     """(triangles, 3, 2)."""
     arrays = scene.mesh_arrays(mesh)
     return arrays["uvs"][arrays["triangles"]]
@@ -125,21 +107,6 @@ def test_a_disk_of_pbrt_has_the_angle_and_the_way_inwards(tmp_path):
     assert (points[:, 2] == 1).all()
 
 
-LAMP = 'AttributeBegin AreaLightSource "diffuse" {} Shape "bilinearmesh" "point3 P" [-1 -1 0 1 -1 0 -1 1 0 1 1 0] AttributeEnd'
-
-
-def test_an_area_light_of_pbrt_v4_shines_its_image(tmp_path):
-    words = '"string filename" "flag.png" "float scale" 3'
-    pbrt(tmp_path, LAMP.format(words))
-    scene = vc.load_scene(tmp_path / "s.pbrt", strict=True)
-    picture = vc.render(scene, vc.Direct(), size=(16, 16), spp=4).image
-    # Row 0 of the image is at the top of the patch
-    np.testing.assert_allclose(picture[6, 8], (3, 0, 0), atol=0.1)
-    np.testing.assert_allclose(picture[9, 8], (0, 0, 3), atol=0.1)
-    powered = pbrt(tmp_path, LAMP.format(words + ' "float power" 9'), strict=False)
-    assert any("power of a light with an image" in text for _, text in powered.warnings)
-
-
 def test_spheres_shine_their_image(tmp_path):
     world = 'Rotate -90 1 0 0 AreaLightSource "diffuse" "string filename" "flag.png" Shape "sphere"'
     pbrt(tmp_path, world)
@@ -155,7 +122,7 @@ ROTATED = (
 
 @pytest.mark.parametrize("axis", ['y="1.2"', 'x="1" y="1"', 'x="0.6" y="0.8"'])
 def test_the_length_of_a_rotations_axis_counts_as_in_mitsuba(tmp_path, axis):
-    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
+    mi = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")
     (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">\n{ROTATED.format(axis)}</scene>')
     scene = core.load_scene_file(str(tmp_path / "s.xml"))

@@ -1,7 +1,5 @@
 """Area lights whose radiance is an image: seen, sampled, chosen by each triangle's mean."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from skimage.io import imsave
@@ -17,9 +15,7 @@ LINEAR = np.where(PATCHES / 255 <= 0.04045, PATCHES / 3294.6, (PATCHES / 255 + 0
 LINEAR = np.where(PATCHES / 255 <= 0.04045, LINEAR, LINEAR**2.4).astype(np.float32)
 
 
-def lamp_scene(
-    image: Any | None, *, two_sided: bool = False, instance: bool = False, uvs: Any = None
-) -> vc.Scene:
+def lamp_scene(image, *, two_sided=False, instance=False, uvs=None):
     """A floor under a lamp of four triangles that shines down with an image."""
     d = vc.SceneDescription()
     d.add_material(base_color=(0.7, 0.7, 0.7))
@@ -46,7 +42,7 @@ def lamp_scene(
     return vc.Scene.from_description(d)
 
 
-def images(scene: vc.Scene, integrator: Any, spp: int, seeds: int, first: int = 0) -> Any:
+def images(scene, integrator, spp, seeds, first=0):
     made = [
         vc.render(scene, integrator, size=(24, 16), spp=spp, seed=first + i) for i in range(seeds)
     ]

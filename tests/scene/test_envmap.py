@@ -21,7 +21,7 @@ SCENES = Path(os.environ.get("VISCACHE_SCENES", ROOT.parent / "shared" / "scenes
 Array = npt.NDArray[np.float32]
 
 
-def latlong_directions(height: int, width: int) -> npt.NDArray[np.float64]:
+def latlong_directions(height, width):
     """Directions of the pixels' centres: u = atan2(x, −z)/2π mod 1, v = acos(y)/π."""
     theta = (np.arange(height) + 0.5) / height * np.pi
     phi = (np.arange(width) + 0.5) / width * 2 * np.pi
@@ -29,13 +29,13 @@ def latlong_directions(height: int, width: int) -> npt.NDArray[np.float64]:
     return np.stack(np.broadcast_arrays(sin * np.sin(phi), cos, -sin * np.cos(phi)), -1)
 
 
-def latlong_power(image: Array) -> float:
+def latlong_power(image):
     edges = np.cos(np.arange(image.shape[0] + 1) / image.shape[0] * np.pi)
     rows = (image.astype(float) @ LUMINANCE).sum(1) * 2 * np.pi / image.shape[1]
     return float((rows * (edges[:-1] - edges[1:])).sum())
 
 
-def sky(height: int = 64) -> Array:
+def sky(height=64):
     """A smooth sky with a soft sun, coloured ground and no symmetry."""
     d = latlong_directions(height, 2 * height)
     sun = np.exp(20 * (d @ np.array([0.48, 0.6, 0.64]) - 1))
@@ -43,12 +43,9 @@ def sky(height: int = 64) -> Array:
     return np.stack([up + 8 * sun, up + 6 * sun, 0.2 + up + 3 * sun], -1).astype(np.float32)
 
 
-def rotation() -> npt.NDArray[np.float64]:
+def rotation():
     q, _ = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))
     return q * np.sign(np.linalg.det(q))
-
-
-# Content
 
 
 def test_a_bright_pixel_is_seen_where_the_convention_puts_it():
@@ -170,9 +167,6 @@ def test_one_channel_is_grey_and_a_fourth_is_ignored():
     assert np.array_equal(a.pixels, b.pixels)
 
 
-# Sampling
-
-
 @pytest.mark.stat
 @pytest.mark.parametrize("to_world", [np.eye(3), rotation()], ids=["still", "turned"])
 def test_directions_follow_their_density(to_world):
@@ -215,7 +209,7 @@ def test_a_sample_agrees_with_evaluation_in_its_direction(resolution):
     np.testing.assert_allclose(pdf, map_.pdf(wi), rtol=1e-6)
 
 
-def speckled(height: int, share: float) -> Array:
+def speckled(height, share):
     """Pixels of random colour, the others black, and black rows."""
     rng = np.random.default_rng(3)
     image = rng.random((height, 2 * height, 3)) * (rng.random((height, 2 * height, 1)) < share)
@@ -285,9 +279,6 @@ def test_a_color_without_green_keeps_its_chance():
     assert (map_.pdf(w) > 0).all()
 
 
-# Errors
-
-
 @pytest.mark.parametrize("bad", [-1e-3, np.nan, np.inf])
 def test_negative_and_non_finite_pixels_are_refused_with_their_place(bad):
     image = sky(16)
@@ -317,9 +308,6 @@ def test_transforms_that_are_no_rotation_are_refused(to_world):
 def test_resolutions_that_are_no_power_of_two_are_refused(resolution):
     with pytest.raises(_core.SceneError, match=r"power of two in \[2, 4096\], got"):
         EnvironmentMap.from_latlong(sky(8), resolution=resolution)
-
-
-# Real images
 
 
 @pytest.mark.parametrize(
@@ -352,8 +340,6 @@ def test_the_map_is_the_same_for_any_number_of_threads():
     maps = [EnvironmentMap.from_latlong(sky(), threads=n).pixels.tobytes() for n in (1, 2, 3, 8)]
     assert len(set(maps)) == 1
 
-
-# Memory
 
 GROWTH = """
 import re, sys

@@ -1,7 +1,6 @@
 """Scenes from lists of meshes and from trimesh."""
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -11,7 +10,7 @@ CORNERS = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], dtype=float
 QUAD = np.array([[0, 2, 1], [0, 3, 2]])
 
 
-def raised(height: float) -> npt.NDArray[np.float64]:
+def raised(height):
     return CORNERS + np.array([0.0, height, 0.0])
 
 

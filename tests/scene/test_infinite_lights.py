@@ -54,12 +54,6 @@ def image(name, turn=""):
     )
 
 
-def test_constant_ones_are_one_constant(tmp_path):
-    lights = 'LightSource "infinite" "rgb L" [.3 0 0] LightSource "infinite" "rgb L" [0 .3 0]'
-    assert not described(tmp_path, lights).warnings
-    np.testing.assert_allclose(floor(tmp_path, lights)[0], [0.18, 0.18, 0], rtol=1e-3)
-
-
 @pytest.mark.parametrize(
     ("one", "other"),
     [

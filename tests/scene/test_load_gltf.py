@@ -2,7 +2,6 @@
 
 import base64
 import json
-import struct
 
 import numpy as np
 import pytest
@@ -10,84 +9,45 @@ import trimesh
 from skimage.io import imsave
 
 from viscache import _core as core
+from viscache_lab.parity.exporters.formats import gltf
 
 K, C = core.MaterialKind, core.CoatKind
-POINTS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], "<f4")
-INDICES = np.array([0, 1, 2, 0, 2, 3], "<u2")
 
 
-def document(**changes) -> dict:
-    data = POINTS.tobytes() + INDICES.tobytes()
-    doc = {
-        "asset": {"version": "2.0"},
-        "buffers": [
-            {
-                "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
-            }
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
-            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
-        ],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
-        ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "nodes": [{"mesh": 0}],
-        "scenes": [{"nodes": [0]}],
-        "scene": 0,
-    }
-    doc.update(changes)
-    return doc
+def document(**changes):
+    """A square without material: accessor 0 has its points, 1 its indices."""
+    return (
+        made({"attr": {"TEXCOORD_0": ""}, "prim": {"material": None}, "materials": None}) | changes
+    )
 
 
-def load(folder, doc: dict, strict: bool = False) -> core.SceneDescription:
+def made(change):
+    return json.loads(gltf("scene", json.dumps(change))["scene.gltf"])
+
+
+def load(folder, doc, strict=False):
     path = folder / "scene.gltf"
     path.write_text(json.dumps(doc))
     return core.load_scene_file(str(path), strict)
 
 
-def png(folder, rgba) -> str:
+def png(folder, rgba):
     imsave(folder / "image.png", np.array(rgba, np.uint8), check_contrast=False)
     return "data:image/png;base64," + base64.b64encode((folder / "image.png").read_bytes()).decode()
 
 
-def with_material(**material) -> dict:
-    attributes = {"POSITION": 0, "TEXCOORD_0": 2}
-    mesh = {"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}
-    coordinates = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"}
-    accessors = [*document()["accessors"], coordinates]
-    return document(meshes=[mesh], materials=[material], accessors=accessors)
-
-
-def test_the_node_tree_multiplies_its_transforms(tmp_path):
-    s = np.sqrt(0.5)
-    nodes = [
-        {"children": [1], "translation": [10, 0, 0]},
-        {"mesh": 0, "rotation": [0, 0, s, s], "scale": [2, 3, 1]},
-    ]
-    scene = load(tmp_path, document(nodes=nodes), strict=True)
-    want = [(10, 0, 0), (10, 2, 0), (7, 2, 0), (7, 0, 0)]
-    np.testing.assert_allclose(scene.mesh_arrays(0)["vertices"], want, atol=1e-5)
-
-
-def test_a_matrix_node_is_read_by_columns_and_a_mirrored_one_turns_the_winding(tmp_path):
-    nodes = [{"mesh": 0, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]}]
-    mesh = load(tmp_path, document(nodes=nodes)).mesh_arrays(0)
-    np.testing.assert_array_equal(mesh["vertices"][2], [4, 7, 7])
-    a, b, c = mesh["vertices"][mesh["triangles"][0]]
-    assert np.cross(b - a, c - a)[2] > 0
+def with_material(**material):
+    return made({}) | {"materials": [material]}
 
 
 def test_a_mesh_of_several_nodes_becomes_instances(tmp_path):
     nodes = [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]
     scene = load(tmp_path, document(nodes=nodes, scenes=[{"nodes": [0, 1]}]), strict=True)
     assert scene.triangle_count == 4 and len(scene.meshes) == 1 and len(scene.instances) == 2
-    np.testing.assert_allclose(scene.bounds(), [(0, 0, 0), (1, 1, 3)])
+    np.testing.assert_allclose(scene.bounds(), [(-1, -1, 0), (1, 1, 3)])
 
 
+<<<<<<< HEAD
 @pytest.mark.parametrize(
     ("mode", "triangles"), [(5, [[0, 1, 2], [1, 3, 2]]), (6, [[1, 2, 0], [2, 3, 0]])]
 )
@@ -247,14 +207,22 @@ def test_an_emissive_image_multiplies_the_emission(tmp_path):
 
 
 def test_an_emissive_image_with_its_own_coordinates_is_a_mean(tmp_path):
+=======
+def test_images_with_coordinates_of_their_own_are_means(tmp_path):
+>>>>>>> w2
     doc = with_material(
         emissiveFactor=[1, 1, 1],
         emissiveTexture={"index": 0, "texCoord": 1},
-        pbrMetallicRoughness={"baseColorTexture": {"index": 0}},
+        pbrMetallicRoughness={
+            "baseColorTexture": {"index": 0},
+            "metallicRoughnessTexture": {"index": 0, "texCoord": 1},
+        },
     )
     doc["textures"] = [{"source": 0}]
     doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0], [0, 255, 0]]])}]
     scene = load(tmp_path, doc)
+    material = scene.materials[0]
+    assert material["roughness"] == pytest.approx(0.5**2, abs=1e-3) and material["metallic"] == 0
     assert any("its mean is used" in what for _, what in scene.warnings)
     assert scene.meshes[0]["emission_texture"] == -1
     assert scene.meshes[0]["emission"] == pytest.approx([0.5, 0.5, 0])
@@ -268,7 +236,7 @@ def test_a_glb_of_trimesh_is_read_as_trimesh_reads_it(tmp_path):
     np.testing.assert_allclose(mesh["vertices"][mesh["triangles"]], shape.triangles, atol=1e-6)
 
 
-def change(doc: dict, path: str, value) -> dict:
+def change(doc, path, value):
     *keys, last = [int(k) if k.isdigit() else k for k in path.split(".")]
     target = doc
     for key in keys:
@@ -305,20 +273,6 @@ def test_a_broken_reference_is_refused_and_says_what(tmp_path, path, value, mess
         load(tmp_path, change(document(), path, value))
 
 
-def test_an_index_out_of_range_and_a_nan_vertex_are_refused(tmp_path):
-    doc = document()
-    for points, indices, message in (
-        (POINTS, [0, 1, 4, 0, 1, 2], "index 4, the primitive has 4"),
-        (np.full((4, 3), np.nan, "<f4"), [0, 1, 2, 0, 2, 3], "vertex 0"),
-    ):
-        data = points.tobytes() + np.array(indices, "<u2").tobytes()
-        doc["buffers"][0]["uri"] = (
-            "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-        )
-        with pytest.raises(core.SceneError, match=message):
-            load(tmp_path, doc)
-
-
 def test_deeply_nested_json_is_refused(tmp_path):
     text = json.dumps(document())[:-1] + ', "extras": ' + "[" * 100000 + "]" * 100000 + "}"
     (tmp_path / "deep.gltf").write_text(text)
@@ -327,9 +281,7 @@ def test_deeply_nested_json_is_refused(tmp_path):
 
 
 def test_a_glb_cut_anywhere_is_refused(tmp_path):
-    text = json.dumps(document()).encode()
-    text += b" " * (-len(text) % 4)
-    data = b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text
+    data = gltf("whole", '{"glb": true}')["whole.glb"]
     (tmp_path / "whole.glb").write_bytes(data)
     assert core.load_scene_file(str(tmp_path / "whole.glb")).triangle_count == 2
     for cut in range(0, len(data) - 1, 37):
@@ -360,10 +312,3 @@ def test_ior_and_specular_belong_together(tmp_path, extension, specular):
     scene = load(tmp_path, doc, strict=True)
     material = scene.materials[scene.meshes[0]["material"]]
     assert material["specular"] == pytest.approx(specular, abs=1e-3)
-    warned = load(
-        tmp_path,
-        change(
-            doc, "materials.0.extensions.KHR_materials_specular", {"specularTexture": {"index": 0}}
-        ),
-    )
-    assert any("specular image" in text for _, text in warned.warnings)

@@ -12,13 +12,13 @@ from viscache import _core as core
 K = core.MaterialKind
 
 
-def load(folder, body: str, strict: bool = True, version: str = "3.0.0") -> core.SceneDescription:
+def load(folder, body, strict=True, version="3.0.0"):
     path = folder / "scene.xml"
     path.write_text(f'<scene version="{version}">\n{body}\n</scene>')
     return core.load_scene_file(str(path), strict)
 
 
-def material(folder, bsdf: str, strict: bool = True, version: str = "3.0.0") -> dict:
+def material(folder, bsdf, strict=True, version="3.0.0"):
     scene = load(folder, f'<shape type="rectangle">{bsdf}</shape>', strict, version)
     return scene.materials[scene.meshes[0]["material"]]
 
@@ -321,7 +321,7 @@ def test_includes_are_merged_and_a_cycle_is_refused(tmp_path):
         load(tmp_path, '<include filename="scene.xml"/>')
 
 
-def serialized(vertices, triangles, flags=0x1000, dtype="<f4", version=4) -> bytes:
+def serialized(vertices, triangles, flags=0x1000, dtype="<f4", version=4):
     body = struct.pack("<I", flags) + (b"name\0" if version == 4 else b"")
     body += struct.pack("<QQ", len(vertices), len(triangles))
     body += np.asarray(vertices, dtype).tobytes() + np.asarray(triangles, "<u4").tobytes()

@@ -1,18 +1,15 @@
 """OBJ and MTL files: geometry, indices, materials, textures."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from skimage.io import imsave
 
-import viscache as vc
 from viscache import _core as core
 
 
-def load(folder: Path, text: str, strict: bool = False, **files: str) -> core.SceneDescription:
+def load(folder, text, strict=False, **files):
     for name, content in files.items():
         (folder / name.replace("_mtl", ".mtl")).write_text(content)
     path = folder / "model.obj"
@@ -21,28 +18,6 @@ def load(folder: Path, text: str, strict: bool = False, **files: str) -> core.Sc
 
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-
-
-def test_a_quad_becomes_two_triangles_in_the_order_of_the_file(tmp_path):
-    mesh = load(tmp_path, SQUARE + "f 1 2 3 4\n").mesh_arrays(0)
-    assert mesh["triangles"].tolist() == [[0, 1, 2], [0, 2, 3]]
-    np.testing.assert_array_equal(mesh["vertices"], [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-
-
-def test_negative_indices_count_from_the_last_vertex_read(tmp_path):
-    mesh = load(tmp_path, SQUARE + "f -4 -3 -2\nv 9 9 9\nf -2 -3 -4\n").mesh_arrays(0)
-    p = mesh["vertices"][mesh["triangles"]]
-    np.testing.assert_array_equal(p[0], [[0, 0, 0], [1, 0, 0], [1, 1, 0]])
-    np.testing.assert_array_equal(p[1], [[0, 1, 0], [1, 1, 0], [1, 0, 0]])
-
-
-def test_a_concave_polygon_is_covered_exactly_once(tmp_path):
-    # An L of area 3.
-    text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n"
-    mesh = load(tmp_path, text).mesh_arrays(0)
-    p = mesh["vertices"][mesh["triangles"]]
-    areas = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])[:, 2] / 2
-    assert len(areas) == 4 and (areas > 0).all() and areas.sum() == pytest.approx(3)
 
 
 def test_normals_and_uvs_follow_their_own_indices(tmp_path):
@@ -57,6 +32,7 @@ def test_normals_and_uvs_follow_their_own_indices(tmp_path):
     assert len(mesh["vertices"]) == 5  # vertex 1 with two texture coordinates is two
 
 
+<<<<<<< HEAD
 def test_trimesh_reads_the_same_triangles(tmp_path):
     sphere = trimesh.creation.icosphere(2)
     sphere.export(tmp_path / "model.obj")
@@ -164,8 +140,9 @@ def test_values_of_an_mtl_that_are_out_of_range_are_warned_of(tmp_path, line, sa
     assert says is None or re.search(says, told[0])
 
 
+=======
+>>>>>>> w2
 D, G, M, T = (getattr(core.MaterialKind, k) for k in ("DIFFUSE", "GLOSSY", "MIRROR", "DIELECTRIC"))
-MAYA = "illum 4\nKd .5 .5 .5\nKa 0 0 0\nTf {} {} {}\nNi 1.00"
 BLENDER = (
     "# Blender 3.6.2 MTL File: 'None'\nnewmtl a\nNs {}\nKa {} {} {}\nKd .8 .4 .2\nKs .5 .5 .5\n"
     "Ni {}\nd {}\nillum {}"
@@ -180,19 +157,11 @@ LOBE = np.sqrt(2 / 32)
 @pytest.mark.parametrize(
     ("mtl", "found"),
     [  # MeshLab, and VTK: Tr is opacity
-        ("Kd .5 .5 .5\nKs 0 0 0\nTr 1.0\nillum 2\nNs 0", {"kind": D, "opacity": 1}),
         ("Tr .25\nKd 1 1 1\nnewmtl other\nTr 1", {"opacity": 0.25}),
         ("Tr .25\nKd 1 1 1\nnewmtl other\nTr 0", {"opacity": 0.75}),
-        ("Tr 0\nKd 1 1 1", {"opacity": 1}),
-        (VTK.format(0, 0, 0, 1), {"kind": D, "opacity": 1}),
         (VTK.format(0.3, 0.3, 0.3, 0.25), {"kind": G, "opacity": 0.25, "roughness": LOBE}),
-        # 3ds Max
-        ("Ns 30\nNi 1.5\nd .4\nTr .6\nTf 1 1 1\nillum 2\nKd 1 1 1", {"kind": D, "opacity": 0.4}),
         # Maya
-        (MAYA.format(1, 1, 1), {"kind": D, "base_color": [0.5, 0.5, 0.5], "opacity": 1}),
-        (MAYA.format(0.25, 0.25, 0.25), {"kind": D, "opacity": 0.25}),
-        # Rhino
-        ("Kd .5 .5 .5\nKs 1 1 1\nTf 0 0 0\nd 1\nNs 0", {"kind": D, "opacity": 1}),
+        ("illum 4\nKd .5 .5 .5\nTf .25 .25 .25\nNi 1.00", {"kind": D, "opacity": 0.25}),
         # Blender
         (BLENDER.format(250, 1, 1, 1, 1.45, 0.5, 9), {"kind": G, "opacity": 0.5, "metallic": 0}),
         (
@@ -203,12 +172,10 @@ LOBE = np.sqrt(2 / 32)
         (BLENDER.format(250, 1, 1, 1, 1.45, 0.5, 6), {"kind": G, "metallic": 1, "opacity": 0.5}),
         (BLENDER.format(250, 1, 1, 1, 1.45, 1, 1), {"kind": D}),
         (BLENDER.format(250, 1, 1, 1, 1.45, 1, "2\nPr 0\nTf 1 1 1"), {"kind": T, "eta": 1.45}),
-        ("Ks 0 0 0\nKd .5 .5 .5\nd .5\nillum 9\nNi 1.45", {"kind": D, "opacity": 0.5}),
         # What hand-written files and the format itself mean
         ("Kd 0 0 0\nKs .9 .9 .9\nillum 5", {"kind": M, "specular": [0.9] * 3}),
         ("Kd .1 .1 .1\nKs .8 .8 .8\nNs 1024\nillum 5", {"kind": G, "roughness": 1e-3}),
         ("Kd .1 .1 .1\nKs .8 .8 .8\nNs 30\nillum 3", {"kind": G, "roughness": LOBE}),
-        ("Kd .5 .5 .5\nKs .8 .8 .8\nNs 30\nillum 1", {"kind": D}),
         ("Kd .5 .5 .5\nKs .8 .8 .8\nNs 30", {"kind": G, "roughness": LOBE}),
         ("Kd .5 .5 .5\nNi 1.5\nillum 4", {"kind": T, "eta": 1.5}),
         ("Kd .5 .5 .5\nNi 1.5\nTf 0 0 0\nillum 4", {"kind": D}),
@@ -217,8 +184,6 @@ LOBE = np.sqrt(2 / 32)
         ("Tf .9 .2 .2\nNi 1.5\nillum 7", {"kind": T, "transmission": [0.9, 0.2, 0.2]}),
         ("Kd .5 0 0\nKs 1 1 1\nTf 1 0 0\nNi 1\nillum 7", {"kind": T, "eta": 1}),
         ("Ni 1.5\nillum 9\nTf 1 1 1", {"kind": T, "eta": 1.5}),
-        ("Kd .5", {"base_color": [0.5, 0.5, 0.5]}),
-        ("Kd 1 .5 .25 # orange", {"base_color": [1, 0.5, 0.25]}),
         ("kd 1 .5 .25\nPr .5\nPm 1\nPs 0\nPc 0\nPcr .3\naniso 0\nanisor 0",
          {"kind": G, "metallic": 1, "roughness": 0.25, "specular": [0.04] * 3}),
     ],
@@ -240,23 +205,24 @@ def test_materials_mean_what_their_exporter_means(tmp_path, mtl, found):
         ("Tr .25", r"m\.mtl:1: 'Tr' without 'd' is read as 1 - opacity"),
         ("Kd 1 0 red", r"m\.mtl:2: 'Kd' needs finite numbers; the line is not read"),
         ("Kd spectral file.rfl", r"m\.mtl:2: 'Kd spectral' is not read"),
-        ("Kd xyz .1 .2 .3", r"m\.mtl:2: 'Kd xyz' is not read"),
         ("d -halo .5", r"m\.mtl:2: a halo is not modelled"),
         ("illum 10", r"m\.mtl:1: illum must be 0 to 9"),
         ("Pc .5", r"m\.mtl:2: the coat of Pc is not modelled"),
         ("map_Bump -bm 2 a.png", r"m\.mtl:2: bump maps are not modelled"),
-        ("norm a.png", r"m\.mtl:2: bump maps"),
-        ("disp a.png", r"m\.mtl:2: bump maps"),
         ("refl -type sphere a.png", r"m\.mtl:2: images of reflections are not modelled"),
         ("map_Ks a.png", r"m\.mtl:2: an image of this kind is not modelled"),
-        ("map_Ns a.png", r"m\.mtl:2: an image of this kind is not modelled"),
-        ("map_Pm a.png", r"m\.mtl:2: an image of this kind is not modelled"),
         ("map_Kd -t .1 .1 .1 a.png", r"m\.mtl:2: turbulence"),
         ("map_Kd -mm .5 2 a.png", r"m\.mtl:2: base and gain"),
         ("map_d -imfchan r a.png", r"m\.mtl:2: -imfchan is not modelled"),
         ("map_Kd -fancy a.png", r"m\.mtl:2: '-fancy' is not read"),
         ("map_Kd", r"m\.mtl:2: a texture line without a file"),
         ("Kx 1 2 3", r"m\.mtl:2: 'Kx' is not read"),
+        ("Kd -5 0 0", r"m\.mtl:2: Kd must be in \[0, 1\]; it is clamped"),
+        ("Ks 0 1.5 0", r"m\.mtl:2: Ks must be in \[0, 1\]"),
+        ("d 5", r"m\.mtl:2: d must be in \[0, 1\]"),
+        ("Tr -1", r"m\.mtl:2: Tr must be in \[0, 1\]"),
+        ("Kd", r"m\.mtl:2: Kd has no number; it counts as 0"),
+        ("Ke 7 7 7", None),
         ("map_Kd -s 2 1 1 a.png\nmap_Ke a.png", r"m\.mtl:3: the images of a material share"),
         ("newmtl a\nKd 1 1 1", r"m\.mtl:2: a material of this name is already defined"),
         ("map_Ka a.png\nKa 3 3 3\nmap_aat on\nsharpness 60\nTf 0 0 0", None),
@@ -281,6 +247,7 @@ def test_a_line_before_the_first_material_is_warned_of(tmp_path):
 FLAT = SQUARE + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3 4/4\n"
 
 
+<<<<<<< HEAD
 def seen(folder, mtl, text=FLAT, strict=True):
     """Picture and albedo of the square under a white sky; half.png is white on the left."""
     pixels = np.zeros((4, 4), np.uint8)
@@ -324,6 +291,8 @@ def test_pictures_of_materials(tmp_path, mtl, albedo, picture):
     np.testing.assert_allclose(found[0][4, :, 0], picture, atol=0.02)
 
 
+=======
+>>>>>>> w2
 def test_an_image_of_roughness_is_read(tmp_path):
     imsave(tmp_path / "r.png", np.full((2, 2), 128, np.uint8), check_contrast=False)
     mtl = "newmtl a\nKd .5 .5 .5\nmap_Pr r.png\n"
@@ -338,12 +307,11 @@ def test_an_image_of_roughness_is_read(tmp_path):
     ["f 5//1 6//1 7//1\n", "f 5 6 7\n", "f 5/0/0 6/0/0 7/0/0\n", "f 5/1 6/2 7//1\n"],
 )
 def test_a_face_without_slots_leaves_the_others_theirs(tmp_path, extra):
-    """The tilted normals and the image of the square stay, although another face lacks them."""
+    """The tilted normals of the square stay, although another face lacks them."""
     faces = FLAT.replace("f 1/1 2/2 3/3 4/4\n", "vn 0 .6 .8\nf 1/1/1 2/2/1 3/3/1 4/4/1\n")
-    text = faces + "v 0 0 -1\nv 1 0 -1\nv 1 1 -1\n" + extra
-    _, albedo = seen(tmp_path, "Kd 1 1 1\nmap_Kd half.png", text, strict=False)
-    np.testing.assert_allclose(albedo[4, :, 0], HALF, atol=0.02)
-    scene = core.load_scene_file(str(tmp_path / "model.obj"))
+    imsave(tmp_path / "a.png", np.full((2, 2), 255, np.uint8), check_contrast=False)
+    text = "mtllib m.mtl\n" + faces + "v 0 0 -1\nv 1 0 -1\nv 1 1 -1\n" + extra
+    scene = load(tmp_path, text, m_mtl="newmtl a\nmap_Kd a.png\n")
     assert any("without texture coordinates" in what for _, what in scene.warnings)
     mesh = scene.mesh_arrays(0)
     normals = mesh["normals"][mesh["triangles"]]
@@ -386,25 +354,14 @@ WHOLE = SQUARE + "vt 0 0\nvn 0 0 1\n"
 @pytest.mark.parametrize(
     ("text", "note"),
     [
-        (SQUARE + "f 1 2 \\\n3 \\  \n4\n", None),
-        ("# C:\\models\\\n" + SQUARE + "f 1 2 3 4\n", None),
-        (WHOLE + "f 1// 2// 3// 4//\n", None),
-        (WHOLE + "f 1/1/ 2/1/ 3/1/ 4/\n", None),
+        (SQUARE + "f 1 2 3 4\n", None),
         (WHOLE + "f 1//0 2/0/0 3/0 4\n", "an index of 0 counts as none"),
         (SQUARE + "f 1 2 3 4\nf 1 2\nf 3\nf\n", "a face of fewer than three corners is skipped"),
         (SQUARE + "f 1 2 3 4\np 1 2\nl 1 2 3\n", "points and lines have no surface"),
-        (SQUARE + "o a b\ng c\nlod 1\nf 1 2 3 4 # all\n", None),
-        (SQUARE.replace("0\n", "0 1.0\n") + "f 1 2 3 4\n", None),
-        (SQUARE.replace("\n", "\r") + "f 1 2 3 4\r", None),
-        (SQUARE.replace("\n", "\r\n") + "f 1 2 3 4", None),
-        ("\ufeff" + SQUARE.replace(" ", "\t ").replace("\n", " \t\n") + "  f 1 2 3 4 \t", None),
-        (SQUARE + "vt .5\nvt .5 .5\nvt .5 .5 0\nf 1/1 2/2 3/3 4/3\n", None),
     ],
 )
 def test_sound_lines_are_read(tmp_path, text, note):
-    path = tmp_path / "model.obj"
-    path.write_bytes(text.encode())
-    scene = core.load_scene_file(str(path), True)
+    scene = load(tmp_path, text, strict=True)
     mesh = scene.mesh_arrays(0)
     assert mesh["triangles"].tolist() == [[0, 1, 2], [0, 2, 3]]
     np.testing.assert_array_equal(mesh["vertices"], [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

@@ -1,42 +1,30 @@
-# ruff: noqa: E501  (scene texts stay on their lines)
 """PLY files, ascii and binary."""
-
-import struct
 
 import numpy as np
 import pytest
 import trimesh
 
 from viscache import _core as core
-
-HEADER = "ply\nformat {} 1.0\ncomment a\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-FACES = "element face {}\nproperty list uchar int vertex_indices\nend_header\n"
-POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0.5)]
+from viscache_lab.parity.exporters.formats import ply
 
 
-def test_an_ascii_file_with_a_quad_and_a_triangle_gives_three_triangles(tmp_path):
-    text = HEADER.format("ascii") + FACES.format(2)
-    text += "".join("{} {} {}\n".format(*p) for p in POINTS) + "4 0 1 2 3\n3 0 2 3\n"
-    (tmp_path / "m.ply").write_text(text)
-    mesh = core.load_scene_file(str(tmp_path / "m.ply")).mesh_arrays(0)
-    assert mesh["triangles"].tolist() == [[0, 1, 2], [0, 2, 3], [0, 2, 3]]
-    np.testing.assert_array_equal(mesh["vertices"], np.array(POINTS, np.float32))
+def write(folder, change):
+    path = folder / "m.ply"
+    path.write_bytes(ply("m", change)["m.ply"])
+    return str(path)
+
+
+def mesh_of(folder, change):
+    return core.load_scene_file(write(folder, change), True).mesh_arrays(0)
 
 
 def test_binary_properties_of_any_type_and_order_are_read(tmp_path):
-    header = (
-        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar red\n"
-        "property double z\nproperty double y\nproperty double x\nproperty float s\n"
-        "property float t\nproperty float nx\nproperty float ny\nproperty float nz\n"
-        "element edge 1\nproperty int a\nproperty list uchar short more\n"
-        "element face 1\nproperty uchar flag\nproperty list ushort uint vertex_index\nend_header\n"
+    change = (
+        "le; vertex 3 double z 3/4/5, double y 2, double x 1/2/3, float s .25, float t .5, "
+        "float nx, float ny, float nz 1; edge 1 int a 7, list uchar short more 5 6; "
+        "face 1 uchar flag 1, list ushort uint vertex_index 2 1 0"
     )
-    data = b""
-    for i in range(3):
-        data += struct.pack("<B3d5f", 9, 3 + i, 2, 1 + i, 0.25, 0.5, 0, 0, 1)
-    data += struct.pack("<iB2h", 7, 2, 5, 6) + struct.pack("<BH3I", 1, 3, 2, 1, 0)
-    (tmp_path / "m.ply").write_bytes(header.encode() + data)
-    mesh = core.load_scene_file(str(tmp_path / "m.ply")).mesh_arrays(0)
+    mesh = core.load_scene_file(write(tmp_path, change)).mesh_arrays(0)
     assert mesh["triangles"].tolist() == [[2, 1, 0]]
     np.testing.assert_array_equal(mesh["vertices"][1], [2, 2, 4])
     np.testing.assert_array_equal(mesh["uvs"][0], [0.25, 0.5])
@@ -53,79 +41,19 @@ def test_trimesh_writes_what_is_read(tmp_path, encoding):
     assert np.array_equal(mesh["triangles"], shape.faces)
 
 
-def write(
-    path, head: str, data: bytes | str = "0 0 0 1 0 0 1 1 0 0 1 0.5 3 0 1 2", kind: str = "ascii"
-):
-    """A file of four points; `head` declares what follows them."""
-    data = data if isinstance(data, bytes) else data.encode()
-    path.write_bytes((HEADER.format(kind) + head + "end_header\n").encode() + data)
-    return str(path)
-
-
-FACE = "element face 1\nproperty list uchar int vertex_indices\n"
-STRIP = "element tristrips 1\nproperty list int int vertex_indices\n"
-
-
-def triangles(path: str) -> list:
-    return core.load_scene_file(path, True).mesh_arrays(0)["triangles"].tolist()
-
-
-@pytest.mark.parametrize(("kind", "order"), [("little", "<"), ("big", ">")])
-def test_both_orders_of_bytes_are_read(tmp_path, kind, order):
-    header = (
-        f"ply\nformat binary_{kind}_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\n"
-        "property short z\nelement face 1\nproperty list ushort uint vertex_indices\nend_header\n"
-    )
-    data = b"".join(struct.pack(order + "dfh", 0.5 + i, i * i, 300 * i) for i in range(3))
-    (tmp_path / "m.ply").write_bytes(
-        header.encode() + data + struct.pack(order + "H3I", 3, 2, 0, 1)
-    )
-    mesh = core.load_scene_file(str(tmp_path / "m.ply"), True).mesh_arrays(0)
-    np.testing.assert_array_equal(mesh["vertices"], [(0.5, 0, 0), (1.5, 1, 300), (2.5, 4, 600)])
-    assert mesh["triangles"].tolist() == [[2, 0, 1]]
-
-
-@pytest.mark.parametrize("kind", ["ascii", "binary_big_endian"])
-def test_strips_turn_every_other_triangle_and_end_at_minus_one(tmp_path, kind):
-    strip = [0, 1, 3, 2, -1, 1, 2, 3, -1, 0, 1, 1, 2, 3]
-    points = [c for p in POINTS for c in p]
-    text = " ".join(map(str, [*points, len(strip), *strip]))
-    data = (
-        text
-        if kind == "ascii"
-        else struct.pack(f">12f{1 + len(strip)}i", *points, len(strip), *strip)
-    )
+def test_strips_turn_every_other_triangle_and_end_at_minus_one(tmp_path):
+    strip = "0 1 3 2 -1 1 2 3 -1 0 1 1 2 3"
+    mesh = mesh_of(tmp_path, f"ascii; $P; tristrips 1 list int int vertex_indices {strip}")
     # The last strip is joined by two triangles without area
-    want = [[0, 1, 3], [3, 1, 2], [1, 2, 3], [1, 2, 3]]
-    assert triangles(write(tmp_path / "m.ply", STRIP, data, kind)) == want
-
-
-def test_faces_and_strips_of_one_file_are_all_read_also_before_the_vertices(tmp_path):
-    head = FACE + STRIP
-    data = "3 0 1 2\n3 0 2 3\n"
-    a = triangles(write(tmp_path / "a.ply", head, "0 0 0 1 0 0 1 1 0 0 1 0.5 " + data))
-    lines = (HEADER.format("ascii") + head).splitlines()
-    text = "\n".join(
-        [*lines[:2], *lines[7:], *lines[3:7], "end_header", data, "0 0 0 1 0 0 1 1 0 0 1 0.5"]
-    )
-    (tmp_path / "b.ply").write_text(text)
-    assert a == triangles(str(tmp_path / "b.ply")) == [[0, 1, 2], [0, 2, 3]]
-
-
-@pytest.mark.parametrize("strip", ["4 0 1 2 4", "3 0 1 -2", "3 0 1 0.5"])
-def test_indices_of_strips_that_are_no_vertices_are_refused(tmp_path, strip):
-    with pytest.raises(
-        core.SceneError, match=r"a face uses vertex index .*, the file has 4 vertices"
-    ):
-        triangles(write(tmp_path / "m.ply", STRIP, "0 0 0 1 0 0 1 1 0 0 1 0.5 " + strip))
+    assert mesh["triangles"].tolist() == [[0, 1, 3], [3, 1, 2], [1, 2, 3], [1, 2, 3]]
 
 
 def test_faces_of_fewer_than_three_corners_are_left_out_and_counted(tmp_path):
-    data = "0 0 0 1 0 0 1 1 0 0 1 0.5\n2 0 1\n3 0 1 2\n0\n1 3\n"
-    path = write(tmp_path / "m.ply", FACE.replace("1", "4"), data)
-    assert triangles(path) == [[0, 1, 2]]
-    [(where, text)] = core.load_scene_file(path).warnings
-    assert where.endswith("m.ply:12")
+    path = write(tmp_path, "ascii; $P; face 4 list uchar int vertex_indices 0 1/0 1 2//3")
+    scene = core.load_scene_file(path, True)
+    assert scene.mesh_arrays(0)["triangles"].tolist() == [[0, 1, 2]]
+    [(where, text)] = scene.warnings
+    assert where.endswith("m.ply:14")
     assert text.startswith("a face of fewer than three corners is left out (3 times, also at ")
 
 
@@ -140,57 +68,39 @@ CONCAVE = [
 @pytest.mark.parametrize("corners", CONCAVE)
 @pytest.mark.parametrize("first", [0, 1, 2, 3])
 def test_concave_faces_keep_their_area(tmp_path, corners, first):
-    corners = np.roll(corners, first, 0)
+    x, y = np.roll(corners, first, 0).T
     n = len(corners)
-    text = (HEADER.format("ascii") + FACE + "end_header\n").replace("vertex 4", f"vertex {n}")
-    text += "".join(f"{x} {y} 0\n" for x, y in corners) + f"{n} " + " ".join(map(str, range(n)))
-    (tmp_path / "m.ply").write_text(text)
-    mesh = core.load_scene_file(str(tmp_path / "m.ply")).mesh_arrays(0)
+    words = ["/".join(map(str, c)) for c in (x, y)]
+    face = f"face 1 list uchar int vertex_indices {' '.join(map(str, range(n)))}"
+    mesh = mesh_of(
+        tmp_path, f"ascii; vertex {n} float x {words[0]}, float y {words[1]}, float z; {face}"
+    )
     p = mesh["vertices"][mesh["triangles"]]
     double = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])[:, 2]
-    x, y = corners.T
     assert (double > 0).all()
     assert double.sum() == pytest.approx(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 UNREAD = [
-    ("vertex", "property float foo\n", "property 'foo' of element 'vertex'"),
-    ("vertex", "property float nx\n", "property 'nx' of element 'vertex'"),
-    ("face", "property list uchar float foo\n", "property 'foo' of element 'face'"),
-    ("foo", "element foo 1\nproperty int a\n", "element 'foo'"),
-    ("vertex", "comment TextureFile wood.png\n", "the picture of a TextureFile"),
-    ("vertex", "property float quality\n", None),
-    ("vertex", "property float scalar_Height\n", None),
-    ("vertex", "property uchar flags\n", None),
-    ("face", "property uchar flags\n", None),
-    ("foo", "element edge 1\nproperty int vertex1\n", None),
-    ("foo", "comment made by hand\nobj_info TextureFile\n", None),
+    ("$P, float foo; $F", 7, "property 'foo' of element 'vertex'"),
+    ("$P, float nx; $F", 7, "property 'nx' of element 'vertex'"),
+    ("$P; $F, list uchar float foo 1", 9, "property 'foo' of element 'face'"),
+    ("$P; $F; foo 1 int a 7", 9, "element 'foo'"),
+    ("comment TextureFile wood.png; $P; $F", 3, "the picture of a TextureFile"),
 ]
 
 
-@pytest.mark.parametrize(("place", "line", "text"), UNREAD)
-def test_what_nobody_reads_is_warned_of_with_its_line_unless_it_is_known(
-    tmp_path, place, line, text
-):
-    head = HEADER.format("ascii") + (line if place == "vertex" else "") + FACE
-    head += line if place != "vertex" else ""
-    extra = " 0" if place == "vertex" and "property" in line else ""
-    points = "".join("{} {} {}".format(*p) + extra + "\n" for p in POINTS)
-    (tmp_path / "m.ply").write_text(head + "end_header\n" + points + "3 0 1 2 1 7\n")
-    path = str(tmp_path / "m.ply")
-    if text is None:
-        assert triangles(path) == [[0, 1, 2]] and not core.load_scene_file(path, True).warnings
-        return
-    number = head.splitlines().index(line.splitlines()[0]) + 1
+@pytest.mark.parametrize(("change", "line", "text"), UNREAD)
+def test_what_nobody_reads_is_warned_of_with_its_line(tmp_path, change, line, text):
+    path = write(tmp_path, f"ascii; {change}")
     [(where, told)] = core.load_scene_file(path).warnings
-    assert where.endswith(f"m.ply:{number}") and told == f"{text} is not read"
-    with pytest.raises(core.SceneError, match=f"m.ply:{number}: {text} is not read"):
+    assert where.endswith(f"m.ply:{line}") and told == f"{text} is not read"
+    with pytest.raises(core.SceneError, match=f"m.ply:{line}: {text} is not read"):
         core.load_scene_file(path, True)
 
 
 def test_a_renderers_scene_says_which_parts_of_its_mesh_files_count(tmp_path):
-    write(tmp_path / "m.ply", "comment TextureFile a.png\nproperty float foo\n" + FACE,
-          "0 0 0 1 1 0 0 1 1 1 0 1 0 1 0.5 1 3 0 1 2")  # fmt: skip
+    write(tmp_path, "ascii; comment TextureFile a.png; $P, float foo; $F")
     scene = tmp_path / "s.xml"
     scene.write_text(
         '<scene><shape type="ply"><string name="filename" value="m.ply"/></shape></scene>'
@@ -199,6 +109,5 @@ def test_a_renderers_scene_says_which_parts_of_its_mesh_files_count(tmp_path):
     pbrt.write_text('WorldBegin\nShape "plymesh" "string filename" "m.ply"\nWorldEnd\n')
     for path in (scene, pbrt):
         [(where, text)] = core.load_scene_file(str(path), True).warnings
-        assert (
-            where.endswith("m.ply:9") and text == "property 'foo' of element 'vertex' is not read"
-        )
+        assert where.endswith("m.ply:8")
+        assert text == "property 'foo' of element 'vertex' is not read"

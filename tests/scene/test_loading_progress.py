@@ -23,14 +23,14 @@ def scene_file(tmp_path):
 
 
 def test_a_callable_gets_every_step(scene_file):
-    told: list[tuple[int, int]] = []
+    told = []
     vc.load_scene(scene_file, progress=lambda done, total: told.append((done, total)))
     assert told == [(0, 2), (1, 3), (2, 3), (3, 3)]
 
 
 def test_an_error_of_an_image_ends_the_steps(scene_file):
     (scene_file.parent / "a.exr").write_bytes(b"no picture")
-    told: list[tuple[int, int]] = []
+    told = []
     with pytest.raises(vc.SceneError, match="not an OpenEXR file"):
         vc.load_scene(scene_file, progress=lambda done, total: told.append((done, total)))
     assert told == [(0, 2), (1, 3)]

@@ -1,12 +1,9 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Malformed scene files: SceneError with file and place, never a crash, a hang or a silent guess."""
 
-import base64
-import json
 import struct
 import zlib
 
-import numpy as np
 import pytest
 
 from viscache import _core as core
@@ -24,19 +21,19 @@ PBRT = 'WorldBegin\nShape "trianglemesh" "integer indices" [0 1 2] "point P" [0 
 NAN = struct.pack("<f", float("nan"))
 
 
-def xml(body: str) -> str:
+def xml(body):
     return f'<scene version="3.0.0">\n{body}\n</scene>'
 
 
-def cube(to_world: str) -> str:
+def cube(to_world):
     return f'<shape type="cube"><transform name="to_world">{to_world}</transform></shape>'
 
 
-def ball(radius: str) -> str:
+def ball(radius):
     return f'<shape type="sphere"><float name="radius" value="{radius}"/></shape>'
 
 
-def world(words: str) -> str:
+def world(words):
     return f"WorldBegin\n{words}\nWorldEnd"
 
 
@@ -46,7 +43,7 @@ WHITE = (
     '<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="1 2"/></bsdf></shape>'
 )
 #: By name: content, and what the error must say.
-BAD: dict[str, list[tuple[str | bytes, str]]] = {
+BAD = {
     "m.obj": [
         ("", "empty"),
         ("# nothing\n", "no faces"),
@@ -163,72 +160,3 @@ def test_serialized_counts_beyond_the_packed_bytes_are_refused_before_allocation
     (tmp_path / "s.serialized").write_bytes(data)
     with pytest.raises(core.SceneError, match="1099511627776 vertices cannot come from"):
         core.load_scene_file(str(tmp_path / "s.serialized"))
-
-
-def seeds() -> dict[str, bytes]:
-    points, indices = np.frombuffer(POINTS, "<f4"), np.array([0, 1, 2], "<u2")
-    blob = points.tobytes() + indices.tobytes() + b"\0\0"
-    gltf = {
-        "asset": {"version": "2.0"},
-        "buffers": [
-            {
-                "byteLength": len(blob),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(blob).decode(),
-            }
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 36},
-            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
-        ],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
-        ],
-        "materials": [
-            {
-                "emissiveFactor": [1, 1, 1],
-                "alphaMode": "MASK",
-                "pbrMetallicRoughness": {"metallicFactor": 0.5},
-            }
-        ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-        "nodes": [{"mesh": 0, "children": [1]}, {"mesh": 0, "scale": [1, 2, 1], "camera": 0}],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
-        "scenes": [{"nodes": [0]}],
-    }
-    text = json.dumps(gltf).encode()
-    text += b" " * (-len(text) % 4)
-    body = (
-        struct.pack("<I", 0x1000)
-        + b"a\0"
-        + struct.pack("<QQ", 3, 1)
-        + POINTS
-        + struct.pack("<3I", 0, 1, 2)
-    )
-    return {
-        "a.obj": (
-            "mtllib a.mtl\nusemtl x\n"
-            + TRIANGLE
-            + "vt 0 1\nvn 0 0 1\nf 1/1/1 2/1/1 -1/-1/-1\nf 1 2 3 2\n"
-        ).encode(),
-        "b.ply": (PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 2\n").encode(),
-        "c.ply": PLY_BINARY + POINTS + struct.pack("<B3i", 3, 0, 1, 2),
-        "d.xml": xml(
-            '<default name="a" value="0.5"/><bsdf type="twosided" id="b"><bsdf type="diffuse"><rgb name="reflectance" '
-            'value="#ff8000"/></bsdf></bsdf><shape type="sphere"><float name="radius" value="$a"/><ref id="b"/>'
-            '<transform name="toWorld"><lookAt origin="0,0,1" target="0,0,0" up="0,1,0"/><rotate x="1" angle="9"/>'
-            '</transform></shape><emitter type="point"><spectrum name="intensity" value="400:1, 700:2"/></emitter>'
-            '<sensor type="perspective"><float name="fov" value="40"/></sensor>'
-        ).encode(),
-        "e.pbrt": (
-            'LookAt 0 0 5 0 0 0 0 1 0\nCamera "perspective" "float fov" [40]\n'
-            + PBRT.replace(
-                "WorldEnd",
-                'AttributeBegin AreaLightSource "diffuse" "rgb L" [1 1 1] Shape "sphere" AttributeEnd\n'
-                'ObjectBegin "o" Material "metal" Shape "disk" ObjectEnd Rotate 9 1 0 0 ObjectInstance "o"\nWorldEnd',
-            )
-        ).encode(),
-        "f.gltf": text,
-        "g.glb": b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text,
-        "h.serialized": b"\x1c\x04\x04\x00" + zlib.compress(body) + struct.pack("<QI", 0, 1),
-    }

@@ -1,15 +1,13 @@
 """scene/conductor.h: metals by their complex index of refraction; Beckmann's microfacets."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from skimage.io import imsave
 
 import viscache as vc
-from scene.test_bsdf import Vector, direction
+from scene.test_bsdf import direction
 from scene.test_coat import above, of_mitsuba
 from scene.test_metallic_roughness import waves
 from scene.test_mitsuba_parity import VIEW, agreement
@@ -19,13 +17,13 @@ from viscache import _core as core
 from viscache._core import MaterialKind
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
-COPPER: dict[str, Vector] = {
+COPPER = {
     "metal_eta": (0.201, 0.9237, 1.1022),
     "metal_k": (3.9133, 2.453, 2.1421),
 }
 
 
-def fresnel(cos: float, eta: Any, k: Any) -> npt.NDArray[np.float64]:
+def fresnel(cos, eta, k):
     """The unpolarised reflectance, from Fresnel's equations with complex numbers."""
     n = np.asarray(eta) + 1j * np.asarray(k)
     inside = np.sqrt(1 - (1 - cos**2) / n**2)
@@ -34,8 +32,8 @@ def fresnel(cos: float, eta: Any, k: Any) -> npt.NDArray[np.float64]:
     return np.asarray((abs(across) ** 2 + abs(along) ** 2) / 2)
 
 
-def metal(cos_o: float, roughness: float, *, beckmann: bool = False, **more: Any) -> ShadingPoint:
-    given: dict[str, Any] = {"specular": (1, 1, 1)} | COPPER | more
+def metal(cos_o, roughness, *, beckmann=False, **more):
+    given = {"specular": (1, 1, 1)} | COPPER | more
     return ShadingPoint(
         MaterialKind.GLOSSY, direction(cos_o), roughness=roughness, beckmann=beckmann, **given
     )
@@ -104,7 +102,7 @@ PLANE = """<shape type="rectangle"><transform name="to_world"><scale value="5"/>
 <emitter type="constant"><rgb name="radiance" value="0.3,0.35,0.4"/></emitter>"""
 
 
-def write(folder: Path, bsdf: str) -> Path:
+def write(folder, bsdf):
     path = folder / "scene.xml"
     path.write_text(f'<scene version="3.0.0">{VIEW}{PLANE.format(bsdf=bsdf)}</scene>')
     return path
@@ -135,7 +133,7 @@ def test_an_image_of_alpha_is_that_of_mitsuba(tmp_path, distribution):
     assert agreement(even, theirs) < 0.9
 
 
-def in_a_mirror(integrator: Any, **material: Any) -> Any:
+def in_a_mirror(integrator, **material):
     """A white sky in a floor, seen at a slant."""
     floor = [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]]
     scene = vc.Scene.from_arrays([(floor, [[0, 2, 1], [0, 3, 2]], material)], env=1.0)
@@ -181,7 +179,7 @@ def test_photons_are_tinted_by_a_mirror_as_eye_paths_are():
 
 @pytest.mark.mitsuba
 def test_the_named_metals_are_those_of_mitsuba(tmp_path):
-    mi: Any = pytest.importorskip("mitsuba")
+    mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     folder = Path(mi.__file__).parent / "data" / "ior"
     names = sorted({f.name.split(".")[0] for f in folder.iterdir()})

@@ -2,7 +2,6 @@
 
 import json
 import pickle
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ XML = """<scene version="3.0.0"><shape type="rectangle"/>
 <shape type="{kind}"><string name="filename" value="gone.{kind}"/></shape></scene>"""
 
 
-def written(folder: Path, kind: str) -> Path:
+def written(folder, kind):
     path = folder / ("scene.pbrt" if kind == "plymesh" else "scene.xml")
     pbrt = f'WorldBegin\nShape "plymesh" "string filename" "gone.ply"\n{TRIANGLE}\nWorldEnd\n'
     path.write_text(pbrt if kind == "plymesh" else XML.format(kind=kind))

@@ -1,8 +1,6 @@
 """Where Mitsuba 3 has a rule of its own: it is followed, or what differs is named with its line."""
 
 import pickle
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +17,7 @@ SUN = """
 <rgb name="irradiance" value="3,2,1"/></emitter>"""
 
 
-def sunny(folder: Path, steps: str) -> Path:
+def sunny(folder, steps):
     return parity.write(folder, BOX + SUN.format(steps))
 
 
@@ -41,14 +39,14 @@ def test_a_transform_that_scales_makes_a_sun_brighter_as_in_mitsuba(tmp_path):
     assert not vc.load_scene(old).warnings
 
 
-def sky_scene(folder: Path, rows: int) -> Any:
+def sky_scene(folder, rows):
     pixels = np.full((rows, 2 * rows, 3), 90, np.uint8)
     imsave(folder / "sky.png", pixels, check_contrast=False)
     body = '\n<emitter type="envmap"><string name="filename" value="sky.png"/></emitter>'
     return vc.load_scene(parity.write(folder, body))
 
 
-def sunny_sky(folder: Path, row: int, column: int) -> Any:
+def sunny_sky(folder, row, column):
     """A dim sky whose light comes from one pixel; and its pixels."""
     rgbe = np.full((128, 256, 4), (164, 164, 164, 136 - 13), np.uint8)
     rgbe[row, column] = 187, 187, 187, 136 + 4
@@ -58,7 +56,7 @@ def sunny_sky(folder: Path, row: int, column: int) -> Any:
     return vc.load_scene(parity.write(folder, body)), pixels
 
 
-def bright_row(folder: Path, row: int) -> Any:
+def bright_row(folder, row):
     return sunny_sky(folder, row, 90)[0]
 
 

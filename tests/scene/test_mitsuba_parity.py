@@ -1,8 +1,5 @@
 """Files that Mitsuba 3 and viscache load and render alike, by blocks of pixels and by energy."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -10,7 +7,7 @@ import viscache as vc
 from viscache_lab.parity import renderers, zoo
 from viscache_lab.parity.judge import Effort, judge
 
-mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
+mi = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
 
 BLOCK, FRAMES, SPP = 16, 4, 32
 VIEW = """<sensor type="perspective"><float name="fov" value="50"/>
@@ -21,31 +18,31 @@ FLOOR = """<shape type="rectangle"><transform name="to_world"><scale value="5"/>
 <rotate x="1" angle="-90"/></transform><bsdf type="diffuse"/></shape>"""
 
 
-def write(folder: Path, body: str) -> Path:
+def write(folder, body):
     path = folder / "scene.xml"
     path.write_text(f'<scene version="3.0.0">{VIEW}{FLOOR}{body}</scene>')
     return path
 
 
-def of_viscache(path: Path) -> Any:
+def of_viscache(path):
     scene = vc.load_scene(path)
     return [vc.render(scene, vc.Direct(), spp=SPP, seed=s).image for s in range(FRAMES)]
 
 
-def of_mitsuba(path: Path) -> Any:
+def of_mitsuba(path):
     mi.set_variant("scalar_rgb")
     scene, direct = mi.load_file(str(path)), mi.load_dict({"type": "direct"})
     return [np.array(mi.render(scene, integrator=direct, spp=SPP, seed=s)) for s in range(FRAMES)]
 
 
-def blocks(frames: Any) -> Any:
+def blocks(frames):
     """Means of blocks (frames, rows, columns, 3)."""
     a = np.asarray(frames, np.float64)
     n, height, width, _ = a.shape
     return a.reshape(n, height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((2, 4))
 
 
-def agreement(ours: Any, theirs: Any) -> float:
+def agreement(ours, theirs):
     """Share of the blocks within 3σ + 1 %."""
     mine, other = blocks(ours), blocks(theirs)
     sigma = np.sqrt((mine.var(0, ddof=1) + other.var(0, ddof=1)) / FRAMES)

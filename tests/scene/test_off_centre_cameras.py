@@ -1,8 +1,6 @@
 """Crops, offsets of the principal point, screen windows beside the axis: parts of wider films."""
 
 import pickle
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -38,21 +36,19 @@ OFFSET = "".join(
 )
 
 
-def room(
-    folder: Path, *, more: str = "", film: str = "", kind: str = "perspective", scale: str = ""
-) -> Path:
+def room(folder, *, more="", film="", kind="perspective", scale=""):
     path = folder / "room.xml"
     path.write_text(ROOM.format(kind=kind, more=FOV + more, film=film, scale=scale))
     return path
 
 
-def pictures(path: Path, integrator: Any, spp: int = 64, seeds: int = 8) -> Any:
+def pictures(path, integrator, spp=64, seeds=8):
     scene = vc.load_scene(path, strict=True)
     made = [vc.render(scene, integrator, spp=spp, seed=s).image for s in range(seeds)]
     return np.stack(made).astype(np.float64)
 
 
-def in_blocks(ours: Any, theirs: Any) -> Any:
+def in_blocks(ours, theirs):
     """Hard edges make the noise of single pixels far from normal."""
     mine, other = ([blocks.block_means(p, 4) for p in side] for side in (ours, theirs))
     return blocks.compare(mine, other)
@@ -80,7 +76,7 @@ def test_light_paths_reach_the_right_pixel(tmp_path):
     assert not in_blocks(np.roll(on, 1, axis=1), off).agrees
 
 
-def camera_of(path: Path, text: str) -> Any:
+def camera_of(path, text):
     path.write_text(text)
     return core.load_scene_file(str(path), True).cameras[0]
 
@@ -120,7 +116,7 @@ def test_a_shift_changes_the_scene_and_is_said(tmp_path):
 NEAR, FAR = '<float name="near_clip" value="{}"/>', '<float name="far_clip" value="{}"/>'
 
 
-def warned(folder: Path, more: str, **rest: str) -> list[str]:
+def warned(folder, more, **rest):
     return vc.load_scene(room(folder, more=f"\n{more}", **rest)).warnings
 
 

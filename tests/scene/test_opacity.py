@@ -1,16 +1,13 @@
 """scene/scene.h, solid_at: opacity, constant or of an image, is a fixed pattern of holes."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from core import testing
 
 
-def veils(opacity: float, n: int = 40) -> vc.Scene:
+def veils(opacity, n=40):
     """Triangles without order, placed twice, one of them mirrored."""
     random = np.random.default_rng(3)
     d = vc.SceneDescription()
@@ -24,7 +21,7 @@ def veils(opacity: float, n: int = 40) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def chords(n: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def chords(n):
     random = np.random.default_rng(4)
     ends = random.normal(size=(2, n, 3))
     ends *= 4 / np.linalg.norm(ends, axis=2, keepdims=True)
@@ -35,7 +32,7 @@ def chords(n: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     )
 
 
-def solid(scene: vc.Scene, uv: npt.NDArray[np.float32], triangle: int = 0) -> npt.NDArray[Any]:
+def solid(scene, uv, triangle=0):
     n = len(uv)
     zeros = np.zeros(n, np.int64)
     return testing.solid_at(scene._core, zeros, zeros + triangle, uv)

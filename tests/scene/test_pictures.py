@@ -3,7 +3,6 @@
 import io
 import resource
 import struct
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ RNG = np.random.default_rng(3)
 WIDTH, HEIGHT = 17, 13
 
 
-def smooth(channels: int) -> np.ndarray:
+def smooth(channels):
     """Smooth in its upper half, noise below."""
     row, column = np.mgrid[:HEIGHT, :WIDTH]
     planes = [(column * 7 + row * 3 * (c + 1)) % 256 for c in range(channels)]
@@ -25,13 +24,13 @@ def smooth(channels: int) -> np.ndarray:
     return picture
 
 
-def read(folder: Path, content: bytes) -> np.ndarray:
+def read(folder, content):
     path = folder / "picture"
     path.write_bytes(content)
     return core.read_image(str(path))
 
 
-def linear(encoded: np.ndarray, most: int = 255) -> np.ndarray:
+def linear(encoded, most=255):
     """Linear values of sRGB-encoded colour; the last of 2 or 4 channels is alpha."""
     v = encoded / most
     out = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
@@ -40,25 +39,25 @@ def linear(encoded: np.ndarray, most: int = 255) -> np.ndarray:
     return out
 
 
-def encoded(values: np.ndarray) -> np.ndarray:
+def encoded(values):
     """The bytes of linear colour, in fractions of 255."""
     v = values.astype(np.float64)
     return 255 * np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
 
 
-def saved(picture: Image.Image, kind: str, **options) -> bytes:
+def saved(picture, kind, **options):
     out = io.BytesIO()
     picture.save(out, kind, **options)
     return out.getvalue()
 
 
-def by_pillow(content: bytes, mode: str | None = None) -> np.ndarray:
+def by_pillow(content, mode=None):
     picture = Image.open(io.BytesIO(content))
     pixels = np.asarray(picture.convert(mode) if mode else picture)
     return pixels.reshape(*pixels.shape[:2], -1)
 
 
-def same_bytes(read_values: np.ndarray, expected: np.ndarray) -> None:
+def same_bytes(read_values, expected):
     assert read_values.shape == expected.shape
     np.testing.assert_allclose(read_values, linear(expected), rtol=1e-6, atol=1e-9)
 
@@ -182,7 +181,7 @@ def test_a_tga_of_16_bits_has_five_per_channel(tmp_path):
     same_bytes(got, (planes * 255 // 31).astype(np.uint8))
 
 
-def rgbe(width: int = 40, height: int = 6) -> np.ndarray:
+def rgbe(width=40, height=6):
     pixels = RNG.integers(2, 256, (height, width, 4), dtype=np.uint8)
     pixels[:, 5:30, :] = pixels[:, 5:6, :]  # a run of whole pixels
     pixels[..., 3] = RNG.integers(120, 140, (height, 1))
@@ -190,7 +189,7 @@ def rgbe(width: int = 40, height: int = 6) -> np.ndarray:
     return pixels
 
 
-def radiance(pixels: np.ndarray) -> np.ndarray:
+def radiance(pixels):
     exponent = pixels[..., 3:].astype(int)
     return np.where(exponent == 0, 0.0, pixels[..., :3] * 2.0 ** (exponent - 136)).astype(
         np.float32
@@ -279,7 +278,7 @@ def test_a_broken_picture_is_named_with_what_is_broken(tmp_path, what):
     assert str(error.value).startswith(str(tmp_path / "picture"))
 
 
-def with_scans(n: int) -> bytes:
+def with_scans(n):
     """A progressive JPEG whose first scan stands `n` times more in the file."""
     whole = JPEGS["progressive"][0]
     start = whole.index(b"\xff\xda")

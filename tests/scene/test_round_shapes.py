@@ -1,38 +1,36 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Cylinders, disks and other surfaces of revolution: areas, sides and Mitsuba's light."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from viscache import _core as core
 
 
-def mitsuba(folder: Path, body: str) -> core.SceneDescription:
+def mitsuba(folder, body):
     path = folder / "scene.xml"
     path.write_text(f'<scene version="3.0.0">{body}</scene>')
     return core.load_scene_file(str(path), True)
 
 
-def pbrt(folder: Path, world: str) -> core.SceneDescription:
+def pbrt(folder, world):
     path = folder / "scene.pbrt"
     path.write_text(f"WorldBegin\n{world}\nWorldEnd\n")
     return core.load_scene_file(str(path), True)
 
 
-def areas(scene: core.SceneDescription, index: int = 0) -> np.ndarray:
+def areas(scene, index=0):
     """Area vectors (T, 3) of the triangles."""
     m = scene.mesh_arrays(index)
     a, b, c = m["vertices"].astype(float)[m["triangles"]].transpose(1, 0, 2)
     return np.cross(b - a, c - a) / 2
 
 
-def total(scene: core.SceneDescription, index: int = 0) -> float:
+def total(scene, index=0):
     return float(np.linalg.norm(areas(scene, index), axis=1).sum())
 
 
-def middles(scene: core.SceneDescription) -> np.ndarray:
+def middles(scene):
     m = scene.mesh_arrays(0)
     return m["vertices"].astype(float)[m["triangles"]].mean(1)
 

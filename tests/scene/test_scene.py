@@ -1,7 +1,5 @@
 """Freezing a description: what is refused, what the scene tells, what its hash covers."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from viscache._core import MaterialKind
 CARD = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 
 
-def described() -> vc.SceneDescription:
+def described():
     """One of everything."""
     d = vc.SceneDescription()
     d.name = "everything"
@@ -96,11 +94,8 @@ def test_the_hash_changes_with_the_content(method, given):
     assert a != b
 
 
-# What is refused
-
-
 ONE, UP = (1, 1, 1), [[0, 0, 1]]
-BAD_MESHES: list[tuple[dict[str, Any], str]] = [
+BAD_MESHES = [
     ({"vertices": [[0, 0, np.nan]] * 4}, "vertex 0 must be finite"),
     ({"vertices": [[0, 0, 0]] * 3 + [[0, np.inf, 0]]}, "vertex 3 must be finite"),
     ({"vertices": [[0, 0, 0]] * 3 + [[2e16, 0, 0]]}, "vertex 3 must be finite and at most 1e12"),
@@ -113,7 +108,7 @@ BAD_MESHES: list[tuple[dict[str, Any], str]] = [
     ({"normals": UP}, "normals must be one per vertex"),
 ]
 IN_0_1 = r"base_color and specular must be in \[0, 1\]"
-BAD_MATERIALS: list[tuple[dict[str, Any], str]] = [
+BAD_MATERIALS = [
     ({"base_color": (1.5, 0, 0)}, IN_0_1),
     ({"specular": (0, -0.1, 0)}, IN_0_1),
     ({"roughness": 0}, "roughness must be in"),
@@ -121,7 +116,7 @@ BAD_MATERIALS: list[tuple[dict[str, Any], str]] = [
     ({"eta": 0}, "eta must be in"),
     ({"base_texture": 7}, "texture must be -1 or in"),
 ]
-BAD_CALLS: list[tuple[str, list[Any], dict[str, Any], str]] = [
+BAD_CALLS = [
     *(("add_mesh", [], {"vertices": CARD[0], "triangles": CARD[1]} | m, s) for m, s in BAD_MESHES),
     *(("add_material", [], material, says) for material, says in BAD_MATERIALS),
     ("add_point_light", [(np.nan, 0, 0), ONE], {}, "point light 1: position must be finite"),
@@ -206,12 +201,12 @@ def test_arrays_of_many_kinds_make_a_scene():
     ],
 )
 def test_arrays_that_make_no_scene_are_refused(kwargs, says):
-    given: dict[str, Any] = {"vertices": CARD[0], "triangles": CARD[1]} | kwargs
+    given = {"vertices": CARD[0], "triangles": CARD[1]} | kwargs
     with pytest.raises(ValueError, match=says):
         vc.Scene.from_arrays(given.pop("vertices"), given.pop("triangles"), **given)
 
 
-def albedo(pixels: Any, u: float, v: float) -> np.ndarray[Any, Any]:
+def albedo(pixels, u, v):
     """What an image shows at coordinates."""
     d = vc.SceneDescription()
     material = d.add_material(base_color=(1, 1, 1), base_texture=d.add_image(pixels))

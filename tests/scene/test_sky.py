@@ -1,8 +1,5 @@
 """The clear sky and its sun: the formulas, Mitsuba 3's `sunsky`, and `vc.Sky`."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -12,12 +9,12 @@ from viscache import _core
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def tilted(elevation_deg: float, azimuth_deg: float = 0.0) -> tuple[float, float, float]:
+def tilted(elevation_deg, azimuth_deg=0.0):
     e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
     return float(np.cos(e) * np.cos(a)), float(np.sin(e)), float(np.cos(e) * np.sin(a))
 
 
-def upper_half(n: int) -> tuple[Any, Any]:
+def upper_half(n):
     """Directions (n · 2n, 3) of equal solid angle above the horizon, and that angle."""
     heights, turns = np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(2 * n) + 0.5) / n * np.pi)
     flat = np.sqrt(1 - heights**2)
@@ -100,7 +97,7 @@ def test_settings_out_of_range_are_refused(given, message):
 
 def test_the_sun_stands_where_almanacs_say():
     """Noon heights: 90° − latitude ± 23.44° at the solstices, within half a degree."""
-    place: dict[str, Any] = {"latitude": 51.48, "longitude": 0.0, "timezone": 0}
+    place = {"latitude": 51.48, "longitude": 0.0, "timezone": 0}
     for date, expected in (((2012, 6, 21), 61.96), ((2012, 12, 21), 15.08)):
         sky = vc.Sky.at(**place, date=date, hour=12.0)
         assert sky.elevation_deg == pytest.approx(expected, abs=0.2)
@@ -118,16 +115,13 @@ def test_sweeps_take_skies():
     assert found.sizes["n_environment"] == 2
 
 
-# Mitsuba 3
-
-
-def mitsuba() -> Any:
+def mitsuba():
     mi = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")
     return mi
 
 
-def of_mitsuba(mi: Any, emitter: Any, d: Any) -> Any:
+def of_mitsuba(mi, emitter, d):
     """Radiance from directions whose z points up."""
     si = mi.SurfaceInteraction3f()
     out = []
@@ -209,7 +203,7 @@ def test_a_picture_under_a_sky_is_mitsubas(tmp_path, light):
 # Mitsuba 0.6 has no renderer here: its conventions are checked on what is loaded
 
 
-def of_old_file(tmp_path: Path, kind: str, body: str) -> Any:
+def of_old_file(tmp_path, kind, body):
     path = tmp_path / "old.xml"
     rectangle = '<shape type="rectangle"/>'
     text = f'<scene version="0.6.0">{rectangle}<emitter type="{kind}">{body}</emitter></scene>'

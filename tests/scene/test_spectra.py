@@ -1,8 +1,6 @@
 # ruff: noqa: E501  (scene texts stay on their lines)
 """Spectra of scene files as linear sRGB: Mitsuba 3's numbers, and pbrt's own conventions."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -25,26 +23,26 @@ REFLECTANCES = [
 ]
 
 
-def mitsuba_file(folder: Path, body: str) -> Path:
+def mitsuba_file(folder, body):
     path = folder / "scene.xml"
     path.write_text(f'<scene version="3.0.0">{body}</scene>')
     return path
 
 
-def lamp(spectrum: str) -> str:
+def lamp(spectrum):
     return f'<shape type="rectangle"><emitter type="area">{spectrum}</emitter></shape>'
 
 
-def paint(spectrum: str) -> str:
+def paint(spectrum):
     return f'<shape type="rectangle"><bsdf type="diffuse">{spectrum}</bsdf></shape>'
 
 
-def emitted(folder: Path, spectrum: str) -> list[float]:
+def emitted(folder, spectrum):
     mesh = core.load_scene_file(str(mitsuba_file(folder, lamp(spectrum)))).meshes[0]
     return list(mesh["emission"])
 
 
-def reflected(folder: Path, spectrum: str) -> list[float]:
+def reflected(folder, spectrum):
     scene = core.load_scene_file(str(mitsuba_file(folder, paint(spectrum))))
     return list(scene.materials[0]["base_color"])
 
@@ -105,7 +103,7 @@ def test_a_black_body_has_the_colour_of_its_law(tmp_path, kelvin):
     assert emitted(tmp_path, text) != pytest.approx(want[::-1], rel=2e-3)
 
 
-def pbrt_colors(folder: Path, head: str) -> tuple[list[float], list[float]]:
+def pbrt_colors(folder, head):
     """Reflectance and radiance of the same spectrum."""
     path = folder / "scene.pbrt"
     path.write_text(

@@ -1,14 +1,13 @@
 """Spot lights: the falloff of three formats, in direct light, light paths and virtual lights."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 import viscache as vc
 from render import bdpt_scenes as scenes
-from render.mitsuba_scene import Model, ball
+from render.mitsuba_scene import ball
 from render.ztest import compare
 
 SIZE = (24, 16)
@@ -16,7 +15,7 @@ INNER, OUTER = 20.0, 40.0
 FALLOFFS = ["angle", "quadratic", "quartic", "smooth"]
 
 
-def factor(angle_deg: Any, falloff: str, inner: float = INNER, outer: float = OUTER) -> Any:
+def factor(angle_deg, falloff, inner=INNER, outer=OUTER):
     """The formulas as Mitsuba 3, glTF, pbrt-v3 and pbrt-v4 state them."""
     cosine, low, high = (np.cos(np.radians(a)) for a in (angle_deg, outer, inner))
     t = np.clip((cosine - low) / (high - low), 0, 1)
@@ -26,7 +25,7 @@ def factor(angle_deg: Any, falloff: str, inner: float = INNER, outer: float = OU
     ]
 
 
-def under_a_lamp(falloff: str, look: dict[str, Any] | None = None, **cone: Any) -> vc.Scene:
+def under_a_lamp(falloff, look=None, **cone):
     """A floor of albedo 0.8 under a lamp 2 above it, seen from high above."""
     d = vc.SceneDescription()
     material = d.add_material(**(look or {"base_color": (0.8, 0.8, 0.8)}))
@@ -39,7 +38,7 @@ def under_a_lamp(falloff: str, look: dict[str, Any] | None = None, **cone: Any) 
     return vc.Scene.from_description(d)
 
 
-def seen(scene: vc.Scene) -> tuple[Any, Any]:
+def seen(scene):
     """Colour and the angle from the axis of the lamp, of each pixel's centre."""
     frame = vc.render(scene, vc.Direct(), size=(64, 64), spp=1)
     height = 30 * np.tan(np.radians(4))
@@ -88,7 +87,7 @@ def test_a_cone_of_180_degrees_is_a_point_light():
     np.testing.assert_array_equal(whole, point)
 
 
-def with_spots(model: Model = scenes.OUTSIDE) -> Model:
+def with_spots(model=scenes.OUTSIDE):
     spots = (
         ((1.2, 2.2, 1.4), (9, 7, 5), (-0.5, -0.8, -0.5), (12.0, 30.0)),
         ((-1.5, 1.2, 1.0), (2, 3, 5), (1, -0.6, -0.4), (5.0, 60.0)),
@@ -96,7 +95,7 @@ def with_spots(model: Model = scenes.OUTSIDE) -> Model:
     return replace(model, points=(), directions=(), spheres=(), env=None, spots=spots)
 
 
-def images(scene: vc.Scene, integrator: Any, spp: int, seeds: int, first: int = 0) -> Any:
+def images(scene, integrator, spp, seeds, first=0):
     made = [vc.render(scene, integrator, size=SIZE, spp=spp, seed=first + i) for i in range(seeds)]
     return np.stack([f.image for f in made]).astype(np.float64)
 
@@ -114,7 +113,7 @@ def test_bidirectional_paths_of_two_edges_are_direct_light():
         assert not compare(images(one, vc.Bdpt(max_depth=2), 64, 6), direct).same
 
 
-def mean_indirect(**light: Any) -> float:
+def mean_indirect(**light):
     """Light of one bounce in a diffuse sphere: the same everywhere, in proportion to the power."""
     d = vc.SceneDescription()
     room = ball((0, 0, 0), 1.0, 24).reversed()

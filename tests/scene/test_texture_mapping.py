@@ -1,8 +1,5 @@
 """Checkerboards, nearest look-ups and transforms of texture coordinates."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
 import viscache as vc
@@ -19,14 +16,14 @@ BOARD = """<texture name="reflectance" type="checkerboard"><rgb name="color0" va
 <rgb name="color1" value=".1,.2,.3"/>{to_uv}</texture>"""
 
 
-def wall(folder: Path, texture: str) -> Path:
+def wall(folder, texture):
     path = folder / "wall.xml"
     shape = f'<shape type="rectangle"><bsdf type="diffuse">{texture}</bsdf></shape>'
     path.write_text(f'<scene version="3.0.0">{VIEW}{SKY}{shape}</scene>')
     return path
 
 
-def albedo(path: Path, size: tuple[int, int] = (64, 48), spp: int = 16) -> Any:
+def albedo(path, size=(64, 48), spp=16):
     scene = vc.load_scene(path, strict=True)
     frame = vc.render(scene, vc.AmbientOcclusion(n_samples=1), spp=spp, size=size)
     return frame.layers["albedo"]
@@ -50,32 +47,6 @@ def test_old_files_scale_and_move_their_textures(tmp_path):
     a, b = (albedo(wall(tmp_path, BOARD.format(to_uv=t)), spp=1) for t in (new, old))
     np.testing.assert_array_equal(a, b)
     assert (a != albedo(wall(tmp_path, BOARD.format(to_uv="")), spp=1)).any()
-
-
-def pbrt_wall(folder: Path, texture: str) -> Path:
-    path = folder / "wall.pbrt"
-    path.write_text(
-        f"""LookAt 0 0 3  0 0 0  0 1 0
-        Camera "orthographic" Film "image" "integer xresolution" 64 "integer yresolution" 64
-        WorldBegin
-        Texture "t" "spectrum" {texture}
-        Material "matte" "texture Kd" "t"
-        Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point P" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]
-            "float uv" [0 0 1 0 1 1 0 1]
-        WorldEnd"""
-    )
-    return path
-
-
-def test_pbrt_counts_whole_squares(tmp_path):
-    text = """"checkerboard" "rgb tex1" [.8 .4 .2] "rgb tex2" [.1 .2 .3]
-        "float uscale" 4 "float vscale" 2 "float udelta" .5 """
-    picture = albedo(pbrt_wall(tmp_path, text), (64, 64), spp=1)
-    place = (np.arange(64) + 0.5) / 64
-    u, v = 4 * place[::-1] + 0.5, 2 * place[::-1]  # pbrt's x runs to the left in this view
-    even = (np.floor(u)[None] + np.floor(v)[:, None]) % 2 == 0
-    want = np.where(even[..., None], [0.8, 0.4, 0.2], [0.1, 0.2, 0.3])
-    np.testing.assert_allclose(picture, want, rtol=1e-5)
 
 
 def test_images_of_one_material_share_their_transform(tmp_path):

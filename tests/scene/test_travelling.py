@@ -2,9 +2,7 @@
 
 import multiprocessing
 import pickle
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,8 +30,8 @@ def pool():
         yield made
 
 
-def sent(scene: vc.Scene) -> vc.Scene:
-    back: vc.Scene = pickle.loads(pickle.dumps(scene))
+def sent(scene):
+    back = pickle.loads(pickle.dumps(scene))
     assert back is not scene and back.content_hash == scene.content_hash
     assert (back.spec, back.name, back.warnings) == (scene.spec, scene.name, scene.warnings)
     a, b = (vc.render(s, vc.Direct(), size=SIZE) for s in (scene, back))
@@ -41,7 +39,7 @@ def sent(scene: vc.Scene) -> vc.Scene:
     return back
 
 
-def described() -> vc.Scene:
+def described():
     d = vc.SceneDescription()
     d.name = "described"
     texture = d.add_image(np.random.default_rng(0).random((4, 4, 3)))
@@ -104,10 +102,10 @@ def test_a_file_that_changed_on_the_way_is_refused(tmp_path):
 
 
 COPPER = {"metal_eta": (0.2, 0.9, 1.1), "metal_k": (3.9, 2.5, 2.1)}
-GLOSSY: dict[str, Any] = {"kind": "glossy", "base_color": (0, 0, 0), "specular": (1, 1, 1)}
-PLASTIC: dict[str, Any] = {"kind": "glossy", "specular": (1, 1, 1)}
+GLOSSY = {"kind": "glossy", "base_color": (0, 0, 0), "specular": (1, 1, 1)}
+PLASTIC = {"kind": "glossy", "specular": (1, 1, 1)}
 #: Of triangles that differ in nothing else.
-MATERIALS: tuple[dict[str, Any], ...] = (
+MATERIALS = (
     *(GLOSSY | COPPER | more for more in ({}, {"beckmann": True})),
     *(GLOSSY | more for more in ({}, {"beckmann": True}, {"metal_k": (1, 1, 1)})),
     *(PLASTIC | more for more in ({}, {"metallic": 0.5})),
@@ -120,7 +118,7 @@ MATERIALS: tuple[dict[str, Any], ...] = (
 )
 
 
-def with_image(material: dict[str, Any], **image: Any) -> vc.Scene:
+def with_image(material, **image):
     d = vc.SceneDescription()
     d.add_image(np.float32([[[0.5] * 3, [0] * 3], [[0] * 3, [0.5] * 3]]), **image)
     d.add_material(**material)
@@ -128,7 +126,7 @@ def with_image(material: dict[str, Any], **image: Any) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def with_light(**cone: Any) -> vc.Scene:
+def with_light(**cone):
     d = vc.SceneDescription()
     d.add_mesh(*TRIANGLE)
     d.add_point_light((1, 2, 3), (4, 5, 6), **cone)
@@ -138,7 +136,7 @@ def with_light(**cone: Any) -> vc.Scene:
 TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 ROUGH = {"kind": _core.MaterialKind.GLOSSY}
 #: In each group, scenes that differ in one thing alone.
-GROUPS: dict[str, Callable[[], list[vc.Scene]]] = {
+GROUPS = {
     "materials": lambda: [vc.Scene.from_arrays([(*TRIANGLE, material)]) for material in MATERIALS],
     "borders": lambda: [
         with_image({"base_texture": 0}, wrap=wrap)
@@ -231,7 +229,7 @@ def test_built_in_scenes_come_back_from_their_arrays(spec):
     assert vc.Scene.from_description(description).content_hash == made.content_hash
 
 
-def rendered(scene: vc.Scene) -> str:
+def rendered(scene):
     return vc.render(scene, vc.Direct(), size=SIZE, threads=1).sha256
 
 
@@ -240,7 +238,7 @@ def test_pools_of_processes_take_scenes(pool):
     assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
     parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
     assert parts.sha256 == rendered(scene)
-    given: dict[str, Any] = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
+    given = {"over": {"c_e": [4]}, "size": SIZE, "metrics": ["rel_l1"]}
     table, here = (vc.sweep(scene, "direct", executor=e, **given) for e in (pool, None))
     assert table.rel_l1.values == here.rel_l1.values
 
@@ -281,7 +279,7 @@ def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(monkeypatch):
     assert "no picture: too &lt;large&gt;" in text and "triangles" in text
 
 
-def made_camera(kind: str) -> vc.Camera:
+def made_camera(kind):
     if kind == "orthographic":
         return vc.orthographic((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), height=3.5)
     made = vc.look_at((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), up=(0.1, 1.0, 0.3), fov_deg=33)

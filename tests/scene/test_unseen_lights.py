@@ -10,8 +10,6 @@ QUAD = '"point3 P" [-1 0 -1 1 0 -1 1 0 1 -1 0 1] "integer indices" [0 1 2 0 2 3]
 
 
 VIEW = 'LookAt 0 .3 3.5  0 .9 0  0 1 0 Camera "perspective" "float fov" 55'
-#: A point of the floor, below the middle of the light.
-BELOW = 'LookAt 0 .5 0  0 0 0  0 0 -1 Camera "perspective" "float fov" .5'
 
 
 def written(folder, version, light, floor="diffuse", view=VIEW):
@@ -52,22 +50,6 @@ def is_lamp(scene):
     wide = np.pad(means(scene).mean(2) > 3.5, 2)
     n = len(wide) - 4
     return np.any([wide[i : n + i, j : n + j] for i in range(5) for j in range(5)], 0)
-
-
-@pytest.mark.parametrize("version", [3, 4])
-def test_a_square_light_without_opacity_lights_as_by_the_formula(tmp_path, version):
-    scene, visible = pair(tmp_path, version, view=BELOW)
-    assert not scene.warnings and scene.visible((0, 0.5, 0), (0, 2.5, 0))
-    assert not visible.visible((0, 0.5, 0), (0, 2.5, 0))
-    # Form factor of a square of half-size a from a point below its centre at a distance of h
-    a, h = 1.0, 1.5
-    c = np.hypot(a, h)
-    factor = 4 / (2 * np.pi) * (2 * a / c * np.arctan(a / c))
-    for lit in (scene, visible):
-        found = vc.render(lit, vc.Direct(n_area=64), size=(8, 8), spp=64).image
-        np.testing.assert_allclose(
-            found.mean((0, 1)), 0.6 * factor * np.array([6, 5, 4]), rtol=0.01
-        )
 
 
 @pytest.mark.parametrize("version", [3, 4])

@@ -16,9 +16,6 @@ from visibility.soup import rays, soup
 Array = npt.NDArray[Any]
 
 
-# Right answers
-
-
 WATERTIGHT = vc.Embree(watertight=True)
 TREES = [
     vc.Bsp(max_depth=d, leaf_size=2, kernel=k) for k in ("watertight", "wald") for d in (1, 7, 24)
@@ -122,7 +119,7 @@ def test_answers_do_not_depend_on_threads_or_packets():
         np.testing.assert_array_equal(scene.intersect(o[:n], d[:n]).triangle >= 0, whole[:n])
 
 
-def placed(scale: float, turn: bool) -> Array:
+def placed(scale, turn):
     q = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
     q *= np.sign(np.linalg.det(q)) * (-1 if turn else 1)  # -1: mirrored
     return np.concatenate([scale * q, [[3.0], [-1.0], [0.5]]], axis=1)
@@ -181,8 +178,6 @@ def test_alpha_cuts_holes_for_every_kind_of_ray(rays, channels, instanced):
     np.testing.assert_array_equal(~scene.visible(at, at * [1, 1, -1], rays=rays), expected)
     np.testing.assert_array_equal(np.isfinite(scene.intersect(at, down, rays=rays).t), expected)
 
-
-# What cannot be asked
 
 SCENE = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 ONE = [[0.2, 0.2, 1.0]]

@@ -20,26 +20,25 @@ RAYS = {
 }
 #: On the floor of each scene.
 BALL = ball((0, 1, 0), 1, 24)
-Parts = list[tuple[Array, Array]]
 
 
-def floor(half: float) -> tuple[Array, Array]:
+def floor(half):
     s = half
     corners = np.array([[-s, 0, -s], [s, 0, -s], [s, 0, s], [-s, 0, s]])
     return corners, np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
 
 
-def dome(radius: float) -> tuple[Array, Array]:
+def dome(radius):
     far = ball((0, 0, 0), radius, 12)
     return far.vertices, far.triangles
 
 
-def card(far: float) -> tuple[Array, Array]:
+def card(far):
     corners = np.array([[far, -5, far], [far + 1, -5, far], [far, -5, far + 1]])
     return corners, np.array([[0, 1, 2]], np.uint32)
 
 
-def around_the_ball(parts: Parts, light: str, frame: Array | None) -> vc.Scene:
+def around_the_ball(parts, light, frame):
     """A ball, what is around it, a light and a camera; all turned by a rotation."""
     q = np.eye(3) if frame is None else frame
     d = vc.SceneDescription()
@@ -54,13 +53,7 @@ def around_the_ball(parts: Parts, light: str, frame: Array | None) -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
-def lit(
-    parts: Parts,
-    light: str = "directional",
-    rays: Any = None,
-    visibility: Any = None,
-    frame: Array | None = None,
-) -> Array:
+def lit(parts, light="directional", rays=None, visibility=None, frame=None):
     """Where the light arrives, (96, 96) bool."""
     scene = around_the_ball(parts, light, frame)
     found = vc.render(scene, vc.Direct(), visibility=visibility, rays=rays, size=(96, 96))

@@ -17,7 +17,6 @@ from oracles.test_oracle import area_points, lamps
 from reference.built import built
 from reference.isas import AVAILABLE
 from viscache import _core
-from viscache.settings.source_context import SourceContext
 
 Array = npt.NDArray[Any]
 SCENES = os.environ.get("VISCACHE_SCENES")
@@ -31,7 +30,7 @@ class Shafts:
     isa: str | None = None
     bounds: float = 1.0
 
-    def source(self, context: SourceContext) -> _core.OracleSource:
+    def source(self, context):
         exact = _core.ExactSource(context.scene, context.caster)
         shafts = _core.ShaftScene(context.scene)
         assert shafts.refusal == ""
@@ -39,25 +38,21 @@ class Shafts:
             context.scene, context.caster, shafts, exact, isa=self.isa, bounds=self.bounds
         )
 
-    def parameters(self) -> dict[str, Any]:
+    def parameters(self):
         return {}
 
 
-def visible(
-    scene: vc.Scene, setting: Any, eyes: vc.EyePoints, ends: vc.FarEnds, **more: Any
-) -> Array:
+def visible(scene, setting, eyes, ends, **more):
     return np.asarray(scene.oracle(setting, **more).block(eyes, ends).visible)
 
 
-def count_of_differences(
-    scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds, setting: Any = None
-) -> int:
+def count_of_differences(scene, eyes, ends, setting=None):
     packets = visible(scene, PACKETS, eyes, ends)
     shafts = visible(scene, setting or vc.Exact(engine="shafts"), eyes, ends)
     return int(np.count_nonzero(packets != shafts))
 
 
-def differences(scene: vc.Scene, x: Array, y: Array, **more: Any) -> int:
+def differences(scene, x, y, **more):
     """Number of bits of a matrix that are not those of packets."""
     shafts = _core.ShaftScene(scene._core)
     bits, work = _core.shaft_matrix(shafts, scene.caster(), x, y, **more)
@@ -66,11 +61,11 @@ def differences(scene: vc.Scene, x: Array, y: Array, **more: Any) -> int:
     return int(np.unpackbits((bits ^ packets).view(np.uint8)).sum())
 
 
-def positions(points: vc.EyePoints | vc.FarEnds) -> Array:
+def positions(points):
     return np.asarray(points.positions)
 
 
-def scene_of(corners: Array) -> vc.Scene:
+def scene_of(corners):
     """Triangles (n, 3, 3)."""
     corners = np.asarray(corners, dtype=np.float32)
     return vc.Scene.from_arrays(
@@ -78,7 +73,7 @@ def scene_of(corners: Array) -> vc.Scene:
     )
 
 
-def grid(n: int, height: float, keep: Array | None = None) -> Array:
+def grid(n, height, keep=None):
     """A triangulated square of n × n unit cells with integer corners."""
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
     at = np.stack([i, np.full(n * n, height), j], axis=1).astype(np.float64)
@@ -89,19 +84,19 @@ def grid(n: int, height: float, keep: Array | None = None) -> Array:
     return triangles if keep is None else triangles[keep]
 
 
-def some_of_a_grid(n: int = 8) -> vc.Scene:
+def some_of_a_grid(n=8):
     """Half of the triangles of a grid: rays between points of a grid meet its edges and corners."""
     keep = np.random.default_rng(3).random(2 * n * n) < 0.5
     return scene_of(np.concatenate([grid(n, 1.0, keep), grid(n, 0.0)]))
 
 
-def grid_points(n: int, height: float, normal: float) -> vc.EyePoints:
+def grid_points(n, height, normal):
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
     places = np.stack([i, np.full(n * n, height), j], axis=1)
     return vc.EyePoints(places, np.broadcast_to([0.0, normal, 0], places.shape))
 
 
-def needles(n: int = 400) -> vc.Scene:
+def needles(n=400):
     """Long thin triangles, triangles without area, and twice the same triangle."""
     random = np.random.default_rng(5)
     a = random.uniform(-1, 1, (n, 3))
@@ -124,19 +119,19 @@ def test_bits_are_those_of_packets_on_every_instruction_set(spec, isa):
         assert differences(scene, positions(eyes), positions(ends), isa=isa) == 0
 
 
-def surfaces(scene: vc.Scene, count: int) -> vc.FarEnds:
+def surfaces(scene, count):
     """Virtual point lights on the scene's own surfaces."""
     points = area_points(scene, count, seed=9)
     return vc.FarEnds.surfaces(points.positions, points.normals)
 
 
-def through_corners() -> tuple[vc.Scene, vc.EyePoints, vc.FarEnds]:
+def through_corners():
     """Rays of which most pass exactly through edges and corners, half of them beside a hole."""
     lights = np.asarray(grid_points(9, 2.0, 1.0).positions) + np.array([0, 1e-6, 0])
     return some_of_a_grid(), grid_points(9, 0.0, 1.0), vc.FarEnds.points(lights)
 
 
-def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple[Array, Array]:
+def sure_packets(scene, eyes, ends):
     """Answers of packets, and where they are the same for every order and flag.
 
     Exactly at a corner, Embree's answer depends on the packet: its boxes are tested in another way.
@@ -217,7 +212,7 @@ WHITTED = vc.Whitted(n_vpls=150)
 @pytest.mark.parametrize(("engine", "threads"), [("shafts", 1), ("auto", 2), ("shafts", 3)])
 def test_frames_have_the_bytes_of_packets(engine, threads):
     scene = built("room?triangles=3000")
-    given: dict[str, Any] = {"size": (150, 90), "spp": 2}
+    given = {"size": (150, 90), "spp": 2}
     packets = vc.render(scene, WHITTED, visibility=PACKETS, **given)
     exact = vc.Exact(engine=engine)
     shafts = vc.render(scene, WHITTED, visibility=exact, threads=threads, **given)
@@ -254,7 +249,7 @@ def test_directions_and_few_lights_stay_with_packets():
     assert "no light is a point" in found.engine["no_shafts"]
 
 
-def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
+def work_of(scene, integrator=WHITTED, **options):
     """What the engine of a default frame did; None if packets answered it all."""
     frame = vc.render(scene, integrator, **{"size": (150, 90), "spp": 2} | options)
     packets = vc.render(
@@ -299,7 +294,7 @@ def test_rays_that_are_not_robust_keep_packets_by_default():
 
 def test_exact_groups_of_the_quantized_cache_go_through_shafts():
     scene = built("room?triangles=3000&lights=24")
-    options: dict[str, Any] = {"size": (150, 90), "spp": 4}
+    options = {"size": (150, 90), "spp": 4}
     cache = vc.Aqvc(exact_groups=("point",))
     cold = vc.render(scene, WHITTED, visibility=cache, **options)
     assert cold.parameters["engine"]["shaft_queries"] == cold.counters["groups"]["point"]["queries"]
@@ -310,7 +305,7 @@ def test_exact_groups_of_the_quantized_cache_go_through_shafts():
         assert again.sha256 == cold.sha256
 
 
-def leaves(**holes: Any) -> vc.Scene:
+def leaves(**holes):
     """Large triangles in a closed box, half of them with holes."""
     random = np.random.default_rng(3)
     d = vc.SceneDescription()
@@ -338,13 +333,13 @@ def test_holes_are_left_to_rays(holes):
     assert np.count_nonzero(solid != visible(scene, PACKETS, eyes, ends)) > 1000
 
 
-def same_bytes(scene: vc.Scene, size: tuple[int, int], spp: int) -> None:
+def same_bytes(scene, size, spp):
     """Of frames; of matrices between points on surfaces and in space."""
     cuts = vc.correlation.surface_points(scene, 3000, seed=3).positions
     space = np.random.default_rng(2).uniform(*scene.bounds, (2000, 3)).astype(np.float32)
     found = []
     for engine in ("packets", "shafts"):
-        exact: Any = vc.Exact(engine=engine)
+        exact = vc.Exact(engine=engine)
         made = vc.render(scene, WHITTED, size=size, spp=spp, visibility=exact).sha256
         pairs = ((cuts, positions(area_points(scene, 130))), (space, cuts[:130]))
         matrices = [scene.visible_matrix(x, y, engine=exact.engine).tobytes() for x, y in pairs]
@@ -364,7 +359,7 @@ def test_built_in_scenes_have_the_bytes_of_packets(name):
     same_bytes(vc.scenes.build(name), (128, 96), 2)
 
 
-def shared_scenes() -> list[Path]:
+def shared_scenes():
     folder = Path(SCENES or "/nonexistent")
     found = []
     for place in sorted(folder.iterdir()) if folder.is_dir() else []:

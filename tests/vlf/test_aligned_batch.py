@@ -17,12 +17,12 @@ from vlf.aligned_scenes import batch, embree, frames_of, surface, unexcused, unp
 Array = npt.NDArray[Any]
 
 
-def expected(scene: vc.Scene, points: Array, normals: Array, frames: Array, **more: Any) -> Array:
+def expected(scene, points, normals, frames, **more):
     o = origins(scene, points, normals)
     return free_along(corners(scene), o, normals, frames, **more)
 
 
-def grid(cells: int) -> vc.Scene:
+def grid(cells):
     """Axis-parallel squares over each other: corners and edges lie over each other along z."""
     t = np.linspace(-1, 1, cells + 1, dtype=np.float32)
     x, y = np.meshgrid(t, t)
@@ -109,7 +109,7 @@ def test_threads_and_instruction_sets_change_no_bit():
                 assert again == work
 
 
-def closed(without: int | None = None) -> tuple[vc.Scene, Array]:
+def closed(without=None):
     """A closed mesh around the origin, or but for one triangle, and its corners (T, 3, 3).
 
     Coordinates lie on a grid that survives the move to the scene's centre, so that rays along z
@@ -122,7 +122,7 @@ def closed(without: int | None = None) -> tuple[vc.Scene, Array]:
     return vc.Scene.from_arrays(vertices, kept), vertices[faces].astype(np.float32)
 
 
-def inside(n: int, seed: int = 0) -> tuple[Array, Array]:
+def inside(n, seed=0):
     r = np.random.default_rng(seed)
     points = r.uniform(-0.3, 0.3, (n, 3)).astype(np.float32)
     normals = r.normal(size=(n, 3))
@@ -218,7 +218,7 @@ def test_an_empty_scene_hides_nothing():
     assert unpacked(rows, 33).all()
 
 
-def hall(seed: int = 0) -> tuple[vc.Scene, Array, Array]:
+def hall(seed=0):
     """A closed room of large walls with boards, slats and clutter in it, and points inside."""
     r = np.random.default_rng(seed)
     cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -249,7 +249,7 @@ def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max):
         )
 
 
-def slivers(n: int = 200) -> vc.Scene:
+def slivers(n=200):
     """Fans of triangles a thousand times longer than wide: depths along an axis would turn."""
     random = np.random.default_rng(8)
     tip = random.uniform(-1, 1, (n, 3))
@@ -272,7 +272,7 @@ SCENES = {
 }
 
 
-def build(name: str) -> vc.Scene:
+def build(name):
     made = SCENES[name]()
     return made if isinstance(made, vc.Scene) else vc.Scene.from_description(made)
 
@@ -344,7 +344,7 @@ def test_rows_say_who_traced_them():
 
 
 def test_progress_counts_axes_to_the_end():
-    seen: list[tuple[int, int]] = []
+    seen = []
     scene = vc.scenes.bumpy_spheres(triangles=20_000)
     given = (scene, *surface(scene, 20_000), 513)
     told = {"progress": lambda *at: seen.append(at)}
@@ -383,7 +383,7 @@ ONE = [[0.0, 0.0, 1.0]]
     ],
 )
 def test_what_cannot_be_traced_is_refused(arguments, message):
-    given: dict[str, Any] = {
+    given = {
         "scene": clutter(),
         "points": ONE,
         "normals": ONE,

@@ -10,7 +10,7 @@ import viscache as vc
 from vlf.aligned_scenes import batch, embree, frames_of, surface, unexcused
 
 
-def leaves(n: int = 300, texels: int = 512) -> vc.Scene:
+def leaves(n=300, texels=512):
     """Triangles without order, holed by a texture of noise: no texel is like its neighbours."""
     random = np.random.default_rng(3)
     d = vc.SceneDescription()

@@ -1,7 +1,5 @@
 """Statistics of blocks: how often equal pictures differ, and which differences are found."""
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -12,12 +10,12 @@ Array = npt.NDArray[np.float64]
 ROWS = COLUMNS = 8
 
 
-def stack(rng: np.random.Generator, n: int, level: Any, noise: float) -> Array:
+def stack(rng, n, level, noise):
     """n pictures of blocks with the relative noise of block means."""
     return np.asarray(level) * (1 + noise * rng.standard_normal((n, ROWS, COLUMNS, 3)))
 
 
-def scene(rng: np.random.Generator) -> Array:
+def scene(rng):
     """Levels of blocks over two decades."""
     return 10 ** rng.uniform(-1, 1, (ROWS, COLUMNS, 3))
 

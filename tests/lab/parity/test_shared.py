@@ -1,7 +1,5 @@
 """Scenes of others: what is prepared for Mitsuba 3 shows the same scene."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -20,7 +18,7 @@ OLD_SKY = """<scene version="0.6.0"><sensor type="perspective"><float name="fov"
 </emitter></scene>"""
 
 
-def prepared(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str = OLD_SKY) -> Path:
+def prepared(folder, monkeypatch, text=OLD_SKY):
     """The prepared file of a scene of others."""
     (folder / "others/old").mkdir(parents=True, exist_ok=True)
     (folder / "others/old/scene.xml").write_text(text)
@@ -29,7 +27,7 @@ def prepared(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str = OLD_SKY)
     return scene.path
 
 
-def mean_picture(loaded: renderers.Loaded) -> float:
+def mean_picture(loaded):
     """Mean of a small picture."""
     assert loaded.render is not None, loaded.warnings
     return float(np.mean(loaded.render(8, 0)))

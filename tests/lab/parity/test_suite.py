@@ -4,7 +4,6 @@ import base64
 import io
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from viscache_lab.experiment import Experiment, Trial
 from viscache_lab.parity import judge as judging
 from viscache_lab.parity import renderers, zoo
 from viscache_lab.parity.judge import Effort, Judged, judge
-from viscache_lab.parity.renderers import FloatImage, Loaded
+from viscache_lab.parity.renderers import Loaded
 
 needs_mitsuba = [
     pytest.mark.mitsuba,
@@ -31,19 +30,19 @@ def no_shared_scenes(monkeypatch):
     monkeypatch.delenv("VISCACHE_SCENES", raising=False)
 
 
-def run(folder: Path | None = None, only: str = CUBES) -> list[Judged]:
+def run(folder=None, only=CUBES):
     options = {"only": only, "output": folder}
     return bench.parity.parity(Trial(quick=True, options=options))
 
 
-def brighter(factor: float, load: Callable[..., Loaded]) -> Callable[..., Loaded]:
+def brighter(factor, load):
     """A loader whose pictures are too bright."""
 
-    def wrong(path: Path, threads: int | None = None) -> Loaded:
+    def wrong(path, threads=None):
         loaded = load(path, threads)
         inner = loaded.render
 
-        def picture(spp: int, seed: int) -> FloatImage:
+        def picture(spp, seed):
             return np.asarray(factor * inner(spp, seed), np.float32)
 
         return Loaded(render=picture, warnings=loaded.warnings)
@@ -117,18 +116,11 @@ class TestWithMitsuba:
             assert sizes == [(64, 64), (64, 64), (64, 64), (8, 8)]
 
 
-def judged_of(
-    monkeypatch: pytest.MonkeyPatch,
-    ours: float,
-    theirs: float,
-    *,
-    noise: float = 0.01,
-    mitsubas: tuple[str, ...] = (),
-) -> Judged:
+def judged_of(monkeypatch, ours, theirs, *, noise=0.01, mitsubas=()):
     """The verdict on even pictures of two levels, without a renderer."""
 
-    def loaded(level: float, said: tuple[str, ...] = ()) -> Loaded:
-        def picture(_: int, seed: int) -> FloatImage:
+    def loaded(level, said=()):
+        def picture(_, seed):
             rng = np.random.default_rng([seed, round(100 * level)])
             return np.asarray(level * (1 + noise * rng.normal(0, 8, (64, 64, 3))), np.float32)
 
@@ -154,7 +146,7 @@ def test_pictures_that_compare_nothing_do_not_agree(monkeypatch):
     assert judged_of(monkeypatch, 1, 0).verdict == "differs"
 
 
-def miss(share: float) -> Judged:
+def miss(share):
     """A result that needs no renderer."""
     from viscache_lab.parity.blocks import compare
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -150,6 +151,7 @@ def _load(row: Row, path: Path, threads: int | None) -> Loaded:
     return Loaded(render=picture, warnings=warnings)
 
 
+@cache
 def _sky(height: int = 256) -> npt.NDArray[np.float32]:
     """The sky: y is up, and +z, where the quad looks, is the middle column."""
     v, u = (np.mgrid[0:height, 0 : 2 * height] + 0.5) / height
