@@ -31,13 +31,7 @@ from viscache.correlation.dataset import to_dataset
 from viscache.correlation.local_means import add_local_means
 from viscache.correlation.reach import closed_reach
 from viscache.correlation.run import Run
-from viscache.correlation.tasks import (
-    Points,
-    RowsTask,
-    trace,
-    trace_in_worker,
-    write_points,
-)
+from viscache.correlation.tasks import Points, RowsTask, trace, trace_in_worker, write_points
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.scene.cameras import find_camera

@@ -21,13 +21,7 @@ from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Exact, VisMaps
 from viscache.shot.frame_plan import check_settings
 from viscache.shot.shot import BareShot, ShotArguments, of_shot
-from viscache.sweeps.jointly import (
-    MOST_MORE,
-    MOST_TRIALS,
-    families,
-    jointly,
-    with_light_cells,
-)
+from viscache.sweeps.jointly import MOST_MORE, MOST_TRIALS, families, jointly, with_light_cells
 from viscache.sweeps.samples import METRICS, ErrorMetric, Sample, samples
 from viscache.sweeps.search import MOST_PILOTS, best, search
 from viscache.sweeps.searched import Searched, searched
@@ -308,12 +302,7 @@ def _works_in_parts(integrator: Any, rays: Any, visibility: Any, use: Any) -> bo
 
 
 def _checked(
-    check: Sample,
-    wanted: Searched,
-    pilots: list[Pilot],
-    one: Pilot,
-    aim: _Aim,
-    metric: ErrorMetric,
+    check: Sample, wanted: Searched, pilots: list[Pilot], one: Pilot, aim: _Aim, metric: ErrorMetric
 ) -> Tuned:
     """The best pilot's values, measured on pixels that no pilot saw."""
     visibility, use = wanted.at(one.value, one.also)
