@@ -58,10 +58,9 @@ py::dict block(OracleSource& source, const py::object& eyes, const py::dict& end
                                  .contributions = contributions ? contributions->data() : nullptr,
                                  .log_begin = log.first,
                                  .log_end = log.second};
-    BlockAnswer answer;
     // From here on, nothing touches Python objects: the lock is free while the rays are traced.
-    run_interruptible(
-        [&](Control& control) { answer = ask_block(source, tiles, question, threads, control); });
+    BlockAnswer answer = run_interruptible(
+        [&](Control& control) { return ask_block(source, tiles, question, threads, control); });
     py::dict out = answer_dict(answer.counters, answer.report);
     py::array_t<uint64_t> bits({py::ssize_t(tiles.size), py::ssize_t(words)});
     std::memcpy(bits.mutable_data(), answer.bits.data(), answer.bits.size() * sizeof(Word));
@@ -88,9 +87,8 @@ py::dict pairs(OracleSource& source, const py::object& eyes, const UintArray& in
             throw py::value_error("index must be in [0, " + std::to_string(tiles.size) + "), row " +
                                   std::to_string(k) + " is " + std::to_string(index.at(k)));
     const PairQuestion question{queries_from(lights, {index.data(), lights.count})};
-    PairAnswer answer;
-    run_interruptible(
-        [&](Control& control) { answer = ask_pairs(source, tiles, question, threads, control); });
+    PairAnswer answer = run_interruptible(
+        [&](Control& control) { return ask_pairs(source, tiles, question, threads, control); });
     py::dict out = answer_dict(answer.counters, answer.report);
     py::array_t<bool> visible(py::ssize_t(lights.count));
     std::copy(answer.visible.begin(), answer.visible.end(), visible.mutable_data());

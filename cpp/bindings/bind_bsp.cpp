@@ -19,20 +19,13 @@ py::dict bsp_stats(const BspStats& s) {
 
 std::shared_ptr<BspCaster> build(const std::shared_ptr<Scene>& scene, const BspSettings& settings,
                                  int threads) {
-    std::shared_ptr<BspCaster> caster;
-    run_interruptible(
-        [&](Control& control) { caster = std::make_shared<BspCaster>(scene, settings, threads, control); });
-    return caster;
+    return run_interruptible(
+        [&](Control& control) { return std::make_shared<BspCaster>(scene, settings, threads, control); });
 }
 
 py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatArray& d) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    std::vector<Ray> rays(size_t(o.shape(0)));
     // All rays are checked and copied first, with the lock.
-    for (size_t i = 0; i < rays.size(); ++i) rays[i] = endless(origins[i], directions[i]);
+    const std::vector<Ray> rays = RayRows(o, d).part(0, size_t(o.shape(0)));
     BspSteps s;
     run_interruptible([&](Control& control) {
         // Chunks, so that Ctrl-C does not wait for millions of rays

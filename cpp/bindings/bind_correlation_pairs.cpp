@@ -72,7 +72,7 @@ py::array_t<int64_t> array_that_owns(std::vector<int64_t>& v, const PairTable& t
 }
 
 /// Σq² may exceed 64 bits: it is high·2³² + low, which Python adds up.
-py::dict dict_of(PairTable& t) {
+py::dict dict_of(PairTable t) {
     using namespace py::literals;
     return py::dict("n"_a = array_that_owns(t.n, t), "n_undefined"_a = array_that_owns(t.n_undefined, t),
                     "sum_q"_a = array_that_owns(t.sum_q, t),
@@ -95,37 +95,31 @@ py::dict pair_statistics_dict(const RowsArgument& a, const std::vector<double>& 
     std::vector<uint64_t> all;
     if (!chosen)
         for (size_t t = 0; t < tiles.tiles.size(); ++t) all.push_back(t);
-    PairTable table;
-    run_interruptible(
+    return dict_of(run_interruptible(
         [&](Control& control) {
-            table = pair_statistics(a.rows, tiles, chosen ? *chosen : all, BinEdges::distances(d_edges),
-                                    BinEdges::angles(theta_edges_deg), work, control);
+            return pair_statistics(a.rows, tiles, chosen ? *chosen : all, BinEdges::distances(d_edges),
+                                   BinEdges::angles(theta_edges_deg), work, control);
         },
-        progress);
-    return dict_of(table);
+        progress));
 }
 
 py::dict near_pairs_dict(const RowsArgument& a, const std::vector<double>& d_edges,
                          const std::vector<double>& theta_edges_deg, int threads,
                          const std::optional<std::string>& isa, const py::object& progress) {
     const PairWork work = work_of(threads, isa);
-    PairTable table;
-    run_interruptible(
+    return dict_of(run_interruptible(
         [&](Control& control) {
-            const BinEdges distances = BinEdges::distances(d_edges);
-            table = near_pairs(a.rows, distances, BinEdges::angles(theta_edges_deg), d_edges.back(), work,
-                               control);
+            return near_pairs(a.rows, BinEdges::distances(d_edges), BinEdges::angles(theta_edges_deg),
+                              d_edges.back(), work, control);
         },
-        progress);
-    return dict_of(table);
+        progress));
 }
 
 py::array_t<float> spatial_map_array(const RowsArgument& a, double d_max, double theta_max_deg, int threads,
                                      const std::optional<std::string>& isa, const py::object& progress) {
     const PairWork work = work_of(threads, isa);
-    std::vector<float> mean;
-    run_interruptible(
-        [&](Control& control) { mean = spatial_map(a.rows, d_max, theta_max_deg, work, control); }, progress);
+    std::vector<float> mean = run_interruptible(
+        [&](Control& control) { return spatial_map(a.rows, d_max, theta_max_deg, work, control); }, progress);
     return py::array_t<float>(py::ssize_t(mean.size()), mean.data());
 }
 
@@ -162,11 +156,9 @@ uint64_t total_intersections_of(const WordArray& a, const WordArray& b, int thre
     const PairWork work = work_of(threads, isa, skip_dead);
     const Word *rows_a = a.data(), *rows_b = b.data();
     const size_t n_a = size_t(a.shape(0)), n_b = size_t(b.shape(0)), words = size_t(a.shape(1));
-    uint64_t total = 0;
-    run_interruptible([&](Control& control) {
-        total = total_intersections(rows_a, n_a, rows_b, n_b, words, work, control);
+    return run_interruptible([&](Control& control) {
+        return total_intersections(rows_a, n_a, rows_b, n_b, words, work, control);
     });
-    return total;
 }
 
 py::array_t<int64_t> tiles_array(const IntArray& group, size_t n_groups, size_t tile) {

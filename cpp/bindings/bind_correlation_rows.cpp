@@ -28,17 +28,14 @@ py::dict points_dict(const SurfacePoints& p) {
 py::dict camera_points(const Scene& scene, const RayCaster& caster, const Camera& camera, size_t n,
                        uint64_t seed, int threads) {
     check_camera(camera);
-    SurfacePoints points;
-    run_interruptible([&](Control& control) {
-        points = viscache::camera_points(scene, caster, camera, n, seed, threads, control);
-    });
-    return points_dict(points);
+    return points_dict(run_interruptible([&](Control& control) {
+        return viscache::camera_points(scene, caster, camera, n, seed, threads, control);
+    }));
 }
 
 py::dict area_points(const Scene& scene, size_t n, uint64_t seed) {
-    SurfacePoints points;
-    run_interruptible([&](Control& control) { points = viscache::area_points(scene, n, seed, control); });
-    return points_dict(points);
+    return points_dict(
+        run_interruptible([&](Control& control) { return viscache::area_points(scene, n, seed, control); }));
 }
 
 /// The checked arguments of a call, and its result.

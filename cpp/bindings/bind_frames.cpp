@@ -63,12 +63,11 @@ py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera&
     KeptLights* lights = kept_lights.is_none() ? nullptr : kept_lights.cast<KeptLights*>();
     const auto engines =
         aligned_engines(caster, integrator, pointer<AlignedBatch>(batch), pointer<VisibilityField>(field));
-    FrameResult result;
     // Everything Python has been read: the frame is rendered without the lock.
-    run_interruptible(
+    FrameResult result = run_interruptible(
         [&](Control& control) {
-            result = render_frame(scene, caster, camera, integrator, frame, source, control,
-                                  maps ? &maps->maps : nullptr, engines ? &*engines : nullptr, lights);
+            return render_frame(scene, caster, camera, integrator, frame, source, control,
+                                maps ? &maps->maps : nullptr, engines ? &*engines : nullptr, lights);
         },
         progress);
     // With the lock again: the cache learns which records it used only when the frame is whole.
@@ -79,13 +78,11 @@ py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera&
 py::dict render_paths(const Scene& scene, const RayCaster& caster, const Camera& camera,
                       const BdptSettings& settings, const FrameSettings& frame, OracleSource& source,
                       const py::object& progress) {
-    FrameResult result;
-    run_interruptible(
+    return frame_dict(run_interruptible(
         [&](Control& control) {
-            result = render_bdpt(scene, caster, camera, settings, frame, source, control);
+            return render_bdpt(scene, caster, camera, settings, frame, source, control);
         },
-        progress);
-    return frame_dict(result);
+        progress));
 }
 
 }  // namespace

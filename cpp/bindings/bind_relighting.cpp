@@ -24,10 +24,8 @@ std::unique_ptr<Relighting> trace(const Scene& scene, const RayCaster& caster, c
     const MapSource maps = pixel_maps(cache, frame, d_max, footprint);
     const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height), integrator,
                                frame};
-    std::unique_ptr<Relighting> made;
-    run_interruptible([&](Control& control) { made = std::make_unique<Relighting>(tracer, maps, control); },
-                      progress);
-    return made;
+    return run_interruptible(
+        [&](Control& control) { return std::make_unique<Relighting>(tracer, maps, control); }, progress);
 }
 
 py::array_t<double> image(const Relighting& r, const DoubleArray& light, int threads) {

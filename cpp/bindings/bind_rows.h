@@ -2,7 +2,6 @@
 // Binds a struct of parameters by the table of its rows: attributes, keywords, ranges and help.
 #include <pybind11/pybind11.h>
 
-#include <concepts>
 #include <string>
 #include <type_traits>
 

@@ -59,11 +59,8 @@ py::array_t<bool> embree_occluded(const EmbreeCaster& caster, const AnyFloatArra
 /// One fixed way for all rays, without any choice.
 py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                 float t_max, int width, bool coherent, int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
+    const size_t n = RayRows(o, d).n;
     if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
-    const size_t n = size_t(o.shape(0));
     const RayArrays rays{{o.data()}, {d.data()}, &t_max, 0};
     const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
     py::array_t<bool> result{py::ssize_t(n)};
@@ -79,19 +76,13 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
 /// One call of Embree per ray. Gives distances only.
 py::array_t<float> bare_intersect(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                   int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const size_t n = size_t(o.shape(0));
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    py::array_t<float> result{py::ssize_t(n)};
+    const RayRows given(o, d);
+    py::array_t<float> result{py::ssize_t(given.n)};
     float* out = result.mutable_data();
     // In chunks, as all callers of Embree get their rays, but one call per ray
-    in_chunks(n, threads, [&](size_t first, size_t last, int) {
-        std::vector<Ray> rays(last - first);
+    in_chunks(given.n, threads, [&](size_t first, size_t last, int) {
         std::vector<Hit> hits(last - first);
-        for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
-        caster.intersect_singly(rays, hits);
+        caster.intersect_singly(given.part(first, last), hits);
         for (size_t i = first; i < last; ++i) out[i] = hits[i - first].t;
     });
     return result;

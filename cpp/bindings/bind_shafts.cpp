@@ -29,10 +29,9 @@ py::tuple shaft_bits(const ShaftScene& scene, const RayCaster& caster, const Flo
     // An unknown variant raises before anything is built.
     const ShaftOptions options{.choose = choose, .bounds = bounds, .isa = isa_of(isa)};
     MatrixCall call(points, targets);
-    ShaftMatrixWork work;
-    run_interruptible(
+    ShaftMatrixWork work = run_interruptible(
         [&](Control& control) {
-            work = shaft_matrix(scene, caster, call.from, call.to, call.rows, options, threads, control);
+            return shaft_matrix(scene, caster, call.from, call.to, call.rows, options, threads, control);
         },
         progress);
     return py::make_tuple(call.bits, work_dict(work));
@@ -50,10 +49,8 @@ void bind_shafts(py::module_& m) {
         .def(
             "memory_bytes",
             [](const ShaftScene& s, int threads) {
-                uint64_t bytes = 0;
                 // The tree is built here if nobody has used it yet.
-                run_interruptible([&](Control& control) { bytes = s.tree(threads, control).bytes(); });
-                return bytes;
+                return run_interruptible([&](Control& control) { return s.tree(threads, control).bytes(); });
             },
             py::arg("threads") = 0, "Bytes of the tree, which is built if it does not exist.");
     m.def("shaft_matrix", &shaft_bits, py::arg("scene"), py::arg("caster"), py::arg("points"),

@@ -19,11 +19,9 @@ public:
     FrameTaps(const Scene& scene, const RayCaster& caster, const Camera& camera,
               const IntegratorSettings& integrator, const FrameSettings& frame)
         : scene_(scene), caster_(caster), camera_(camera), integrator_(integrator), frame_(frame) {
-        run_interruptible([&](Control& control) {
-            // Rendered once with a source that writes down all queries. It answers "blocked"; the picture
-            // does not matter.
-            render_frame(scene_, caster_, camera_, integrator_, frame_, source_, control);
-        });
+        // Rendered once with a source that writes down all queries. It answers "blocked"; the picture does
+        // not matter.
+        render(source_);
         size_t rows = 0;
         // Tiles one after the other: an eye point's number in the frame is its tile's first row plus its
         // place.
@@ -101,9 +99,7 @@ public:
     py::array_t<float> contributions(int group, size_t begin, size_t end) {
         if (begin > end || end > rows_) throw py::value_error("rows must lie inside the frame's eye points");
         ContributionSource source(first_row_, group, begin, end);
-        run_interruptible([&](Control& control) {
-            render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
-        });
+        render(source);
         const size_t rows = end - begin, columns = rows ? source.values().size() / rows : 0;
         py::array_t<float> out({py::ssize_t(rows), py::ssize_t(columns), py::ssize_t(3)});
         std::memcpy(out.mutable_data(), source.values().data(), source.values().size() * sizeof(Rgb));
@@ -114,11 +110,7 @@ public:
     py::dict ask(OracleSource& inner) const {
         AnswerSource source(inner);
         // The same code renders the frame, so the source sees exactly the queries of a frame.
-        FrameResult result;
-        run_interruptible([&](Control& control) {
-            result = render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
-        });
-        py::dict out = account_dict(result), samples;
+        py::dict out = account_dict(render(source)), samples;
         py::list lights;
         for (size_t light = 0; light < source_.lights().size(); ++light)
             lights.append(block_of(source, light, source_.lights()[light].count));
@@ -142,6 +134,11 @@ public:
     }
 
 private:
+    FrameResult render(OracleSource& source) const {
+        return run_interruptible([&](Control& control) {
+            return render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
+        });
+    }
     /// Bits and weights of a shared group, in the order of the tiles.
     py::dict block_of(const AnswerSource& source, size_t light, size_t columns) const {
         const size_t words = words_for(columns);

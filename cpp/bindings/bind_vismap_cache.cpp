@@ -21,33 +21,23 @@ py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, co
     // Only ambient occlusion traces distances: they cost nearest hits instead of any hits.
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
-    InsertionStats s;
-    run_interruptible(
-        [&](Control& control) { s = insert_where_needed(cache, tracer, points, frame, threads, control); },
+    InsertionStats s = run_interruptible(
+        [&](Control& control) { return insert_where_needed(cache, tracer, points, frame, threads, control); },
         progress);
-    py::dict d;
-    d["points"] = s.points;
-    d["unusable"] = s.unusable;
-    d["passes"] = s.passes;
-    d["lookups"] = s.lookups;
-    d["inserted"] = s.inserted();
-    d["no_candidate"] = s.no_candidate;
-    d["weight"] = s.weight;
-    d["difference"] = s.difference;
-    d["suppressed"] = s.suppressed;
-    d["duplicates"] = s.duplicates;
-    d["refused"] = s.refused;
-    d["rays"] = s.rays;
-    return d;
+    return py::dict(py::arg("points") = s.points, py::arg("unusable") = s.unusable,
+                    py::arg("passes") = s.passes, py::arg("lookups") = s.lookups,
+                    py::arg("inserted") = s.inserted(), py::arg("no_candidate") = s.no_candidate,
+                    py::arg("weight") = s.weight, py::arg("difference") = s.difference,
+                    py::arg("suppressed") = s.suppressed, py::arg("duplicates") = s.duplicates,
+                    py::arg("refused") = s.refused, py::arg("rays") = s.rays);
 }
 
 py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
                          uint32_t frame, int threads) {
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
-    BootstrapStatistics s;
-    run_interruptible(
-        [&](Control& control) { s = bootstrap(cache, tracer, points, frame, threads, control); });
+    BootstrapStatistics s = run_interruptible(
+        [&](Control& control) { return bootstrap(cache, tracer, points, frame, threads, control); });
     py::dict d;
     d["difference"] = column<float>(s.difference.size(), [&](size_t i) { return s.difference[i]; });
     d["tested"] = column<float>(s.tested.size(), [&](size_t i) { return s.tested[i]; });
@@ -94,15 +84,9 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
             }
         });
     });
-    py::dict d;
-    d["ids"] = ids;
-    d["beta"] = beta;
-    d["tested"] = tested;
-    d["nearest"] = nearest;
-    d["candidates"] = candidates;
-    d["difference"] = difference;
-    d["verdict"] = verdict;
-    return d;
+    return py::dict(py::arg("ids") = ids, py::arg("beta") = beta, py::arg("tested") = tested,
+                    py::arg("nearest") = nearest, py::arg("candidates") = candidates,
+                    py::arg("difference") = difference, py::arg("verdict") = verdict);
 }
 
 py::dict records_dict(const MapCache& cache) {
@@ -174,12 +158,8 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
 
 py::dict remove(MapCache& cache, uint32_t frame) {
     const RemovalStats s = remove_records(cache, frame);
-    py::dict d;
-    d["wrong"] = s.wrong;
-    d["unused"] = s.unused;
-    d["rays"] = s.rays;
-    d["misses"] = s.misses;
-    return d;
+    return py::dict(py::arg("wrong") = s.wrong, py::arg("unused") = s.unused, py::arg("rays") = s.rays,
+                    py::arg("misses") = s.misses);
 }
 
 py::tuple shade_points(const MapCache& cache, const Points& points, float width, bool weighted, int threads) {

@@ -69,12 +69,10 @@ void bind_hits(py::module_& v) {
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
            std::array<float, 2> at, const PixelRules& rules, int threads) {
             check_view(camera, width, height, rules);
-            PixelPoints found;
-            run_interruptible([&](Control& control) {
-                found = pixel_points(scene, caster, camera, width, height, {at[0], at[1]}, rules, threads,
-                                     control);
-            });
-            return with_counts(std::move(found));
+            return with_counts(run_interruptible([&](Control& control) {
+                return pixel_points(scene, caster, camera, width, height, {at[0], at[1]}, rules, threads,
+                                    control);
+            }));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("at"), py::arg("rules"), py::arg("threads") = 0,
@@ -84,12 +82,10 @@ void bind_hits(py::module_& v) {
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
            uint64_t seed, uint32_t sample, const PixelRules& rules, int threads) {
             check_view(camera, width, height, rules);
-            PixelPoints found;
-            run_interruptible([&](Control& control) {
-                found = sample_points(scene, caster, camera, width, height, seed, sample, rules, threads,
-                                      control);
-            });
-            return with_counts(std::move(found));
+            return with_counts(run_interruptible([&](Control& control) {
+                return sample_points(scene, caster, camera, width, height, seed, sample, rules, threads,
+                                     control);
+            }));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("seed"), py::arg("sample"), py::arg("rules"), py::arg("threads") = 0,
@@ -102,11 +98,9 @@ void bind_hits(py::module_& v) {
             // Each ray is one record at most; more would fill any memory
             if (n < 1 || n > 1 << 24)
                 throw py::value_error("n must be in [1, 2^24], got " + std::to_string(n));
-            PixelPoints found;
-            run_interruptible([&](Control& control) {
-                found = startup_points(scene, caster, camera, width, height, n, seed, rules, control);
-            });
-            return with_counts(std::move(found));
+            return with_counts(run_interruptible([&](Control& control) {
+                return startup_points(scene, caster, camera, width, height, n, seed, rules, control);
+            }));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("n"), py::arg("seed"), py::arg("rules"),

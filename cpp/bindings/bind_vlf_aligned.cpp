@@ -45,8 +45,8 @@ std::span<const uint32_t> checked_order(const OrderArray& a, size_t n) {
 
 OrderArray point_order(const FloatArray& positions) {
     const auto points = usable(positions, "points");
-    std::vector<uint32_t> order;
-    run_interruptible([&](Control& control) { order = kd_order(points, control); });
+    std::vector<uint32_t> order =
+        run_interruptible([&](Control& control) { return kd_order(points, control); });
     return OrderArray(py::ssize_t(order.size()), order.data());
 }
 
@@ -92,13 +92,9 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
     call.run([&](std::span<Word> rows,
                  Control& control) { counts = batch.rows(call.input, rows, threads, control, variant); },
              progress);
-    py::dict d;
-    d["blocks"] = counts.blocks;
-    d["nodes"] = counts.nodes;
-    d["pairs"] = counts.pairs;
-    d["tests"] = counts.tests;
-    d["wide"] = counts.wide;
-    d["exact"] = counts.exact;
+    py::dict d(py::arg("blocks") = counts.blocks, py::arg("nodes") = counts.nodes,
+               py::arg("pairs") = counts.pairs, py::arg("tests") = counts.tests,
+               py::arg("wide") = counts.wide, py::arg("exact") = counts.exact);
     return py::make_tuple(call.bits, d);
 }
 
@@ -107,8 +103,8 @@ py::dict sample(const AlignedBatch& batch, const Scene& scene, const FloatArray&
                 const FloatArray& normals, const FloatArray& frames, float t_max,
                 const std::optional<OrderArray>& order, int threads) {
     Call call(scene.offset_extent(), positions, normals, frames, t_max, order);
-    AlignedWork w;
-    run_interruptible([&](Control& control) { w = sampled_work(batch, call.input, threads, control); });
+    AlignedWork w = run_interruptible(
+        [&](Control& control) { return sampled_work(batch, call.input, threads, control); });
     return py::dict(py::arg("blocks") = w.blocks, py::arg("nodes") = w.nodes, py::arg("pairs") = w.pairs,
                     py::arg("tests") = w.tests, py::arg("wide") = w.wide, py::arg("exact") = w.exact,
                     py::arg("free") = w.free);
@@ -120,8 +116,8 @@ std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& 
                                         const FloatArray& frames, float t_max,
                                         const std::optional<OrderArray>& order, int threads) {
     Call call(scene.offset_extent(), positions, normals, frames, t_max, order);
-    EngineChoice c;
-    run_interruptible([&](Control& control) { c = choose_engine(batch, call.input, threads, control); });
+    EngineChoice c = run_interruptible(
+        [&](Control& control) { return choose_engine(batch, call.input, threads, control); });
     return {c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns};
 }
 
@@ -155,10 +151,9 @@ py::array_t<uint64_t> field_rows(const VisibilityField& field, const FloatArray&
 }
 
 py::dict predict_field_rows(const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
-    FieldPrediction p;
     // Reading the triangles takes a while for large scenes.
-    run_interruptible([&](Control&) {
-        p = viscache::predict_field_rows({scene, settings.kernel, settings.head_room}, settings);
+    FieldPrediction p = run_interruptible([&](Control&) {
+        return viscache::predict_field_rows({scene, settings.kernel, settings.head_room}, settings);
     });
     return py::dict(py::arg("tests") = p.tests, py::arg("ray_ns") = p.ray_ns, py::arg("build_s") = p.build_s,
                     py::arg("bytes") = p.bytes);

@@ -14,13 +14,11 @@ using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 std::shared_ptr<DynamicField> dynamic_field(const std::shared_ptr<Scene>& scene,
                                             const FieldSettings& settings, UpdateMode mode, int threads,
                                             const py::object& progress) {
-    std::shared_ptr<DynamicField> field;
-    run_interruptible(
+    return run_interruptible(
         [&](Control& control) {
-            field = std::make_shared<DynamicField>(scene, settings, mode, threads, control);
+            return std::make_shared<DynamicField>(scene, settings, mode, threads, control);
         },
         progress);
-    return field;
 }
 
 uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const UintArray& triangles,
@@ -47,11 +45,8 @@ uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const Ui
 }
 
 py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatArray& d, int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    const size_t n = size_t(o.shape(0));
+    const RayRows rays(o, d);
+    const size_t n = rays.n;
     py::array_t<float> t{py::ssize_t(n)}, uv({py::ssize_t(n), py::ssize_t(2)});
     py::array_t<int64_t> object{py::ssize_t(n)}, triangle{py::ssize_t(n)};
     // Pointers first, then the call without the lock
@@ -59,7 +54,7 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
     int64_t *object_out = object.mutable_data(), *triangle_out = triangle.mutable_data();
     in_chunks(n, threads, [&](size_t first, size_t last, int) {
         for (size_t i = first; i < last; ++i) {
-            const DynamicHit h = field.nearest(endless(origins[i], directions[i]));
+            const DynamicHit h = field.nearest(rays[i]);
             const bool hit = h.object != DynamicHit::kNothing;
             const float nan = std::numeric_limits<float>::quiet_NaN();
             // No hit: t is infinite, there is no triangle and no barycentric coordinate.
@@ -75,11 +70,8 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
 
 py::array_t<bool> dynamic_occluded(const DynamicField& field, const FloatArray& o, const FloatArray& d,
                                    const py::object& t_max, int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    const size_t n = size_t(o.shape(0));
+    const RayRows rays(o, d);
+    const size_t n = rays.n;
     const FloatArray t = distances(t_max, n);
     py::array_t<bool> result{py::ssize_t(n)};
     bool* out = result.mutable_data();
@@ -87,7 +79,7 @@ py::array_t<bool> dynamic_occluded(const DynamicField& field, const FloatArray& 
               // One distance for all rays has stride 0.
               [&, ends = t.data(), stride = size_t(t.ndim() == 1)](size_t first, size_t last, int) {
                   for (size_t i = first; i < last; ++i)
-                      out[i] = field.any({origins[i], 0, directions[i], ends[i * stride]});
+                      out[i] = field.any({rays.origins[i], 0, rays.directions[i], ends[i * stride]});
               });
     return result;
 }

@@ -18,13 +18,11 @@ py::dict field_stats(const FieldStats& s) {
 std::shared_ptr<VisibilityField> field_over(const std::shared_ptr<Scene>& scene,
                                             const FieldSettings& settings, int threads,
                                             const py::object& progress) {
-    std::shared_ptr<VisibilityField> field;
-    run_interruptible(
+    return run_interruptible(
         [&](Control& control) {
-            field = std::make_shared<VisibilityField>(scene, settings, threads, control);
+            return std::make_shared<VisibilityField>(scene, settings, threads, control);
         },
         progress);
-    return field;
 }
 
 uint32_t checked_direction(const VisibilityField& field, uint32_t direction) {
@@ -53,23 +51,19 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
         first_leaf.push_back(uint32_t(first_id.size() - 1));
         ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
     }
-    py::dict d;
-    d["first_leaf"] = array_of(first_leaf);
-    d["first_id"] = array_of(first_id);
-    d["ids"] = array_of(ids);
-    d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
-    d["borders"] = array_of(borders);
-    return d;
+    return py::dict(
+        py::arg("first_leaf") = array_of(first_leaf), py::arg("first_id") = array_of(first_id),
+        py::arg("ids") = array_of(ids),
+        py::arg("ranges") = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data()),
+        py::arg("borders") = array_of(borders));
 }
 
 /// Nearest hits and any hits through given axes, and the counts of their steps.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
+    const RayRows given(o, d);
     require_same_rows(o, directions, "origins and axes");
-    const size_t n = size_t(o.shape(0));
+    const size_t n = given.n;
     const FloatArray near = distances(t_min, n), far = distances(t_max, n);
     py::array_t<float> t{py::ssize_t(n)};
     py::array_t<int64_t> triangle{py::ssize_t(n)};
@@ -78,7 +72,7 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
     // For tests of many rays through many axes: one thread, and steps counted.
     for (size_t i = 0; i < n; ++i) {
         const uint32_t axis = checked_direction(field, directions.at(py::ssize_t(i)));
-        const Ray ray{rows3(o, "origins")[i], near.data()[near.ndim() ? i : 0], rows3(d, "directions")[i],
+        const Ray ray{given.origins[i], near.data()[near.ndim() ? i : 0], given.directions[i],
                       far.data()[far.ndim() ? i : 0]};
         const Hit hit = field.nearest(ray, axis, &nearest_steps);
         t.mutable_data()[i] = hit.t;

@@ -63,6 +63,27 @@ inline Ray endless(Vec3 origin, Vec3 direction) {
     return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
 }
 
+/// Checked origins and directions of rays.
+struct RayRows {
+    size_t n;
+    const Vec3 *origins, *directions;
+
+    RayRows(const FloatArray& o, const FloatArray& d) {
+        require_usable(o, "origins");
+        require_usable(d, "directions");
+        require_same_rows(o, d, "origins and directions");
+        n = size_t(o.shape(0));
+        origins = rows3(o, "origins");
+        directions = rows3(d, "directions");
+    }
+    Ray operator[](size_t i) const { return endless(origins[i], directions[i]); }
+    std::vector<Ray> part(size_t first, size_t last) const {
+        std::vector<Ray> rays(last - first);
+        for (size_t i = first; i < last; ++i) rays[i - first] = (*this)[i];
+        return rays;
+    }
+};
+
 /// Calls work(first, last, worker) for chunks of [0, n) on several threads.
 template <class Work>
 void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
@@ -85,24 +106,18 @@ void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
 /// Whether each ray hits anything in [0, t_max].
 inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, const FloatArray& d,
                                   const py::object& t_max, int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const size_t n = size_t(o.shape(0));
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    const FloatArray t = distances(t_max, n);
+    const RayRows given(o, d);
+    const FloatArray t = distances(t_max, given.n);
     const float* ends = t.data();
     // 0 for one distance of all rays: every ray reads the same one.
     const size_t stride = size_t(t.ndim() == 1);
-    py::array_t<bool> result{py::ssize_t(n)};
+    py::array_t<bool> result{py::ssize_t(given.n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    in_chunks(n, threads, [&](size_t first, size_t last, int) {
-        std::vector<Ray> rays(last - first);
-        for (size_t i = first; i < last; ++i) {
-            Ray& ray = rays[i - first] = endless(origins[i], directions[i]);
+    in_chunks(given.n, threads, [&](size_t first, size_t last, int) {
+        std::vector<Ray> rays = given.part(first, last);
+        for (size_t i = first; i < last; ++i)
             // A ray without a direction stays empty.
-            ray.t_max = std::min(ray.t_max, ends[i * stride]);
-        }
+            rays[i - first].t_max = std::min(rays[i - first].t_max, ends[i * stride]);
         caster.occluded(rays, {out + first, last - first});
     });
     return result;
@@ -153,11 +168,8 @@ inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray&
 /// Nearest hits. Triangles have the numbers of `caster.scene()`.
 template <class Caster>
 py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArray& d, int threads) {
-    require_usable(o, "origins");
-    require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions");
-    const size_t n = size_t(o.shape(0));
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    const RayRows given(o, d);
+    const size_t n = given.n;
     py::array_t<float> t{py::ssize_t(n)}, uv({py::ssize_t(n), py::ssize_t(2)});
     py::array_t<int64_t> triangle{py::ssize_t(n)}, instance{py::ssize_t(n)};
     float *t_out = t.mutable_data(), *uv_out = uv.mutable_data();
@@ -166,11 +178,9 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
         parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
             control.check();
             const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
-            std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
-            for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
             // Nothing is known about the rays of a user.
-            caster.intersect(rays, hits, Coherence::kIncoherent);
+            caster.intersect(given.part(first, last), hits, Coherence::kIncoherent);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];
                 const float nan = std::numeric_limits<float>::quiet_NaN();

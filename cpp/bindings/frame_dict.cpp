@@ -77,10 +77,8 @@ py::dict counters_of(const FrameResult& f) {
     std::vector<uint64_t> levels(c.rays_per_level.begin(), c.rays_per_level.end());
     // Levels past the last one with rays did not exist.
     while (!levels.empty() && levels.back() == 0) levels.pop_back();
-    py::dict d;
-    d["queries"] = c.queries();
-    d["occluded"] = c.occluded();
-    d["rays"] = c.rays();
+    py::dict d(py::arg("queries") = c.queries(), py::arg("occluded") = c.occluded(),
+               py::arg("rays") = c.rays());
     // 0 says that there were no rays.
     d["ray_reduction"] = c.rays() ? double(c.queries()) / double(c.rays()) : 0.0;
     d["groups"] = groups;

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "gil.h"
@@ -15,9 +16,12 @@ namespace viscache::bindings {
 /// Runs work(Control&) on another thread, while this thread handles signals and calls `progress(done, total)`
 /// unless it is None. If one of them throws, the work is cancelled, and the exception is rethrown after it
 /// has ended. If the interpreter ends, the work of its other threads is cancelled and they get SystemExit.
+/// Returns what the work returns.
 template <class Work>
-void run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
+auto run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
     namespace py = pybind11;
+    using Result = std::invoke_result_t<Work, Control&>;
+    [[maybe_unused]] std::conditional_t<std::is_void_v<Result>, bool, std::optional<Result>> result{};
     Control control;
     std::mutex mutex;
     std::condition_variable finished;
@@ -29,7 +33,10 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
         // The work has a thread of its own, so that this one can look for Ctrl-C in between.
         std::thread worker([&] {
             try {
-                work(control);
+                if constexpr (std::is_void_v<Result>)
+                    work(control);
+                else
+                    result.emplace(work(control));
             } catch (...) {
                 error = std::current_exception();
             }
@@ -70,6 +77,7 @@ void run_interruptible(Work work, const pybind11::object& progress = pybind11::n
     if (error) std::rethrow_exception(error);
     // The last call says "all", whatever the last tick saw.
     if (!progress.is_none() && control.total > 0) progress(control.total.load(), control.total.load());
+    if constexpr (!std::is_void_v<Result>) return *std::move(result);
 }
 
 }  // namespace viscache::bindings

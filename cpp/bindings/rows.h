@@ -1,6 +1,5 @@
 #pragma once
 // Functions of one row, applied to every row of an array.
-#include <cstring>
 #include <span>
 
 #include "arrays.h"

@@ -67,7 +67,6 @@ def _added() -> dict[str, metadata.EntryPoint]:
 
 
 def _module(name: str) -> Any:
-    """The module of a sub-command."""
     if name in COMMANDS:
         return importlib.import_module(f"viscache.commands.{name}")
     try:

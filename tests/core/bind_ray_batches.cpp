@@ -51,7 +51,7 @@ bool coherent_between(const RayCaster& caster, const FloatArray& from, const Flo
     if (from.shape(0) != 16 || to.shape(0) != 16)
         throw py::value_error("origins and ends must have shape (16, 3)");
     RayPacket16 packet;
-    for (size_t i = 0; i < 16; ++i) set_lane(packet, int(i), {origins[i], 0, ends[i] - origins[i], 1});
+    for (size_t i = 0; i < 16; ++i) packet.set(i, {origins[i], 0, ends[i] - origins[i], 1});
     return flag_between(caster, packet) == Coherence::kCoherent;
 }
 

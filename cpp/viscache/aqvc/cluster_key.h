@@ -8,8 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <vector>
 
 #include "viscache/aqvc/normal_bins.h"
 #include "viscache/aqvc/parameters.h"

@@ -1,7 +1,6 @@
 #pragma once
 // The far ends of a block as columns. Lights with equal keys share a column.
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "viscache/aqvc/cluster_key.h"

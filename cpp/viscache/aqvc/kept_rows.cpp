@@ -1,7 +1,6 @@
 #include "viscache/aqvc/kept_rows.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <stdexcept>
 

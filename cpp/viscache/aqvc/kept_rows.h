@@ -11,7 +11,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <span>
 #include <vector>
 
 #include "viscache/aqvc/columns.h"

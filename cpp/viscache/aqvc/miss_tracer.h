@@ -55,13 +55,8 @@ private:
         for (size_t i = 0; i < 16; ++i) {
             // Lanes past the last copy it and are not in the mask.
             const Miss& m = rays[std::min(i, rays.size() - 1)];
-            const Vec3 o = eyes.origin[m.eye];
-            packet.ox[i] = o.x;
-            packet.oy[i] = o.y;
-            packet.oz[i] = o.z;
-            packet.dx[i] = lights.tx[m.light];
-            packet.dy[i] = lights.ty[m.light];
-            packet.dz[i] = lights.tz[m.light];
+            packet.start(i, eyes.origin[m.eye]);
+            packet.aim(i, {lights.tx[m.light], lights.ty[m.light], lights.tz[m.light]});
         }
         const Coherence flag = flag_from(caster_, packet);
         aim16(packet, lights);

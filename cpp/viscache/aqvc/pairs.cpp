@@ -306,7 +306,7 @@ void Pairs::trace_numbered(const PairContext& c, std::span<const ShadowQuery> qu
         const int n = int(std::min<size_t>(16, count - first));
         RayPacket16 packet;
         for (int i = 0; i < n; ++i)
-            set_lane(packet, i, shadow_ray(*c.tile.eyes, queries[number(first + size_t(i))]));
+            packet.set(size_t(i), shadow_ray(*c.tile.eyes, queries[number(first + size_t(i))]));
         pad_lanes(packet, n);
         const uint32_t mask = (1u << n) - 1;
         // Misses of a table share neither origins nor ends.

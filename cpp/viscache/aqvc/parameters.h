@@ -4,7 +4,6 @@
 //
 // The rows are read by AqvcParameters::validate, the bindings, kept tables (AqvcTable) and the help of
 // viscache.Aqvc and viscache.PaperForm.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,5 @@
 #pragma once
 // Postponed rays (AQVC Sec. 4.4): the work queue of a GPU warp, on the CPU.
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 

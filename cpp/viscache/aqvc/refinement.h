@@ -1,7 +1,6 @@
 #pragma once
 // Adaptive refinement, one query at a time (AQVC Sec. 3.6).
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,7 +1,5 @@
 #include "viscache/aqvc/row_kernels.h"
 
-#include <bit>
-
 #include "viscache/math/isa_variants.h"
 
 namespace viscache {

@@ -211,7 +211,7 @@ void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> 
     RayPacket16 packet;
     for (int i = 0; i < n; ++i) {
         const PendingRay& r = rays_[numbers[size_t(i)]];
-        set_lane(packet, i, samples.ray(*tile_->eyes, r.eye, r.sample));
+        packet.set(size_t(i), samples.ray(*tile_->eyes, r.eye, r.sample));
     }
     pad_lanes(packet, n);
     // Samples of the sky have a direction of their own each; those of a light end near each other.

@@ -227,8 +227,7 @@ uint16_t BspCaster::occluded16(uint16_t mask, RayPacket16& p, Coherence) const {
     uint32_t answer = 0;
     for (uint32_t left = mask; left; left &= left - 1) {
         const int i = std::countr_zero(left);
-        const Ray ray{{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]};
-        answer |= uint32_t(any(ray)) << i;
+        answer |= uint32_t(any(p.ray(size_t(i)))) << i;
     }
     return uint16_t(answer);
 }

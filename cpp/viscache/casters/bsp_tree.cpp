@@ -2,7 +2,6 @@
 
 #include <numeric>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 namespace viscache {

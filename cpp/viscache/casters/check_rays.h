@@ -3,7 +3,6 @@
 // process.
 #include <optional>
 #include <span>
-#include <string>
 
 #include "viscache/casters/ray_arrays.h"
 #include "viscache/visibility/query.h"

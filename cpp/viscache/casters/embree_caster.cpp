@@ -3,7 +3,6 @@
 #include <cstring>
 #include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "viscache/casters/embree_packets.h"
 
@@ -267,17 +266,7 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
     for (size_t first = 0; first < rays.size(); first += 16) {
         const size_t n = std::min<size_t>(16, rays.size() - first);
         RayPacket16 packet;
-        for (size_t i = 0; i < 16; ++i) {
-            const Ray& r = rays[first + std::min(i, n - 1)];
-            packet.ox[i] = r.o.x;
-            packet.oy[i] = r.o.y;
-            packet.oz[i] = r.o.z;
-            packet.dx[i] = r.d.x;
-            packet.dy[i] = r.d.y;
-            packet.dz[i] = r.d.z;
-            packet.t_min[i] = r.t_min;
-            packet.t_max[i] = r.t_max;
-        }
+        for (size_t i = 0; i < 16; ++i) packet.set(i, rays[first + std::min(i, n - 1)]);
         const uint16_t bits =
             occluded16(uint16_t(n == 16 ? 0xffff : (1 << n) - 1), packet, Coherence::kIncoherent);
         for (size_t i = 0; i < n; ++i) occluded[first + i] = bits >> i & 1;

@@ -1,9 +1,7 @@
 #include "viscache/correlation/neighbourhood.h"
 
-#include <mutex>
 #include <optional>
 #include <stdexcept>
-#include <string>
 
 #include "viscache/correlation/point_grid.h"
 

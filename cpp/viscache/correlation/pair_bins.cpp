@@ -1,5 +1,6 @@
 #include "viscache/correlation/pair_bins.h"
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/math/x86_intrinsics.h"
 
 namespace viscache {
@@ -83,13 +84,7 @@ inline void pack(I p, Pair* packed) {
 
 }  // namespace
 
-BinPanels bin_panels([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return avx512::bin;
-    if (isa == Isa::kAvx2) return avx2::bin;
-#endif
-    return portable::bin;
-}
+BinPanels bin_panels(Isa isa) { return VISCACHE_REGION(isa, bin); }
 
 void resolve_row(const PairPoints& points, const PairBinning& binning, size_t row, size_t first_column,
                  int32_t* cells, int32_t* biased) {

@@ -1,7 +1,6 @@
 #pragma once
 // Computes the bin and ρ of pairs from n11, and sums the pairs of one tile.
 #include <cmath>
-#include <memory>
 
 #include "viscache/correlation/bin_edges.h"
 #include "viscache/correlation/bit_panels.h"

@@ -1,7 +1,5 @@
 #pragma once
 // Statistics of ρ over all pairs of points, or over the pairs of selected tiles.
-#include <string_view>
-
 #include "viscache/correlation/pair_kernel.h"
 #include "viscache/correlation/pair_rows.h"
 #include "viscache/correlation/pair_tiles.h"

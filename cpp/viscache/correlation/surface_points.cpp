@@ -1,7 +1,6 @@
 #include "viscache/correlation/surface_points.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>

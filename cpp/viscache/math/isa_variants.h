@@ -32,6 +32,15 @@ constexpr auto variant_of([[maybe_unused]] Isa isa) {
     return Variants::portable;
 }
 
+/// The function of this name in the namespace of an instruction set, for kernels that are written in one file
+/// which each namespace includes.
+#if VISCACHE_X86
+#define VISCACHE_REGION(isa, name) \
+    ((isa) == Isa::kAvx512 ? avx512::name : (isa) == Isa::kAvx2 ? avx2::name : portable::name)
+#else
+#define VISCACHE_REGION(isa, name) ((void)(isa), portable::name)
+#endif
+
 /// What `kMake(isa)` gives: tables of such copies.
 template <auto kMake>
 const auto& table_of(Isa isa) {

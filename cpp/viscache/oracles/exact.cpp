@@ -90,10 +90,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::spa
     for (size_t i = 0; i < 16; ++i) {
         // Lanes past the end repeat the last eye point; their columns have no bits
         const size_t row = first + std::min(i, n - 1);
-        const Vec3 o = eyes.origin[order.empty() ? row : order[row]];
-        origin.ox[i] = o.x;
-        origin.oy[i] = o.y;
-        origin.oz[i] = o.z;
+        origin.start(i, eyes.origin[order.empty() ? row : order[row]]);
     }
     // By the spread of the origins: one answer for all lights
     const Coherence flag = flag_given_.value_or(flag_from(caster_, origin));
@@ -142,7 +139,7 @@ size_t ExactOracle::row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes,
         used = 0;
     };
     for_each_bit(wanted.row_span(row), [&](size_t k) {
-        set_lane(packet, used, shadow_ray(eyes, eye, lights, k));
+        packet.set(size_t(used), shadow_ray(eyes, eye, lights, k));
         lane_light[used++] = k;
         if (used == 16) flush();
     });
@@ -215,7 +212,7 @@ void ExactOracle::trace_all(const Source& source, const EyeBlock& eyes, std::spa
         bool to_points = true;
         for (int i = 0; i < n; ++i) {
             const uint32_t connection = order[at + size_t(i)];
-            set_lane(packet, i, source.ray(eyes, connection));
+            packet.set(size_t(i), source.ray(eyes, connection));
             to_points &= !source.is_direction(connection);
         }
         pad_lanes(packet, n);

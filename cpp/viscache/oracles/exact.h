@@ -6,7 +6,6 @@
 #include "viscache/visibility/oracle.h"
 #include "viscache/visibility/packet_choice.h"
 #include "viscache/visibility/point_order.h"
-#include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
 namespace viscache {

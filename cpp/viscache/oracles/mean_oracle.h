@@ -8,7 +8,6 @@
 // rays are a small part of their cost, and the noise of draws would be most of the error. Roulette, the form
 // of the paper, traces with q and counts 0 for the others.
 #include <array>
-#include <memory>
 #include <optional>
 
 #include "viscache/oracles/exact.h"

@@ -3,8 +3,6 @@
 // the other uses it for Russian roulette. A connection is traced with a probability q that grows with its
 // estimated visibility. A visible connection has weight 1/q; a connection that is not traced counts as
 // blocked. The result is unbiased but has noise.
-#include <memory>
-
 #include "viscache/oracles/exact.h"
 #include "viscache/oracles/kept_voxels.h"
 #include "viscache/oracles/random_share.h"

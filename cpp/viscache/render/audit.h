@@ -2,12 +2,7 @@
 // Audits of a frame whose oracle approximates: exact rays answer some of its queries as well. What is drawn
 // depends on the frame alone, and the frame has the same bytes with and without an audit.
 #include <array>
-#include <functional>
-#include <vector>
 
-#include "viscache/oracles/exact.h"
-#include "viscache/render/eye_paths.h"
-#include "viscache/render/local_samples.h"
 #include "viscache/render/tile_contributions.h"
 
 namespace viscache {

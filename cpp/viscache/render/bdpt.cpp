@@ -89,18 +89,9 @@ private:
 };
 
 FrameResult empty_bdpt_result(const BdptContext& c) {
-    FrameResult out;
-    out.width = c.frame.width;
-    out.height = c.frame.height;
-    out.spp = c.frame.spp;
-    const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n);
-    out.emitted.resize(n);
+    FrameResult out = sized_result(c.frame);
+    const size_t n = out.color.size();
     out.seen_emitters.resize(n);
-    out.depth.resize(n);
-    out.normal.resize(n);
-    out.albedo.resize(n);
-    out.coverage.resize(n);
     auto has = [&](LightGroup g, bool there) {
         if (there) out.groups[size_t(g)].resize(n);
     };

@@ -1,7 +1,5 @@
 #pragma once
 // Light of the environment by product sampling. Visibility maps serve as control variate where they exist.
-#include <optional>
-
 #include "viscache/render/eye_paths.h"
 #include "viscache/visibility/oracle_source.h"
 #include "viscache/vismap/map_source.h"

@@ -1,7 +1,6 @@
 #include "viscache/render/frame.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "viscache/math/wall_clock.h"
 #include "viscache/oracles/exact_source.h"
@@ -101,17 +100,8 @@ private:
 };
 
 FrameResult empty_result(const FrameContext& c, bool corrects) {
-    FrameResult out;
-    out.width = c.frame.width;
-    out.height = c.frame.height;
-    out.spp = c.frame.spp;
-    const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n);
-    out.emitted.resize(n);
-    out.depth.resize(n);
-    out.normal.resize(n);
-    out.albedo.resize(n);
-    out.coverage.resize(n);
+    FrameResult out = sized_result(c.frame);
+    const size_t n = out.color.size();
     // Layers that nothing would fill stay empty, and frames then have no such layer
     if (corrects) out.variance.resize(n);
     if (c.product && c.integrator.passes > 1) out.last_pass.resize(n);
@@ -259,6 +249,17 @@ Workers render_tiles(const FrameContext& c, std::span<const Tile> tiles, OracleS
 }
 
 }  // namespace
+
+FrameResult sized_result(const FrameSettings& frame) {
+    FrameResult out;
+    out.width = frame.width;
+    out.height = frame.height;
+    out.spp = frame.spp;
+    const size_t n = size_t(out.width) * size_t(out.height);
+    for (auto* layer : {&out.color, &out.emitted, &out.normal, &out.albedo}) layer->resize(n);
+    for (auto* layer : {&out.depth, &out.coverage}) layer->resize(n);
+    return out;
+}
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,

@@ -53,6 +53,9 @@ struct FrameResult {
     int threads = 0;
 };
 
+/// A frame with the layers that all frames have.
+FrameResult sized_result(const FrameSettings& frame);
+
 /// Makes the shared light groups of a frame: point, directional, environment and VPL.
 std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster,
                                              const FilmCamera& film, const IntegratorSettings& integrator,

@@ -1,6 +1,9 @@
 #pragma once
 // An audit of single queries: exact rays answer all bright connections, and a share of the others.
+#include <functional>
+
 #include "viscache/render/audit.h"
+#include "viscache/render/local_samples.h"
 
 namespace viscache {
 

@@ -1,8 +1,18 @@
 #include "viscache/render/shared_lights.h"
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/math/x86_intrinsics.h"
 
 namespace viscache {
+
+namespace {
+struct Columns {
+    const float *x, *y, *z, *nx, *ny, *nz, *r, *g, *b;
+    ColumnRange range;
+    float bound2;
+    const float* cone;  ///< factors of the columns' cones; nullptr without cones
+};
+}  // namespace
 
 // One body of kernels, three instruction sets. Each region fixes how many lanes a register has; the
 // order of sums is always that of 16 lanes, so all three give the same bits.
@@ -47,9 +57,7 @@ inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 
 namespace {
 
-template <class Columns>
-/// The arrays of a group as the kernels of one instruction set take them: `Columns` is a type of
-/// each region.
+/// The arrays of a group as the kernels take them.
 Columns columns_of(const SharedLights& s, const EyeShade& eye, ColumnRange range) {
     const FarEnds& e = s.ends;
     return {e.x.data(), e.y.data(), e.z.data(), e.nx.data(), e.ny.data(), e.nz.data(),
@@ -57,9 +65,8 @@ Columns columns_of(const SharedLights& s, const EyeShade& eye, ColumnRange range
 }
 
 /// All columns, padded to words.
-template <class Columns>
 Columns columns_of(const SharedLights& s, const EyeShade& eye) {
-    return columns_of<Columns>(s, eye, {0, words_for(s.ends.count) * kWordBits});
+    return columns_of(s, eye, {0, words_for(s.ends.count) * kWordBits});
 }
 
 }  // namespace
@@ -81,66 +88,26 @@ const float* cone_row(const SharedLights& s, Vec3 position) {
 // The instruction set is chosen once per row, not per column: the cost of the switch vanishes in a
 // row of lights
 uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, ColumnRange range, Word* row) {
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512:
-            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye, row);
-        case Isa::kAvx2:
-            return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye, row);
-#endif
-        default:
-            return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range), eye,
-                                        row);
-    }
+    return VISCACHE_REGION(active_isa(), wanted_any)(s.ends.semantic, columns_of(s, eye, range), eye, row);
 }
 
 float contribution_row(const SharedLights& s, const EyeShade& eye, ColumnRange range,
                        std::vector<float>& row) {
     row.resize(s.ends.x.size());
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512:
-            return avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye, range), eye,
-                                             row.data());
-        case Isa::kAvx2:
-            return avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye, range), eye,
-                                           row.data());
-#endif
-        default:
-            return portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye, range),
-                                               eye, row.data());
-    }
+    return VISCACHE_REGION(active_isa(), contributions_any)(s.ends.semantic, columns_of(s, eye, range), eye,
+                                                            row.data());
 }
 
 void at_most_rows(std::span<const float> row, std::span<const float> bounds, std::span<Word* const> rows) {
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512: return avx512::at_most(row, bounds, rows);
-        case Isa::kAvx2: return avx2::at_most(row, bounds, rows);
-#endif
-        default: return portable::at_most(row, bounds, rows);
-    }
+    return VISCACHE_REGION(active_isa(), at_most)(row, bounds, rows);
 }
 
 float masked_sum(std::span<const float> row, const Word* mask) {
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512: return avx512::masked_sum(row, mask);
-        case Isa::kAvx2: return avx2::masked_sum(row, mask);
-#endif
-        default: return portable::masked_sum(row, mask);
-    }
+    return VISCACHE_REGION(active_isa(), masked_sum)(row, mask);
 }
 
 Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
-    switch (active_isa()) {
-#if VISCACHE_X86
-        case Isa::kAvx512:
-            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
-        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
-#endif
-        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
-    }
+    return VISCACHE_REGION(active_isa(), sum_any)(s.ends.semantic, columns_of(s, eye), eye, row);
 }
 
 /// Columns stand in arrays by component, so that a kernel loads the same component of many lights

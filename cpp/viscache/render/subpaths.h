@@ -1,6 +1,5 @@
 #pragma once
 // Sub-paths of bidirectional path tracing: one from the camera and one from a light per sample.
-#include <array>
 #include <span>
 #include <vector>
 

@@ -5,7 +5,6 @@
 // get, and given answers are summed like those of any oracle.
 #include <map>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "viscache/render/local_samples.h"

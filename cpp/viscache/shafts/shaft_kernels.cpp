@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/math/x86_intrinsics.h"
 
 namespace viscache {
@@ -29,18 +30,9 @@ namespace {
 // one or two roundings and approximate reciprocals. What the bounds leave open is traced, so
 // answers do not differ
 namespace portable {
-typedef float Part __attribute__((vector_size(16), may_alias));
-constexpr size_t kPartLanes = 4;
-inline Part all(float v) { return Part{v, v, v, v}; }
-// A comparison gives lanes of all ones; one bit of each is kept
-inline uint32_t lanes_of(decltype(Part{} > Part{}) m) {
-    return uint32_t((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
-}
-inline uint32_t at_least(Part a, Part b) { return lanes_of(a >= b); }
+#include "viscache/math/parts_portable.inc"
 // By the sign bit, as the instructions of the other sets read it: −0 counts as negative
 inline uint32_t negative(Part a) { return lanes_of(reinterpret_cast<decltype(a > a)>(a) < 0); }
-inline Part smaller(Part a, Part b) { return a < b ? a : b; }
-inline Part larger(Part a, Part b) { return a > b ? a : b; }
 // Two roundings here, one with FMA; the bound allows either
 inline Part fused(Part a, Part b, Part c) { return a * b + c; }
 // Exact is within the error that the callers allow
@@ -49,11 +41,6 @@ inline Part about_inverse_root(Part a) {
     Part r;
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = 1 / std::sqrt(a[i]);
     return r;
-}
-inline Part select(uint32_t lanes, Part a, Part b) {
-    using Lanes = decltype(Part{} > Part{});
-    const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
-    return chosen ? a : b;
 }
 // Chosen lanes move together, in their order, so that lists have no gaps
 template <class Vector>
@@ -70,24 +57,11 @@ inline void keep(float* to, const Vector& from, uint32_t lanes) {
 #pragma GCC push_options
 #pragma GCC target("avx2,fma,bmi,bmi2,popcnt")
 namespace avx2 {
-typedef float Part __attribute__((vector_size(32), may_alias));
-constexpr size_t kPartLanes = 8;
-inline Part all(float v) { return _mm256_set1_ps(v); }
-inline uint32_t at_least(Part a, Part b) {
-    return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GE_OQ)));
-}
+#include "viscache/math/parts_avx2.inc"
 inline uint32_t negative(Part a) { return uint32_t(_mm256_movemask_ps(a)); }
-inline Part smaller(Part a, Part b) { return _mm256_min_ps(a, b); }
-inline Part larger(Part a, Part b) { return _mm256_max_ps(a, b); }
 inline Part fused(Part a, Part b, Part c) { return _mm256_fmadd_ps(a, b, c); }
 inline Part about_inverse(Part a) { return _mm256_rcp_ps(a); }
 inline Part about_inverse_root(Part a) { return _mm256_rsqrt_ps(a); }
-inline Part select(uint32_t lanes, Part a, Part b) {
-    // AVX2 has no masks of bits: bit i is spread to all bits of lane i
-    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-    const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
-    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
-}
 template <class Vector>
 inline void keep(float* to, const Vector& from, uint32_t lanes) {
     for (size_t i = 0; i < kShaftLanes / kPartLanes; ++i) {
@@ -108,17 +82,11 @@ inline void keep(float* to, const Vector& from, uint32_t lanes) {
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi,bmi2,popcnt,prefer-vector-width=512")
 namespace avx512 {
-typedef float Part __attribute__((vector_size(64), may_alias));
-constexpr size_t kPartLanes = 16;
-inline Part all(float v) { return _mm512_set1_ps(v); }
-inline uint32_t at_least(Part a, Part b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
+#include "viscache/math/parts_avx512.inc"
 inline uint32_t negative(Part a) { return _mm512_movepi32_mask(_mm512_castps_si512(a)); }
-inline Part smaller(Part a, Part b) { return _mm512_min_ps(a, b); }
-inline Part larger(Part a, Part b) { return _mm512_max_ps(a, b); }
 inline Part fused(Part a, Part b, Part c) { return _mm512_fmadd_ps(a, b, c); }
 inline Part about_inverse(Part a) { return _mm512_rcp14_ps(a); }
 inline Part about_inverse_root(Part a) { return _mm512_rsqrt14_ps(a); }
-inline Part select(uint32_t lanes, Part a, Part b) { return _mm512_mask_blend_ps(__mmask16(lanes), b, a); }
 template <class Vector>
 inline void keep(float* to, const Vector& from, uint32_t lanes) {
     _mm512_storeu_ps(to, _mm512_maskz_compress_ps(__mmask16(lanes), from.p[0]));
@@ -130,12 +98,6 @@ inline void keep(float* to, const Vector& from, uint32_t lanes) {
 
 }  // namespace
 
-AnswerLight shaft_kernel([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return avx512::answer_light;
-    if (isa == Isa::kAvx2) return avx2::answer_light;
-#endif
-    return portable::answer_light;
-}
+AnswerLight shaft_kernel(Isa isa) { return VISCACHE_REGION(isa, answer_light); }
 
 }  // namespace viscache

@@ -30,14 +30,9 @@ public:
         RayPacket16 rays;
         for (size_t i = 0; i < kShaftLanes; ++i) {
             // Lanes beyond the end repeat the last point; their mask is 0
-            const Vec3 o = points_[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]];
-            rays.ox[i] = o.x;
-            rays.oy[i] = o.y;
-            rays.oz[i] = o.z;
+            rays.start(i, points_[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]]);
             // SegmentPackets takes ends here and makes directions itself
-            rays.dx[i] = target_.x;
-            rays.dy[i] = target_.y;
-            rays.dz[i] = target_.z;
+            rays.aim(i, target_);
         }
         return segments_.occluded(uint16_t(mask), rays);
     }

@@ -18,13 +18,8 @@ public:
     uint32_t occluded(size_t packet, uint32_t mask) override {
         RayPacket16 rays;
         for (size_t i = 0; i < kShaftLanes; ++i) {
-            const Vec3 o = eyes_.origin[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]];
-            rays.ox[i] = o.x;
-            rays.oy[i] = o.y;
-            rays.oz[i] = o.z;
-            rays.dx[i] = light_.x;
-            rays.dy[i] = light_.y;
-            rays.dz[i] = light_.z;
+            rays.start(i, eyes_.origin[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]]);
+            rays.aim(i, light_);
         }
         aim_at_points16(rays);
         return caster_.occluded16(uint16_t(mask), rays, Coherence::kCoherent);

@@ -1,7 +1,5 @@
 #include "viscache/shafts/shaft_tree.h"
 
-#include <cmath>
-
 #include "viscache/shafts/shaft_parts.h"
 
 namespace viscache {

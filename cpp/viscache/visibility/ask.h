@@ -1,8 +1,6 @@
 #pragma once
 // Queries for any number of eye points without a renderer. The points are split into tiles, and the tiles are
 // distributed over threads.
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "viscache/visibility/oracle_source.h"

@@ -7,7 +7,6 @@
 //
 // An oracle keeps nothing after the tile, so that answers do not depend on the number of threads. A table
 // that the oracles of a frame share must ensure this itself.
-#include <algorithm>
 #include <bitset>
 #include <cstdint>
 #include <optional>

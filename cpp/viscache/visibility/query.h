@@ -1,7 +1,6 @@
 #pragma once
 // Segments between two points. All self-intersection offsets are defined here.
 #include <cmath>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -11,6 +11,25 @@ namespace viscache {
 struct alignas(64) RayPacket16 {
     float ox[16], oy[16], oz[16], t_min[16];
     float dx[16], dy[16], dz[16], t_max[16];
+
+    void start(size_t lane, Vec3 o) {
+        ox[lane] = o.x;
+        oy[lane] = o.y;
+        oz[lane] = o.z;
+    }
+    /// Sets (dx, dy, dz): a direction, or an end point that is not a direction yet.
+    void aim(size_t lane, Vec3 d) {
+        dx[lane] = d.x;
+        dy[lane] = d.y;
+        dz[lane] = d.z;
+    }
+    void set(size_t lane, const Ray& ray) {
+        start(lane, ray.o);
+        aim(lane, ray.d);
+        t_min[lane] = ray.t_min;
+        t_max[lane] = ray.t_max;
+    }
+    Ray ray(size_t i) const { return {{ox[i], oy[i], oz[i]}, t_min[i], {dx[i], dy[i], dz[i]}, t_max[i]}; }
 };
 
 /// Coherent traversal suits consecutive rays with similar origins and ends. Answers do not change, with two

@@ -30,30 +30,9 @@ inline Ray shadow_ray(const EyeBlock& eyes, const ShadowQuery& q) {
 /// bypassed.
 inline bool is_traceable(Vec3 p) { return is_finite(p) && max_abs(p) <= kMaxCoordinate; }
 
-/// Stores one ray in a lane of a packet.
-inline void set_lane(RayPacket16& packet, int lane, const Ray& r) {
-    packet.ox[lane] = r.o.x;
-    packet.oy[lane] = r.o.y;
-    packet.oz[lane] = r.o.z;
-    packet.t_min[lane] = r.t_min;
-    packet.dx[lane] = r.d.x;
-    packet.dy[lane] = r.d.y;
-    packet.dz[lane] = r.d.z;
-    packet.t_max[lane] = r.t_max;
-}
-
 /// Fills the unused lanes of a partial packet with copies of its first lane, because they must be finite.
 inline void pad_lanes(RayPacket16& packet, int used) {
-    for (int i = used; i < 16; ++i) {
-        packet.ox[i] = packet.ox[0];
-        packet.oy[i] = packet.oy[0];
-        packet.oz[i] = packet.oz[0];
-        packet.dx[i] = packet.dx[0];
-        packet.dy[i] = packet.dy[0];
-        packet.dz[i] = packet.dz[0];
-        packet.t_min[i] = packet.t_min[0];
-        packet.t_max[i] = packet.t_max[0];
-    }
+    for (int i = used; i < 16; ++i) packet.set(size_t(i), packet.ray(0));
 }
 
 /// Converts 16 end points, stored in (dx, dy, dz), to the rays that `segment_to_point` gives.
@@ -68,9 +47,7 @@ inline void aim_at_points16(RayPacket16& packet) {
         const float dy = packet.dy[i] - packet.oy[i];
         const float dz = packet.dz[i] - packet.oz[i];
         const float relative = kOffsetUlps * kUlp * size / std::sqrt(dx * dx + dy * dy + dz * dz);
-        packet.dx[i] = dx;
-        packet.dy[i] = dy;
-        packet.dz[i] = dz;
+        packet.aim(size_t(i), {dx, dy, dz});
         packet.t_min[i] = 0;
         packet.t_max[i] = 1.f - (relative < 1.f ? relative : 1.f);
     }

@@ -20,12 +20,8 @@ public:
         : segments_(caster), rows_(rows), row_words_(row_words), word_(word) {}
 
     void add(uint32_t point, Vec3 from, int column, Vec3 to) {
-        packet_.ox[used_] = from.x;
-        packet_.oy[used_] = from.y;
-        packet_.oz[used_] = from.z;
-        packet_.dx[used_] = to.x;
-        packet_.dy[used_] = to.y;
-        packet_.dz[used_] = to.z;
+        packet_.start(used_, from);
+        packet_.aim(used_, to);
         point_[used_] = point;
         column_[used_] = column;
         if (++used_ == kLanes) flush();

@@ -45,6 +45,13 @@ bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
     return true;
 }
 
+/// Number of points on the left, which come first.
+size_t KdTree::partition(std::span<TreePoint> points, const Cut& cut) {
+    const auto middle = std::partition(points.begin(), points.end(),
+                                       [&](const TreePoint& p) { return p.position[cut.axis] < cut.split; });
+    return size_t(middle - points.begin());
+}
+
 void KdTree::fill_leaf(uint32_t node, std::span<const TreePoint> points) {
     nodes_[node].axis = kLeaf;
     // A leaf that grows keeps its blocks, which are written over.
@@ -76,9 +83,7 @@ void KdTree::build_node(uint32_t node, std::span<TreePoint> points, int depth) {
         fill_leaf(node, points);
         return;
     }
-    const auto middle = std::partition(points.begin(), points.end(),
-                                       [&](const TreePoint& p) { return p.position[cut.axis] < cut.split; });
-    const auto left = size_t(middle - points.begin());
+    const size_t left = partition(points, cut);
     // Siblings lie side by side, so one index names both.
     const uint32_t children = uint32_t(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
@@ -143,9 +148,7 @@ void KdTree::insert(const TreePoint& point) {
         fill_leaf(node, points);
         return;
     }
-    const auto middle = std::partition(points.begin(), points.end(),
-                                       [&](const TreePoint& p) { return p.position[cut.axis] < cut.split; });
-    const auto left = size_t(middle - points.begin());
+    const size_t left = partition(points, cut);
     const uint32_t children = uint32_t(nodes_.size()), old_blocks = nodes_[node].first;
     // The left child takes over the blocks, which must be empty before they are filled again.
     for (uint32_t b = old_blocks; b != kNone; b = blocks_[b].next) blocks_[b].count = 0;

@@ -59,6 +59,7 @@ private:
     static constexpr uint32_t kNone = 0xffffffffu;
 
     static bool find_cut(std::span<TreePoint> points, Cut& cut);
+    static size_t partition(std::span<TreePoint> points, const Cut& cut);
     void build_node(uint32_t node, std::span<TreePoint> points, int depth);
     void fill_leaf(uint32_t node, std::span<const TreePoint> points);
     std::vector<TreePoint> leaf_points(uint32_t node) const;

@@ -1,7 +1,6 @@
 #pragma once
 // The records of a scene, and the approximate visibility they give at a point.
 #include <array>
-#include <optional>
 #include <shared_mutex>
 
 #include "viscache/vismap/blended_maps.h"

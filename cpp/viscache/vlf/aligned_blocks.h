@@ -1,7 +1,6 @@
 #pragma once
 // Data of aligned rays: triangles in blocks of 16, points in packets of 16, and the state of one thread
 // along one axis.
-#include <cstring>
 #include <memory>
 #include <new>
 #include <span>

@@ -1,7 +1,9 @@
 #include "viscache/vlf/aligned_kernels.h"
 
+#include <cstring>
 #include <numeric>
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/math/x86_intrinsics.h"
 
 #define VISCACHE_LAMBDA __attribute__((always_inline))
@@ -31,26 +33,11 @@ ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bo
 
 namespace {
 
-// Vectors of four floats as the compiler gives them on any CPU. It is the reference for the other variants.
 namespace portable {
-typedef float Part __attribute__((vector_size(16), may_alias));
-constexpr size_t kPartLanes = 4;
-inline Part all(float v) { return Part{v, v, v, v}; }
-// Comparisons set lanes to 0 or −1 (all bits), so bit i of lane i becomes bit i of the mask.
-inline uint32_t lanes_of(decltype(Part{} > Part{}) m) {
-    return uint32_t((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
-}
-inline uint32_t at_least(Part a, Part b) { return lanes_of(a >= b); }
+#include "viscache/math/parts_portable.inc"
 inline uint32_t above(Part a, Part b) { return lanes_of(a > b); }
-inline Part smaller(Part a, Part b) { return a < b ? a : b; }
-inline Part larger(Part a, Part b) { return a > b ? a : b; }
 inline float smallest(Part a) { return std::min(std::min(a[0], a[1]), std::min(a[2], a[3])); }
 inline float largest(Part a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
-inline Part select(uint32_t lanes, Part a, Part b) {
-    using Lanes = decltype(Part{} > Part{});
-    const Lanes chosen{-int(lanes & 1), -int(lanes >> 1 & 1), -int(lanes >> 2 & 1), -int(lanes >> 3 & 1)};
-    return chosen ? a : b;
-}
 // Packs the chosen lanes to the left; the order stays:
 //
 //     from  a b c d e f g h     lanes 01101001 (a is the lowest bit)     to  a d f g
@@ -72,17 +59,10 @@ inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) {
 // No variant may fuse a product with a sum: CMakeLists.txt turns contraction off, for equal bits.
 #pragma GCC target("avx2,bmi,bmi2,popcnt")
 namespace avx2 {
-typedef float Part __attribute__((vector_size(32), may_alias));
-constexpr size_t kPartLanes = 8;
-inline Part all(float v) { return _mm256_set1_ps(v); }
-inline uint32_t at_least(Part a, Part b) {
-    return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GE_OQ)));
-}
+#include "viscache/math/parts_avx2.inc"
 inline uint32_t above(Part a, Part b) {
     return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)));
 }
-inline Part smaller(Part a, Part b) { return _mm256_min_ps(a, b); }
-inline Part larger(Part a, Part b) { return _mm256_max_ps(a, b); }
 inline float smallest(Part a) {
     __m128 v = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
     v = _mm_min_ps(v, _mm_movehl_ps(v, v));
@@ -92,12 +72,6 @@ inline float largest(Part a) {
     __m128 v = _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
     v = _mm_max_ps(v, _mm_movehl_ps(v, v));
     return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, 1)));
-}
-inline Part select(uint32_t lanes, Part a, Part b) {
-    // Bit i of the mask decides lane i: each lane compares its own bit.
-    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-    const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
-    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
 }
 template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
@@ -126,16 +100,10 @@ inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits
 // Without prefer-vector-width, the compiler splits some vectors of sixteen into two of eight.
 #pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")
 namespace avx512 {
-typedef float Part __attribute__((vector_size(64), may_alias));
-constexpr size_t kPartLanes = 16;
-inline Part all(float v) { return _mm512_set1_ps(v); }
-inline uint32_t at_least(Part a, Part b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
+#include "viscache/math/parts_avx512.inc"
 inline uint32_t above(Part a, Part b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ); }
-inline Part smaller(Part a, Part b) { return _mm512_min_ps(a, b); }
-inline Part larger(Part a, Part b) { return _mm512_max_ps(a, b); }
 inline float smallest(Part a) { return _mm512_reduce_min_ps(a); }
 inline float largest(Part a) { return _mm512_reduce_max_ps(a); }
-inline Part select(uint32_t lanes, Part a, Part b) { return _mm512_mask_blend_ps(__mmask16(lanes), b, a); }
 template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
     // Compacted in a register and stored whole: the instruction that compacts into memory is slow on some
@@ -150,12 +118,6 @@ inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits
 
 }  // namespace
 
-TraceAxis trace_axis_kernel([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return avx512::trace_axis;
-    if (isa == Isa::kAvx2) return avx2::trace_axis;
-#endif
-    return portable::trace_axis;
-}
+TraceAxis trace_axis_kernel(Isa isa) { return VISCACHE_REGION(isa, trace_axis); }
 
 }  // namespace viscache

@@ -1,7 +1,5 @@
 #pragma once
 // One block of points × shared directions, traced by the batch: requested bits in, visible bits out.
-#include <optional>
-
 #include "viscache/visibility/oracle.h"
 #include "viscache/vlf/aligned_kernels.h"
 #include "viscache/vlf/direction_axes.h"

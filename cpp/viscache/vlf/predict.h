@@ -2,7 +2,6 @@
 // Predicts the size of a field before it is built.
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "viscache/math/parallel.h"
 #include "viscache/vlf/visibility_field.h"

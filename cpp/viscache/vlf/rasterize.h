@@ -2,8 +2,6 @@
 // Rasterization of a triangle in a parallel subfield: which tiles it touches, and its depth range in each.
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdint>
 
 #include "viscache/casters/flat_triangles.h"
 #include "viscache/math/frame.h"

@@ -1,6 +1,5 @@
 #pragma once
 // One parallel subfield: the tiles of one direction, with the triangles that each of them lists.
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,7 +1,6 @@
 #pragma once
 // Divides the polygons of a tile along its depth.
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>

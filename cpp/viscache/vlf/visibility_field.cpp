@@ -122,7 +122,7 @@ uint16_t VisibilityField::occluded16(uint16_t mask, RayPacket16& p, Coherence) c
     Ray rays[16];
     for (uint32_t left = mask; left; left &= left - 1) {
         const int i = std::countr_zero(left);
-        rays[i] = {{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]};
+        rays[i] = p.ray(size_t(i));
     }
     uint32_t answer = 0;
     // Lanes outside the mask have direction zero

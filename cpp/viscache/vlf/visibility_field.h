@@ -2,7 +2,6 @@
 // The visibility field: lists of triangles along beams in fixed directions; rays are traced by lookup.
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "viscache/math/parallel.h"
 #include "viscache/scene/scene.h"

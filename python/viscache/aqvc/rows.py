@@ -10,7 +10,7 @@ from viscache import _core
 from viscache.base.sharing import Turn, Uncopied
 from viscache.scene import Scene
 from viscache.settings.aqvc import KEYED, LIGHT_GROUPS, Aqvc
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import is_whole, require, require_kept
 from viscache.settings.spelling import spelled
 
 
@@ -92,12 +92,7 @@ class AqvcRows(Uncopied):
             keyed = {name: getattr(core, name) for name in KEYED}
             if not self._geometry:
                 self._keyed_by, self._geometry = keyed, scene.geometry_hash
-            for name, value in keyed.items():
-                require(
-                    value == self._keyed_by[name],
-                    f"{name} must be {self._keyed_by[name]} as in the rows' frames before",
-                    value,
-                )
+            require_kept(keyed, self._keyed_by, "rows'")
             require(
                 scene.geometry_hash == self._geometry,
                 "scene must have the geometry of the rows' frames before",

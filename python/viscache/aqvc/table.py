@@ -15,7 +15,7 @@ from viscache.base.sharing import Turn, Uncopied
 from viscache.scene import Scene
 from viscache.scenes import sources
 from viscache.settings.aqvc import KEYED, Aqvc
-from viscache.settings.checks import is_whole, require
+from viscache.settings.checks import is_whole, require, require_kept
 from viscache.settings.spelling import spelled
 
 #: One row of `AqvcTable.entries`.
@@ -192,12 +192,7 @@ class AqvcTable(Uncopied):
                 self._core = _core.KeptTable(self.table_bytes, core)
                 self._keyed_by = keyed
                 self._geometry = self._geometry or scene.geometry_hash
-            for name, value in keyed.items():
-                require(
-                    value == self._keyed_by[name],
-                    f"{name} must be {self._keyed_by[name]} as in the table's frames before",
-                    value,
-                )
+            require_kept(keyed, self._keyed_by, "table's")
             require(
                 scene.geometry_hash == self._geometry,
                 "scene must have the geometry of the table's frames before, or be given to "

@@ -112,11 +112,7 @@ def netcdf_file(
     """
     import h5netcdf  # type: ignore[import-untyped,unused-ignore]
 
-    with (
-        whole_file(target) as partial,
-        TakesAll(partial) as disk,
-        ThreadPoolExecutor(1) as thread,
-    ):
+    with whole_file(target) as partial, TakesAll(partial) as disk, ThreadPoolExecutor(1) as thread:
         file = thread.submit(h5netcdf.File, disk, "w").result()
 
         def run(job: Callable[[Any], object]) -> None:

@@ -140,7 +140,6 @@ def _print(summary: dict[str, Any]) -> None:
 
 
 def _summary(dataset: Any, path: str) -> dict[str, Any]:
-    """The summary that the command prints."""
     a = dataset.attrs
     rows = [
         {"theta_deg": float(dataset["theta"][t])}

@@ -170,7 +170,6 @@ def save_all(
 
 
 def _figure(width: float, height: float, columns: int = 1) -> tuple[Figure, Any]:
-    """A figure and its axes in one row."""
     figure = new_figure(width, height)
     return figure, figure.subplots(1, columns)
 

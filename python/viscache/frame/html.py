@@ -52,7 +52,6 @@ def _table(rows: Mapping[str, tuple[Any, str]], names: list[str]) -> str:
 
 
 def _errors(rows: Mapping[str, str]) -> str:
-    """The errors that an audit estimated, or nothing."""
     if not rows:
         return ""
     cells = "".join(

@@ -31,7 +31,6 @@ def frame_bytes(
 
 
 def _group(kind: str) -> str:
-    """The light group of a kind of light."""
     known = {"constant": "environment", "spot": "point", "sphere": "area"}
     return known.get(kind, kind)
 

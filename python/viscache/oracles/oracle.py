@@ -301,7 +301,6 @@ class Oracle:
 
 
 def _wanted_bits(wanted: Any, shape: tuple[int, int]) -> npt.NDArray[np.uint64] | None:
-    """Rows of bits of what is asked."""
     if wanted is None:
         return None
     asked = np.asarray(wanted)

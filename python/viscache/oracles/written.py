@@ -141,7 +141,6 @@ class WrittenOracle:
 
 
 def _parted(answer: Any) -> tuple[Any, Any]:
-    """An answer and its weights."""
     if isinstance(answer, tuple):
         require(
             len(answer) == 2,

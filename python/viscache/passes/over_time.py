@@ -217,7 +217,6 @@ def _named(settings: Mapping[str, Any] | None) -> Mapping[str, Any]:
 
 
 def _setting(name: str, one: Any, base: BareShot) -> BareShot:
-    """What `Progressive` renders."""
     given = dict(one) if isinstance(one, Mapping) else {"visibility": one}
     known = ("visibility", "use", "rays", "integrator")
     for key in given:

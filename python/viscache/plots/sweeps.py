@@ -301,7 +301,6 @@ def _spans(values: Any) -> bool:
 
 
 def _logarithmic(axes: Any, axis: Any) -> None:
-    """Make an axis logarithmic."""
     axes.set_xscale("log") if axis is axes.xaxis else axes.set_yscale("log")
     ticks_1_2_5(axis)
 

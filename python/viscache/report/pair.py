@@ -118,7 +118,6 @@ def _pixels(picture: Picture) -> npt.NDArray[np.float64]:
 def _facts(
     image: Picture, reference: Picture, size: tuple[int, int], name: str, reference_name: str
 ) -> dict[str, str]:
-    """The facts about both pictures."""
     facts = {"Picture": name, "Reference": reference_name, "Size": f"{size[0]}×{size[1]}"}
     for words, picture in (("Made by", image), ("Reference by", reference)):
         made = getattr(picture, "provenance", {})

@@ -141,7 +141,6 @@ def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -
 def _color_bar(
     look: Callable[[float], tuple[str, float]], values: Sequence[float], value: str, width: float
 ) -> str:
-    """Colour bar of a pair plot, in its empty corner."""
     left, right, top = width - 250, width - 30, 34
     axis = Axis(values, left, right)
     parts = [f'<text class="label" x="{left}" y="{top - 10}">{labels.as_svg(value)}</text>']

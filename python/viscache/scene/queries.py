@@ -136,12 +136,7 @@ def shaft_matrix(
     ends = checked_points(points, "points"), checked_points(targets, "targets")
     with progress_bar(progress, unit="tile") as report:
         return _core.shaft_matrix(
-            shafts,
-            caster,
-            *ends,
-            choose=choose,
-            threads=checked_threads(threads),
-            progress=report,
+            shafts, caster, *ends, choose=choose, threads=checked_threads(threads), progress=report
         )
 
 

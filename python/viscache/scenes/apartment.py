@@ -245,7 +245,6 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
 
 
 def _island(b: Builder, rng: np.random.Generator) -> None:
-    """The kitchen's island with its stools."""
     island = place([-5.0, 0, 2.45])
     furniture.cabinet(b, island @ place([0, 0, -0.35]), (1.7, 0.86, 0.7), "petrol", doors=3)
     shape = soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02)

@@ -60,8 +60,6 @@ class Builder:
     def __post_init__(self) -> None:
         self.description.name = self.name
 
-    # ------------------------------------------------------------ materials
-
     def diffuse(self, name: str, color: Rgb) -> int:
         """Two-sided Lambertian material, one per name."""
         return self._material(name, _core.MaterialKind.DIFFUSE, base_color=color)
@@ -99,8 +97,6 @@ class Builder:
                 kind, base_color=base_color, specular=specular, roughness=roughness, eta=eta
             )
         return self._materials[name]
-
-    # ------------------------------------------------------------ shapes
 
     def add(
         self,
@@ -182,8 +178,6 @@ class Builder:
                     total -= part.n_triangles(detail)
                     gone.add(id(part))
             self._placements = [p for p in self._placements if id(p) not in gone]
-
-    # ------------------------------------------------------------ direct writing
 
     def add_mesh(
         self,

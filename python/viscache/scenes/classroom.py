@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 
 from viscache import _core
-from viscache.scenes import decor, fixtures, furniture
+from viscache.scenes import decor, fixtures, furniture, walls
 from viscache.scenes.builder import Builder
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
-from viscache.scenes.shapes import Array, box, cylinder, place, quad, smooth_path, tube
+from viscache.scenes.shapes import Array, box, cylinder, place, smooth_path, tube
 from viscache.settings.checks import is_whole, require
 
 SEED = 2007
@@ -36,7 +36,7 @@ def classroom_like(triangles: Annotated[int, Range(LEAST, MOST_TRIANGLES)] = 51_
         Exact number; what shapes leave over becomes paper on the floor. At least 1000.
     """
     b, rng = Builder("classroom_like"), np.random.Generator(np.random.PCG64(SEED))
-    _shell(b)
+    walls.shell(b, (WIDTH, HEIGHT, LENGTH), "floor_oak", ("cream", "plaster", "sage", "plaster"))
     _pupils(b, rng)
     _front(b, rng)
     _walls(b, rng)
@@ -71,16 +71,6 @@ def classroom_camera(frame: int, frames: int = FRAMES) -> _core.Camera:
     require(is_whole(frame) and 0 <= frame < frames, f"frame must be in [0, {frames})", frame)
     origin, target = (smooth_path(points, frames)[frame].tolist() for points in (PATH, TARGETS))
     return _core.look_at(tuple(origin), tuple(target), (0.0, 1.0, 0.0), 60.0)
-
-
-def _shell(b: Builder) -> None:
-    x, y, z = WIDTH, HEIGHT, LENGTH
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "floor_oak")
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "cream")
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "sage")
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
 
 
 def _pupils(b: Builder, rng: np.random.Generator) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from viscache.scenes import decor, fixtures, furniture
+from viscache.scenes import decor, fixtures, furniture, walls
 from viscache.scenes.builder import Builder
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
@@ -49,12 +49,7 @@ def conference(triangles: Annotated[int, Range(200, MOST_TRIANGLES)] = 280_000) 
 
 def _shell(b: Builder) -> None:
     x, y, z = 6.5, HEIGHT, 4.5
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "grey_cloth")
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "plaster")
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "blue_wall")
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
+    walls.shell(b, (x, y, z), "grey_cloth", ("plaster", "plaster", "blue_wall", "plaster"))
     ring = [[-x, 0.05, -z], [x, 0.05, -z], [x, 0.05, z], [-x, 0.05, z], [-x, 0.05, -z]]
     fixtures.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
 

@@ -71,9 +71,6 @@ def _out_of_the_way(points: Array, near: float) -> Array:
     return free
 
 
-# ---------------------------------------------------------------- tulips
-
-
 def _tulips(b: Builder, rng: np.random.Generator, n: int) -> None:
     at = rng.uniform(-0.95 * HALF, 0.95 * HALF, (4 * n, 2))
     stem = rng.uniform(3.6, 5.0, 4 * n)
@@ -109,9 +106,6 @@ def _petal(u: Array, v: Array) -> Array:
 
 
 PETAL = surface(_petal, 5, 7, least=(2, 3))
-
-
-# ---------------------------------------------------------------- grass
 
 
 def _grass(b: Builder, rng: np.random.Generator, triangles: int) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from viscache.scenes import decor, fixtures, furniture
+from viscache.scenes import decor, fixtures, furniture, walls
 from viscache.scenes.builder import Builder
 from viscache.scenes.registry import MOST_TRIANGLES, Range, scene
 from viscache.scenes.shapes import (
@@ -93,12 +93,7 @@ def light_spots(n: int) -> Array:
 
 def _shell(b: Builder) -> None:
     x, y, z = 5.0, 4.0, 5.0
-    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), "floor_oak")
-    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
-    b.add(quad([-x, 0, -z], [x, 0, -z], [x, y, -z], [-x, y, -z]), "sage")
-    b.add(quad([x, 0, z], [-x, 0, z], [-x, y, z], [x, y, z]), "plaster")
-    b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), "plaster")
-    b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), "plaster")
+    walls.shell(b, (x, y, z), "floor_oak", ("sage", "plaster", "plaster", "plaster"))
     ring = [[-x, 0.05, -z], [x, 0.05, -z], [x, 0.05, z], [-x, 0.05, z], [-x, 0.05, -z]]
     fixtures.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
     cornice = np.add(ring, [0, y - 0.1, 0])

@@ -22,9 +22,6 @@ Warp = Callable[[Array], Array]
 SHEAR = 0.37  # fraction of a column per row; 0.5 would give diamonds of coplanar triangles
 
 
-# ---------------------------------------------------------------- transforms
-
-
 def place(
     at: npt.ArrayLike = (0.0, 0.0, 0.0),
     yaw: npt.ArrayLike = 0.0,
@@ -85,9 +82,6 @@ def even_path(points: npt.ArrayLike, samples: int) -> Array:
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
     at = np.linspace(0, length[-1], samples)
     return np.stack([np.interp(at, length, p[:, i]) for i in range(p.shape[1])], axis=1)
-
-
-# ---------------------------------------------------------------- shapes
 
 
 @dataclass(frozen=True)

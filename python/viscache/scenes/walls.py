@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from viscache.scenes.builder import Builder
-from viscache.scenes.shapes import Array, box, place, revolve, rod, soft_box
+from viscache.scenes.shapes import Array, box, place, quad, revolve, rod, soft_box
 
 Opening = tuple[float, float, float, float]  # from, to along the wall; bottom, top
 
@@ -47,6 +47,19 @@ def wall(
             _casing(b, frame, left, right, top, h)
         x = right
     b.add(box([x, 0, -h], [length, height, h]), m, frame)
+
+
+def shell(
+    b: Builder, size: tuple[float, float, float], floor: str, walls: tuple[str, str, str, str]
+) -> None:
+    """A closed box of quads, seen from inside; walls at -z, +z, -x and +x."""
+    x, y, z = size
+    b.add(quad([-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]), floor)
+    b.add(quad([-x, y, -z], [x, y, -z], [x, y, z], [-x, y, z]), "ceiling")
+    corners = [[-x, -z], [x, -z], [x, z], [-x, z]]
+    for (a, c), color in zip(((0, 1), (2, 3), (3, 0), (1, 2)), walls, strict=True):
+        (ax, az), (cx, cz) = corners[a], corners[c]
+        b.add(quad([ax, 0, az], [cx, 0, cz], [cx, y, cz], [ax, y, az]), color)
 
 
 def _bar(

@@ -41,13 +41,7 @@ BY_GROUP = ("c_e_groups", "refinement")
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
     # Fewer and larger clusters, more rays for large contributions (docs/aqvc.md)
-    "fast": {
-        "c_n": 2,
-        "c_z": 1.0,
-        "c_r": 2.0,
-        "by_contribution": True,
-        "level_step": 2.0,
-    },
+    "fast": {"c_n": 2, "c_z": 1.0, "c_r": 2.0, "by_contribution": True, "level_step": 2.0},
     "paper": {
         "c_z": 8.0,
         "c_finest": "log2",

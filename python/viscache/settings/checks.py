@@ -26,6 +26,13 @@ def require(holds: bool, what: str, given: Any) -> None:
         raise ValueError(f"{what}, got {given!r}")
 
 
+def require_kept(now: dict[str, Any], before: dict[str, Any], of: str) -> None:
+    """Raise ValueError unless settings are those of the frames before; `of`: what was kept."""
+    for name, value in now.items():
+        what = f"{name} must be {before[name]} as in the {of} frames before"
+        require(value == before[name], what, value)
+
+
 def check_types(settings: Any) -> None:
     """Check every field of a frozen dataclass by its annotation; numbers become Python numbers.
 

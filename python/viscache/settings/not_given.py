@@ -39,12 +39,7 @@ class _Flag(NotGiven, int):
 
 
 #: Types of values, and what marks them.
-MARKS: tuple[tuple[Any, Any], ...] = (
-    (int, _Int),
-    (float, _Float),
-    (str, _Text),
-    (tuple, _Tuple),
-)
+MARKS: tuple[tuple[Any, Any], ...] = ((int, _Int), (float, _Float), (str, _Text), (tuple, _Tuple))
 
 
 def not_given(value: Any) -> Any:

@@ -15,15 +15,7 @@ from viscache.settings.source_context import SourceContext
 from viscache.settings.vismaps import VisMaps
 
 #: The methods that `viscache` has; its own list and its stub take them from here.
-__all__ = [
-    "Aqvc",
-    "Exact",
-    "NeePlusPlus",
-    "PaperForm",
-    "ShadowMap",
-    "Unoccluded",
-    "VisMaps",
-]
+__all__ = ["Aqvc", "Exact", "NeePlusPlus", "PaperForm", "ShadowMap", "Unoccluded", "VisMaps"]
 
 
 @registered("visibility", "exact", exact=True, unbiased=True, product=True, parts=True, audit=False)

@@ -74,7 +74,6 @@ def _is_exact(count: Mapping[str, Any], counters: Mapping[str, Any]) -> bool:
 
 
 def _warning(group: str, rays_per_query: float, model: Cost) -> list[str]:
-    """The warning of one group, or none."""
     cost, better = model.of(rays_per_query), BETTER.get(group, "vc.Exact(), or a larger c_e")
     if cost > 1:
         return [

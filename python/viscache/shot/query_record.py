@@ -96,7 +96,6 @@ def record_queries(
 
 
 def _define(file: Any) -> None:
-    """The empty variables."""
     file.dimensions = {"query": None, "axis": 3}
     for name, (kind, meaning) in VARIABLES.items():
         dims = ("query", "axis") if name in ("x", "y") else ("query",)
@@ -106,7 +105,6 @@ def _define(file: Any) -> None:
 
 
 def _append(file: Any, written: int, columns: dict[str, npt.NDArray[Any]]) -> None:
-    """Queries after those that are written."""
     end = written + len(columns["eye"])
     file.resize_dimension("query", end)
     for name, values in columns.items():

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.base.sharing import Turn, Uncopied
 from viscache.scene import Scene
-from viscache.settings.checks import require
+from viscache.settings.checks import require, require_kept
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.spelling import spelled
 
@@ -86,12 +86,7 @@ class VoxelCounts(Uncopied):
             cells = {name: getattr(settings, name) for name in CELLS}
             if not self._geometry:
                 self._cells, self._geometry = cells, scene.geometry_hash
-            for name, value in cells.items():
-                require(
-                    value == self._cells[name],
-                    f"{name} must be {self._cells[name]} as in the counts' frames before",
-                    value,
-                )
+            require_kept(cells, self._cells, "counts'")
             require(
                 scene.geometry_hash == self._geometry,
                 "scene must have the geometry of the counts' frames before",

@@ -218,7 +218,6 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
 
 
 def _scene_text(scene: Any, source: Any) -> str:
-    """The scene in words: as it was given, or its spec, or its name."""
     if isinstance(source, str):
         return source
     return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))

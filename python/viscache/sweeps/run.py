@@ -335,5 +335,4 @@ def _pairs(point: Point) -> list[tuple[str, str]]:
 
 
 def _keys(point: Point) -> list[str]:
-    """The frames a point needs."""
     return [k for k in dict.fromkeys((point.key, point.paired, point.converged)) if k is not None]

@@ -217,7 +217,6 @@ def _parts(count: int) -> int:
 
 
 def _share(size: tuple[int, int], edge: int, number: int, parts: int) -> float:
-    """Share of the pixels in a part of a frame."""
     boxes = tiles.tile_boxes(size, edge, number, parts)
     return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in boxes) / (size[0] * size[1])
 

@@ -102,7 +102,6 @@ def _name(visibility: Any, parameter: str | None, kinds: dict[str, type]) -> str
 
 
 def _ends(between: Any, whole: bool) -> tuple[float, float]:
-    """The ends of a range, checked."""
     what = "whole numbers" if whole else "numbers"
     must = f"parameter must be {{name: (low, high)}}, two {what} with low < high"
     pair = isinstance(between, Sequence) and not isinstance(between, str) and len(between) == 2

@@ -302,12 +302,7 @@ def _works_in_parts(integrator: Any, rays: Any, visibility: Any, use: Any) -> bo
 
 
 def _checked(
-    check: Sample,
-    wanted: Searched,
-    pilots: list[Pilot],
-    one: Pilot,
-    aim: _Aim,
-    metric: ErrorMetric,
+    check: Sample, wanted: Searched, pilots: list[Pilot], one: Pilot, aim: _Aim, metric: ErrorMetric
 ) -> Tuned:
     """The best pilot's values, measured on pixels that no pilot saw."""
     visibility, use = wanted.at(one.value, one.also)

@@ -279,12 +279,7 @@ class Tuned:
             "use": in_words(self.use),
             **{name: getattr(self, name) for name in _SHOWN.split()},
             "pilots": [
-                {
-                    p.parameter: p.value,
-                    **p.also,
-                    "error": p.error,
-                    "ray_reduction": p.ray_reduction,
-                }
+                {p.parameter: p.value, **p.also, "error": p.error, "ray_reduction": p.ray_reduction}
                 for p in self.pilots
             ],
         }

@@ -106,12 +106,7 @@ def _error(
     worst = int(np.argmin(samples) if lowest else np.argmax(np.abs(samples)))
     a, b = pictures[worst], references[worst]
     numbers = {limit.metric: limit.told(measured) for limit in limits}
-    rows = {
-        **numbers,
-        **_largest(a, b),
-        "picture": told(a),
-        "exact": told(b),
-    }
+    rows = {**numbers, **_largest(a, b), "picture": told(a), "exact": told(b)}
     what = " and ".join(f"{limit.metric} must be {limit}" for limit in missed)
     repeats = f" (means of {measured.repeats} pairs; the worst is shown)"
     head = f"not close to the exact picture: {what}{repeats * (measured.repeats > 1)}"

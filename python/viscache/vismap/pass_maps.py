@@ -69,11 +69,9 @@ class PassMaps:
             raise
 
     def _state(self) -> dict[str, npt.NDArray[Any]]:
-        """Arrays of all records."""
         return _state_of(self.cache)
 
     def _restore(self, state: dict[str, npt.NDArray[Any]]) -> None:
-        """Records that `_state` gave."""
         cache = VisibilityMapCache(self.cache.scene, self.cache.settings, rays=self.cache.rays_by)
         records = dict(state)
         frame, started, rays = (int(v) for v in records.pop("counts"))

@@ -71,13 +71,8 @@ class RecordInsertion:
         )
 
     def _insert(
-        self,
-        points: CachePoints,
-        threads: int,
-        progress: Progress = False,
-        unit: str = "pixel",
+        self, points: CachePoints, threads: int, progress: Progress = False, unit: str = "pixel"
     ) -> dict[str, int]:
-        """Inserts records at the points that need them."""
         with progress_bar(progress, unit=unit) as report:
             found = self._core.insert(
                 self.scene._core,
