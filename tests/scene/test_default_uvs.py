@@ -25,13 +25,13 @@ def mitsuba(folder, body):
     return core.load_scene_file(str(folder / "s.xml"), True)
 
 
-def pbrt(folder, world, *, strict=True):
+def pbrt(folder, world):
     path = folder / "s.pbrt"
     path.write_text(
         f'LookAt 0 0 3 0 0 0 0 1 0 Camera "perspective" "float fov" 30 Film "rgb" "integer xresolution" 16 '
         f'"integer yresolution" 16 WorldBegin\n{world}\n'
     )
-    return core.load_scene_file(str(path), strict)
+    return core.load_scene_file(str(path), True)
 
 
 def corner_uvs(scene, mesh=0):

@@ -23,15 +23,15 @@ def wall(folder, texture):
     return path
 
 
-def albedo(path, size=(64, 48), spp=16):
+def albedo(path):
     scene = vc.load_scene(path, strict=True)
-    frame = vc.render(scene, vc.AmbientOcclusion(n_samples=1), spp=spp, size=size)
+    frame = vc.render(scene, vc.AmbientOcclusion(n_samples=1), spp=1, size=(64, 48))
     return frame.layers["albedo"]
 
 
 def test_the_squares_of_a_checkerboard_have_hard_edges(tmp_path):
     scale = '<transform name="to_uv"><scale x="2" y="2"/></transform>'
-    picture = albedo(wall(tmp_path, BOARD.format(to_uv=scale)), spp=1)
+    picture = albedo(wall(tmp_path, BOARD.format(to_uv=scale)))
     first = np.isclose(picture, np.float32([0.8, 0.4, 0.2])).all(-1)
     second = np.isclose(picture, np.float32([0.1, 0.2, 0.3])).all(-1)
     assert (first ^ second).all(), "a pixel shows a mixture"
@@ -44,9 +44,9 @@ def test_old_files_scale_and_move_their_textures(tmp_path):
     new = '<transform name="to_uv"><scale x="2" y="3"/><translate x=".25" y=".5"/></transform>'
     old = """<float name="uscale" value="2"/><float name="vscale" value="3"/>
         <float name="uoffset" value=".25"/><float name="voffset" value=".5"/>"""
-    a, b = (albedo(wall(tmp_path, BOARD.format(to_uv=t)), spp=1) for t in (new, old))
+    a, b = (albedo(wall(tmp_path, BOARD.format(to_uv=t))) for t in (new, old))
     np.testing.assert_array_equal(a, b)
-    assert (a != albedo(wall(tmp_path, BOARD.format(to_uv="")), spp=1)).any()
+    assert (a != albedo(wall(tmp_path, BOARD.format(to_uv="")))).any()
 
 
 def test_images_of_one_material_share_their_transform(tmp_path):
