@@ -72,11 +72,9 @@ void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, st
     }
 }
 
-/// Any hit for lanes [first, first + width of Packet) of sixteen rays.
-template <class Packet, int kWidth>
-uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays, int first) {
-    alignas(64) Packet packet;
-    alignas(64) int valid[kWidth];
+/// Copies the lanes of a packet from `first` on.
+template <int kWidth, class Packet>
+void fill(Packet& packet, const RayPacket16& rays, size_t first) {
     constexpr size_t kRow = sizeof(float) * kWidth;
     // Both packets store arrays by component; they differ in their fields between
     std::memcpy(packet.org_x, rays.ox + first, kRow);
@@ -87,6 +85,14 @@ uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPa
     std::memcpy(packet.dir_y, rays.dy + first, kRow);
     std::memcpy(packet.dir_z, rays.dz + first, kRow);
     std::memcpy(packet.tfar, rays.t_max + first, kRow);
+}
+
+/// Any hit for lanes [first, first + width of Packet) of sixteen rays.
+template <class Packet, int kWidth>
+uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays, int first) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[kWidth];
+    fill<kWidth>(packet, rays, size_t(first));
     set_common(packet);
     for (int i = 0; i < kWidth; ++i) {
         // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
@@ -105,20 +111,12 @@ template <class Packet, int kWidth>
 void occluded_batch(Query& query, RTCScene scene, const RayBatch& batch, uint8_t* blocked) {
     static_assert(16 % kWidth == 0);
     alignas(64) Packet packet;
-    constexpr size_t kRow = sizeof(float) * kWidth;
     set_common(packet);
     for (size_t at = 0; at < batch.size(); at += kWidth) {
         const RayPacket16& rays = batch.lanes().packet[at / 16];
         const size_t lane = at % 16;
         const int32_t* asked = batch.lanes().asked[at / 16] + lane;
-        std::memcpy(packet.org_x, rays.ox + lane, kRow);
-        std::memcpy(packet.org_y, rays.oy + lane, kRow);
-        std::memcpy(packet.org_z, rays.oz + lane, kRow);
-        std::memcpy(packet.tnear, rays.t_min + lane, kRow);
-        std::memcpy(packet.dir_x, rays.dx + lane, kRow);
-        std::memcpy(packet.dir_y, rays.dy + lane, kRow);
-        std::memcpy(packet.dir_z, rays.dz + lane, kRow);
-        std::memcpy(packet.tfar, rays.t_max + lane, kRow);
+        fill<kWidth>(packet, rays, lane);
         trace(query, scene, asked, packet);
         // Where Embree splits wide packets, it also traces inactive lanes
         for (size_t i = 0; i < kWidth; ++i) blocked[at + i] = uint8_t(asked[i] & (packet.tfar[i] < 0));

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.oracles.correct import check_use
-from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
+from viscache.oracles.points import EyePoints, FarEnds, tiles_of, unpack
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
-from viscache.oracles.written import is_written
+from viscache.oracles.written import bits_of, is_written
 from viscache.settings import by_name
 from viscache.settings.checks import checked_floats, checked_threads, is_whole, require
 from viscache.settings.chosen_rays import check_rays
@@ -215,7 +215,7 @@ class Oracle:
             self._source(),
             tiles_of(eyes),
             lamps._arrays(),
-            wanted=_wanted_bits(wanted, shape),
+            wanted=None if wanted is None else bits_of(wanted, shape, "wanted must be"),
             contributions=contributions,
             log=(begin, max(begin, end)),
             extent=self._extent,
@@ -298,18 +298,3 @@ class Oracle:
     def parameters(self) -> dict[str, Any]:
         """Names and values of the visibility setting."""
         return parameters_of(self.visibility)
-
-
-def _wanted_bits(wanted: Any, shape: tuple[int, int]) -> npt.NDArray[np.uint64] | None:
-    if wanted is None:
-        return None
-    asked = np.asarray(wanted)
-    if asked.dtype == bool and asked.shape == shape:
-        return pack(asked)
-    words = (shape[0], -(-shape[1] // 64))
-    require(
-        asked.dtype == np.uint64 and asked.shape == words,
-        f"wanted must be bool of shape {shape} or uint64 of shape {words}",
-        f"{asked.dtype} of shape {asked.shape}",
-    )
-    return np.ascontiguousarray(asked)

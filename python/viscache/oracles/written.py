@@ -104,7 +104,9 @@ class WrittenOracle:
         lamps = ends_of(ends)
         seen, weights = _parted(self.visibility.block(self.eyes, lamps, wanted))
         shape = (len(self.eyes), len(lamps))
-        return self._bits(seen, shape), _weights(weights, shape)
+        return bits_of(
+            seen, shape, f"{type(self.visibility).__name__}.block must return"
+        ), _weights(weights, shape)
 
     def pairs(
         self, index: npt.NDArray[np.uint32], ends: dict[str, Any]
@@ -124,20 +126,21 @@ class WrittenOracle:
         )
         return seen, _weights(weights, index.shape)
 
-    def _bits(self, seen: Any, shape: tuple[int, int]) -> Bits:
-        seen, name = np.asarray(seen), type(self.visibility).__name__
-        if seen.dtype == bool and seen.shape == shape:
-            return pack(seen)
-        words = (shape[0], -(-shape[1] // 64))
-        require(
-            seen.dtype == np.uint64 and seen.shape == words,
-            f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
-            f"{seen.dtype} of shape {seen.shape}",
-        )
-        return np.ascontiguousarray(seen)
-
     def _trace(self, eyes: EyePoints, ends: FarEnds, wanted: npt.NDArray[np.bool_] | None) -> Bits:
         return self.tracer.block(eyes._arrays(), ends._arrays(), wanted)
+
+
+def bits_of(given: Any, shape: tuple[int, int], must: str) -> Bits:
+    """Rows of bits of an array of bool, or given ones; errors begin with `must`."""
+    array, words = np.asarray(given), (shape[0], -(-shape[1] // 64))
+    if array.dtype == bool and array.shape == shape:
+        return pack(array)
+    require(
+        array.dtype == np.uint64 and array.shape == words,
+        f"{must} bool of shape {shape} or uint64 of shape {words}",
+        f"{array.dtype} of shape {array.shape}",
+    )
+    return np.ascontiguousarray(array)
 
 
 def _parted(answer: Any) -> tuple[Any, Any]:
