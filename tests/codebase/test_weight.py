@@ -4,10 +4,10 @@ from codebase.weight import cpp_lines, long_in_cpp, weigh
 
 #: At most so much. What must not shrink is in LEAST.
 LIMITS = {
-    "library, lines": 77_650,
+    "library, lines": 79_400,
     "python, lines": 31_000,
     "lab, lines": 16_900,
-    "tests, lines": 52_000,
+    "tests, lines": 52_700,
     "rooms": 19,
     "imports between rooms": 90,
     "imports that run back up": 5,
@@ -21,7 +21,7 @@ LIMITS = {
     "README, words": 920,
     "performance, words": 38_100,
     "reference, words": 19_250,
-    "user pages, words": 31_500,
+    "user pages, words": 33_100,
 }
 LEAST = {"C++ comments, lines per 1000": 122}
 

@@ -192,7 +192,10 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         mode != TINYGLTF_MODE_TRIANGLE_FAN) {
-        loading_.note(where, "points and lines have no surface; they are skipped");
+        if (mode == TINYGLTF_MODE_POINTS)
+            loading_.warn(where, "points are not modelled; they are skipped");
+        else
+            loading_.note(where, "lines have no surface; they are skipped");
         return {};
     }
     const auto position = p.attributes.find("POSITION");

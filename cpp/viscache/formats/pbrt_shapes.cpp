@@ -185,6 +185,8 @@ int PbrtReader::shape_material(const std::optional<PbrtTexture>& alpha, const st
     if (t.image < 0 || is_v4_) m.opacity = std::min(1.f, t.color.x);
     m.alpha_texture = t.image;
     if (t.image >= 0) m.alpha_cutoff = is_v4_ ? -1 : std::numeric_limits<float>::min();
+    if (t.image >= 0 && t.color.x > 1)
+        loading_.warn(where, "a factor above 1 of an image of alpha is not modelled; 1 is used");
     const int index = loading_.add_material(m);
     // The base colour is seen more clearly than the edges of holes
     material_uv_[index] = m.base_texture >= 0 ? material_uv_[now_.material] : t.uv;

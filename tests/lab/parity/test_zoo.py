@@ -103,16 +103,6 @@ def test_the_quick_sample_has_each_feature_of_each_format_once():
     assert set(kinds) == full and len(kinds) == len(full)
 
 
-#: Files that differ, of which the readers do not warn yet.
-OPEN = {
-    "gltf": {"alpha-mode-unknown", "camera-cut", "file-version-min", "side-culled"},
-    "pbrt3": {"material-metal-two", "material-plastic", "material-plastic-kd"},
-    "pbrt4": {"alpha-image-scaled", "material-conductor-two"},
-    "obj": {"colour-mrgb", "illum-3-both", "map_d-and-d", "map_d-half"},
-    "ply": {"encoding-version"},
-}
-
-
 @pytest.mark.parametrize(
     ("kind", "count"), [("gltf", 179), ("pbrt3", 147), ("pbrt4", 164), ("obj", 146), ("ply", 111)]
 )
@@ -121,7 +111,7 @@ def test_as_many_exporters_files_agree_and_no_others_differ_without_a_warning(
 ):
     found = verdicts(tmp_path, [row for row in exporters.rows() if row.name.startswith(kind)])
     missed = [(r.name, r.why, r.about) for r in found if r.silent_miss]
-    assert [m for m in missed if m[0].partition("/")[2] not in OPEN[kind]] == []
+    assert missed == []
     assert sum(r.verdict == "agrees" for r in found) >= count
 
 
