@@ -159,7 +159,7 @@ void segments_in_lanes_are_those_of_query() {
         for (int i = 0; i < 16; ++i) {
             from[i] = i == 3 ? Vec3{} : in_cube() * std::pow(10.f, uniform(-6, 6));
             to[i] = i == 3 || i == 5 ? from[i] : i == 7 ? from[i] * 1.000001f : in_cube();
-            set_lane(packet, i, {from[i], 0, to[i], 0});
+            packet.set(i, {from[i], 0, to[i], 0});
         }
         segments16(packet);
         for (int i = 0; i < 16; ++i) {
