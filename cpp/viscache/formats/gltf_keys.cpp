@@ -17,8 +17,8 @@ constexpr size_t kMostNames = 32, kLongestName = 100;
 /// The keys of a kind of object, which is its place in the document or the name of an extension. "key:kind"
 /// holds objects of another kind. All of them are read, or warned of where they are read, but these, which
 /// leave the picture right: min, max and target help graphics cards; scenes and skins that no node uses;
-/// occlusion, which light transport computes; near and far planes; strength and scale, which belong to
-/// occlusion and to normal maps; mimeType, which the bytes of an image tell; filters that shrink images.
+/// occlusion, which light transport computes; strength and scale, which belong to occlusion and to normal
+/// maps; mimeType, which the bytes of an image tell; filters that shrink images.
 constexpr std::pair<std::string_view, std::string_view> kKeys[] = {
     {"",
      "accessors:accessor animations asset buffers:buffer bufferViews:bufferView cameras:camera "

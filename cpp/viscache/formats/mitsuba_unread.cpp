@@ -31,8 +31,7 @@ constexpr LeftOut kLeftOut[] = {
     // A sensor that measures this shape takes no picture
     {"shape", "<sensor>"},
     // The sun's direction stands in their place where it is given. Skies have the resolution of ours, and
-    // suns
-    // no disk.
+    // suns no disk
     {"emitter", "year month day hour minute second timezone latitude longitude resolution complex_sun"},
     // How pictures are kept in memory
     {"texture", "cache max_anisotropy accel format"},
