@@ -74,10 +74,12 @@ LOBE = np.sqrt(2 / 32)
         ("Tf .9 .2 .2\nNi 1.5\nillum 7", {"kind": T, "transmission": [0.9, 0.2, 0.2]}),
         ("Kd .5 0 0\nKs 1 1 1\nTf 1 0 0\nNi 1\nillum 7", {"kind": T, "eta": 1}),
         ("Ni 1.5\nillum 9\nTf 1 1 1", {"kind": T, "eta": 1.5}),
-        ("kd 1 .5 .25\nPr .5\nPm 1\nPs 0\nPc 0\nPcr .3\naniso 0\nanisor 0",
-         {"kind": G, "metallic": 1, "roughness": 0.25, "specular": [0.04] * 3}),
+        (
+            "kd 1 .5 .25\nPr .5\nPm 1\nPs 0\nPc 0\nPcr .3\naniso 0\nanisor 0",
+            {"kind": G, "metallic": 1, "roughness": 0.25, "specular": [0.04] * 3},
+        ),
     ],
-)  # fmt: skip
+)
 def test_materials_mean_what_their_exporter_means(tmp_path, mtl, found):
     """Found in what the programs write; the rules are in docs/howto/own-scene.md."""
     text = "mtllib m.mtl\n" + SQUARE + "usemtl a\nf 1 2 3\n"

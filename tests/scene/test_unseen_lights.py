@@ -29,7 +29,7 @@ Material {floor}
 AttributeBegin Scale 4 1 4 Shape "trianglemesh" {QUAD} AttributeEnd
 AttributeBegin Translate 0 1.5 0 AreaLightSource "diffuse" "rgb L" [6 5 4] {light} AttributeEnd
 {end}
-""")  # fmt: skip
+""")
     return vc.load_scene(path, strict=True)
 
 

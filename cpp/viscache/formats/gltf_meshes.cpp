@@ -43,7 +43,7 @@ double GltfReader::Elements::get(size_t element, int c) const {
     }
 }
 
-/// `like` tells what the elements are.
+/// Elements in a buffer view, checked against its size. `like`: their number, type and size.
 GltfReader::Elements GltfReader::elements_in(int index, size_t offset, Elements like,
                                              const std::string& place) const {
     if (index < 0 || size_t(index) >= model_.bufferViews.size())

@@ -37,7 +37,8 @@ bool PbrtReader::roughness_image(Material& m, const PbrtParams& params, const st
 
 /// The mean of two roughnesses.
 double PbrtReader::isotropic(const PbrtParams& params, double u, double v) {
-    const PbrtParam* const given = params.find("vroughness");
+    const auto* given = params.find("vroughness");
+    if (!given) given = params.find("uroughness");
     if (u != v)
         loading_.warn(given ? given->where : main_path_,
                       "a roughness each way is not modelled; their mean is used");
